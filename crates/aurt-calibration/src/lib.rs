@@ -1,0 +1,1 @@
+//! Weighted least squares calibration of robot models from recordings.

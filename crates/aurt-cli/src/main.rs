@@ -1,0 +1,2 @@
+//! The `aurt` command.
+fn main() {}

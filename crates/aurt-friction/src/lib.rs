@@ -1,0 +1,1 @@
+//! Joint friction models and arm terms for AURT, one model a file.

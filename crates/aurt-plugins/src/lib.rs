@@ -1,0 +1,1 @@
+//! Finding models by name, reading experiments, composing robot models.

@@ -1,0 +1,1 @@
+//! Reading and preprocessing robot recordings: formats, clocks, filters.

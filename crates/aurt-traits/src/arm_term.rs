@@ -1,0 +1,115 @@
+use std::fmt::Debug;
+
+use crate::{Columns, Invariants, ModelError, MotionView, Parameter, RigidBodyRegressor, ShapeParameter};
+
+/// What an [`ArmTerm`] receives: the motion of all joints and what loads them.
+#[derive(Debug, Clone, Copy)]
+pub struct ArmSeries<'a> {
+    /// The motion of all joints.
+    pub motion: MotionView<'a>,
+    /// Load torque τ_J of all joints, joint after joint, `load_stride` apart.
+    pub load_torque: &'a [f64],
+    /// Distance between the first samples of two joints in `load_torque`.
+    pub load_stride: usize,
+    /// The robot's rigid bodies, for terms that are rigid bodies themselves (payload, base tilt).
+    pub rigid_body: &'a dyn RigidBodyRegressor,
+}
+
+impl<'a> ArmSeries<'a> {
+    /// The load torque of one joint.
+    #[must_use]
+    pub fn load_torque(&self, joint: usize) -> &'a [f64] {
+        let start = joint * self.load_stride;
+        &self.load_torque[start..start + self.motion.samples()]
+    }
+}
+
+/// Physics outside equation (6): terms that write the rows of any joints and share coefficients among them
+/// (coupling, payload, base tilt, rotor inertia, spring), or friction that lacks the invariants of a slot
+/// (asymmetric viscous friction, LuGre with its σ₁ damping).
+///
+/// The term's torque on joint j is Σ_k coefficient_k · column(j, k); `out` holds column (j, k) for the i-th
+/// joint of [`Self::joints`] at `i · columns + k`.
+#[typetag::serde(tag = "model")]
+pub trait ArmTerm: Debug + Send + Sync {
+    /// The registered name, as `model = "…"` in an experiment spells it.
+    fn name(&self) -> &str;
+
+    /// A copy, for variants with other shape parameters.
+    fn boxed_clone(&self) -> Box<dyn ArmTerm>;
+
+    /// The joints whose rows the term writes, ascending, for a robot of `robot_joints` joints.
+    fn joints(&self, robot_joints: usize) -> Vec<usize>;
+
+    /// The linear coefficients, for a robot of `robot_joints` joints.
+    fn columns(&self, robot_joints: usize) -> Vec<Parameter>;
+
+    /// Whether coefficient `column` can act on `joint`; false promises a column of zeros.
+    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
+        let _ = column;
+        self.joints(robot_joints).contains(&joint)
+    }
+
+    /// What the term declares of itself.
+    fn invariants(&self) -> Invariants;
+
+    /// Whether the term's torque is transmitted by the joints and so belongs to their load τ_J.
+    fn is_load(&self) -> bool {
+        false
+    }
+
+    /// Everything that is wrong with the configuration for a robot of `robot_joints` joints.
+    ///
+    /// # Errors
+    /// Every complaint, not only the first.
+    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>>;
+
+    /// The parameters in which the term is not linear.
+    fn shape_parameters(&self) -> Vec<ShapeParameter> {
+        Vec::new()
+    }
+
+    /// Sets all shape parameters, in the order of [`Self::shape_parameters`].
+    ///
+    /// # Errors
+    /// If the number of values or a value does not fit.
+    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        Err(ModelError::Count {
+            what: format!("shape parameters of `{}`", self.name()),
+            expected: 0,
+            found: values.len(),
+        })
+    }
+
+    /// Number of state variables for a robot of `robot_joints` joints.
+    fn state_len(&self, robot_joints: usize) -> usize {
+        let _ = robot_joints;
+        0
+    }
+
+    /// The state before the first sample of a series (`first` holds that sample alone).
+    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
+        vec![0.0; self.state_len(first.motion.joints())]
+    }
+
+    /// Writes every column over the whole series and moves `state` to its end; all columns are written,
+    /// those for which [`Self::acts_on`] is false with zeros.
+    ///
+    /// # Errors
+    /// [`ModelError::Evaluation`] where the term cannot be evaluated; the output is then unspecified.
+    fn evaluate(
+        &self,
+        series: &ArmSeries<'_>,
+        state: &mut [f64],
+        out: &mut Columns<'_>,
+    ) -> Result<(), ModelError>;
+}
+
+impl Clone for Box<dyn ArmTerm> {
+    fn clone(&self) -> Self {
+        (**self).boxed_clone()
+    }
+}

@@ -1,0 +1,41 @@
+//! The vocabulary of AURT: what a friction model, a rigid body and a robot model are.
+//!
+//! A plugin author depends on this crate alone. It holds
+//!
+//! - the series that models receive: [`Motion`], [`MotionView`], [`JointSeries`], [`ArmSeries`];
+//! - the traits of equation (6), τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇): [`CoulombModel`], [`HysteresisModel`],
+//!   [`ViscousBasis`], all of them [`JointModel`]s, and [`ArmTerm`] for physics outside that equation;
+//! - [`RigidBodyRegressor`], the rigid bodies as a regressor in the standard inertial parameters;
+//! - [`RobotModel`], which composes them into one regressor with named, unit-bearing parameters;
+//! - [`ModelEntry`], the registration slot of statically linked models.
+//!
+//! Joints count from 0. Units are SI; a model calibrated against motor currents has A in the place of Nm.
+
+mod arm_term;
+mod error;
+mod invariants;
+mod joint_model;
+mod motion;
+mod parameter;
+mod registration;
+mod rigid_body;
+mod robot_model;
+mod tile;
+
+pub use arm_term::{ArmSeries, ArmTerm};
+pub use error::ModelError;
+pub use invariants::{Invariant, Invariants};
+pub use joint_model::{CoulombModel, HysteresisModel, JointModel, JointStack, ViscousBasis};
+pub use motion::{JointSeries, Motion, MotionView};
+pub use parameter::{MeasurementUnit, Parameter, Scale, ShapeParameter};
+pub use registration::{ModelEntry, Slot};
+pub use rigid_body::{BaseParameters, RegressorTile, RigidBodyRegressor};
+pub use robot_model::{ColumnGroup, LoadTorque, RobotModel, RobotState, RobotTile};
+pub use tile::Columns;
+
+/// What [`register_model!`] and plugin crates need from crates of others.
+#[doc(hidden)]
+pub mod reexport {
+    pub use inventory;
+    pub use typetag;
+}

@@ -1,0 +1,172 @@
+use std::ops::Range;
+
+use crate::ModelError;
+
+/// A motion of an N-joint robot at n times: positions, velocities and accelerations of all joints.
+///
+/// Stored joint by joint: the series of one joint is contiguous.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    joints: usize,
+    time_s: Vec<f64>,
+    position_rad: Vec<f64>,
+    velocity_rad_s: Vec<f64>,
+    acceleration_rad_s2: Vec<f64>,
+}
+
+impl Motion {
+    /// A motion from its series; the three last have `joints × time_s.len()` entries, joint after joint.
+    ///
+    /// # Errors
+    /// [`ModelError::Count`] where a length does not fit.
+    pub fn new(
+        joints: usize,
+        time_s: Vec<f64>,
+        position_rad: Vec<f64>,
+        velocity_rad_s: Vec<f64>,
+        acceleration_rad_s2: Vec<f64>,
+    ) -> Result<Self, ModelError> {
+        let expected = joints * time_s.len();
+        for (what, series) in [
+            ("position values", &position_rad),
+            ("velocity values", &velocity_rad_s),
+            ("acceleration values", &acceleration_rad_s2),
+        ] {
+            if series.len() != expected {
+                return Err(ModelError::Count { what: what.into(), expected, found: series.len() });
+            }
+        }
+        Ok(Self { joints, time_s, position_rad, velocity_rad_s, acceleration_rad_s2 })
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// The whole motion as a view.
+    #[must_use]
+    pub fn view(&self) -> MotionView<'_> {
+        MotionView {
+            joints: self.joints,
+            first: 0,
+            samples: self.samples(),
+            stride: self.samples(),
+            time_s: &self.time_s,
+            position_rad: &self.position_rad,
+            velocity_rad_s: &self.velocity_rad_s,
+            acceleration_rad_s2: &self.acceleration_rad_s2,
+        }
+    }
+}
+
+/// A run of consecutive samples of a [`Motion`]; cheap to copy.
+#[derive(Debug, Clone, Copy)]
+pub struct MotionView<'a> {
+    joints: usize,
+    first: usize,
+    samples: usize,
+    stride: usize,
+    time_s: &'a [f64],
+    position_rad: &'a [f64],
+    velocity_rad_s: &'a [f64],
+    acceleration_rad_s2: &'a [f64],
+}
+
+impl<'a> MotionView<'a> {
+    /// Number of joints.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Number of samples in view.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Times in s.
+    #[must_use]
+    pub fn time_s(&self) -> &'a [f64] {
+        &self.time_s[self.first..self.first + self.samples]
+    }
+
+    /// Angles of one joint in rad.
+    #[must_use]
+    pub fn position_rad(&self, joint: usize) -> &'a [f64] {
+        self.of(self.position_rad, joint)
+    }
+
+    /// Velocities of one joint in rad/s.
+    #[must_use]
+    pub fn velocity_rad_s(&self, joint: usize) -> &'a [f64] {
+        self.of(self.velocity_rad_s, joint)
+    }
+
+    /// Accelerations of one joint in rad/s².
+    #[must_use]
+    pub fn acceleration_rad_s2(&self, joint: usize) -> &'a [f64] {
+        self.of(self.acceleration_rad_s2, joint)
+    }
+
+    /// The samples `range` of this view.
+    ///
+    /// # Panics
+    /// If `range` reaches beyond the view.
+    #[must_use]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        assert!(range.start <= range.end && range.end <= self.samples, "slice beyond the motion");
+        Self { first: self.first + range.start, samples: range.end - range.start, ..*self }
+    }
+
+    fn of(&self, series: &'a [f64], joint: usize) -> &'a [f64] {
+        let start = joint * self.stride + self.first;
+        &series[start..start + self.samples]
+    }
+}
+
+/// The series of one joint that a [`JointModel`](crate::JointModel) receives; all slices have one length.
+#[derive(Debug, Clone, Copy)]
+pub struct JointSeries<'a> {
+    /// Times in s.
+    pub time_s: &'a [f64],
+    /// Joint angles q in rad.
+    pub position_rad: &'a [f64],
+    /// Joint velocities q̇ in rad/s.
+    pub velocity_rad_s: &'a [f64],
+    /// Joint accelerations q̈ in rad/s².
+    pub acceleration_rad_s2: &'a [f64],
+    /// Load torque τ_J that the joint transmits (unit of the measurement; see [`LoadTorque`](crate::LoadTorque)).
+    pub load_torque: &'a [f64],
+}
+
+impl<'a> JointSeries<'a> {
+    /// Number of samples.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.velocity_rad_s.len()
+    }
+
+    /// The samples `range` of these series.
+    ///
+    /// # Panics
+    /// If `range` reaches beyond the series.
+    #[must_use]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        Self {
+            time_s: &self.time_s[range.clone()],
+            position_rad: &self.position_rad[range.clone()],
+            velocity_rad_s: &self.velocity_rad_s[range.clone()],
+            acceleration_rad_s2: &self.acceleration_rad_s2[range.clone()],
+            load_torque: &self.load_torque[range],
+        }
+    }
+}

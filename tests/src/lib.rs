@@ -1,0 +1,1 @@
+//! Tests that span several crates live in `tests/`; this library holds what they share.
