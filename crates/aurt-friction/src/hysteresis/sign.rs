@@ -1,0 +1,123 @@
+//! `sign`: dry friction that follows the sign of velocity.
+//!
+//! # Equation
+//! H = sgn(q̇) for |q̇| > v_0, else 0; with v_0 = 0 that is sgn(q̇) with sgn(0) = 0.
+//!
+//! # Parameters
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `rest_velocity_rad_s` | rad/s | v_0, below which the joint counts as resting; 0 unless given |
+//!
+//! The default is the paper's model. A resting joint's velocity is rounding noise, and so is its sign: where rest
+//! is a part of the recording, a threshold well below the slowest motion keeps that noise out of the regressor.
+//! The threshold is a treatment of data and no physics, so it is not searched for.
+//!
+//! # Use when
+//! First guess. Around reversals the friction of real joints builds up over 10⁻³–10⁻¹ rad: `maxwell_slip`.
+//!
+//! # Source
+//! Madsen et al. (2022), section III-B.2; Coulomb (1785).
+//!
+//! # Invariants
+//! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
+
+use aurt_traits::{
+    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    register_model,
+};
+use serde::{Deserialize, Serialize};
+
+/// The sign of velocity, zero at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sign {
+    /// Velocity up to which the joint rests and H = 0, in rad/s.
+    #[serde(default)]
+    pub rest_velocity_rad_s: f64,
+}
+
+register_model! {
+    slot: Hysteresis,
+    name: "sign",
+    summary: "the sign of velocity, zero at rest",
+    equation: "H = sgn(q̇) for |q̇| > rest_velocity_rad_s (default 0), else 0",
+    use_when: "a first guess; `maxwell_slip` where recordings are rich in reversals",
+    source: "Madsen et al. (2022), section III-B.2; Coulomb (1785)",
+    example: r#"{ model = "sign" }"#,
+}
+
+impl JointModel for Sign {
+    fn name(&self) -> &str {
+        "sign"
+    }
+
+    fn columns(&self) -> Vec<Parameter> {
+        vec![Parameter::new("sgn", "1")]
+    }
+
+    fn invariants(&self) -> Invariants {
+        const ALWAYS: [Invariant; 5] = [
+            Invariant::BoundedByOne,
+            Invariant::OddInVelocity,
+            Invariant::SignOfVelocity,
+            Invariant::Passive,
+            Invariant::Memoryless,
+        ];
+        let rate = if self.rest_velocity_rad_s == 0.0 {
+            Invariants::of(&[Invariant::RateIndependent])
+        } else {
+            Invariants::NONE
+        };
+        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | rate.bits())
+    }
+
+    fn validate(&self) -> Result<(), Vec<ModelError>> {
+        if self.rest_velocity_rad_s.is_finite() && self.rest_velocity_rad_s >= 0.0 {
+            return Ok(());
+        }
+        Err(vec![ModelError::InvalidParameter {
+            model: "sign".into(),
+            parameter: "rest_velocity_rad_s".into(),
+            reason: format!("must be zero or positive, is {}", self.rest_velocity_rad_s),
+        }])
+    }
+
+    fn evaluate(
+        &self,
+        series: &JointSeries<'_>,
+        _state: &mut [f64],
+        out: &mut Columns<'_>,
+    ) -> Result<(), ModelError> {
+        for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
+            *o = sign_beyond(*v, self.rest_velocity_rad_s);
+        }
+        Ok(())
+    }
+}
+
+/// sgn(v), or 0 where |v| ≤ `rest`.
+#[inline]
+pub(crate) fn sign_beyond(v: f64, rest: f64) -> f64 {
+    if v.abs() > rest { v.signum() } else { 0.0 }
+}
+
+#[typetag::serde(name = "sign")]
+impl HysteresisModel for Sign {
+    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
+        Box::new(*self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sign_beyond;
+
+    #[test]
+    fn rest_is_zero_on_both_sides_of_zero() {
+        assert_eq!(sign_beyond(0.0, 0.0), 0.0);
+        assert_eq!(sign_beyond(-0.0, 0.0), 0.0);
+        assert_eq!(sign_beyond(1e-300, 0.0), 1.0);
+        assert_eq!(sign_beyond(-0.02, 0.03), 0.0);
+        assert_eq!(sign_beyond(-0.04, 0.03), -1.0);
+    }
+}
