@@ -1,1 +1,60 @@
-//! Rigid-body dynamics of serial manipulators: regressor, recursive Newton-Euler, forward dynamics, base inertial parameters.
+//! Rigid-body dynamics of serial manipulators with revolute joints.
+//!
+//! - [`MdhTable`] reads modified Denavit–Hartenberg parameters, [`SerialChain`] is the robot's geometry under
+//!   gravity (of a table, or of general placements), with link frames and Jacobians.
+//! - [`SerialChain`] implements [`aurt_traits::RigidBodyRegressor`], τ = Y(q, q̇, q̈) π: many samples a call,
+//!   on the fastest instruction set that the processor has ([`Dispatch`]).
+//! - [`base_parameters`] finds the minimal set of inertial parameters and what each of them collects.
+//! - [`ChainDynamics`] adds values of the standard parameters: inverse and forward dynamics, mass matrix,
+//!   bias torque, energy, one sample at a time.
+//! - [`LinkBody`] converts mass, centre of mass and inertia; [`inconsistencies`] checks standard parameters.
+//!
+//! Everywhere: joints count from 0, the standard parameters of a link are
+//! {XX XY XZ YY YZ ZZ mX mY mZ m} in the link frame, inertia about its origin (the joint's centre of rotation),
+//! link after link.
+//!
+//! ```
+//! use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain, base_parameters};
+//!
+//! let table = MdhTable::parse("alpha,a,d\n0,0,0\n0,1,0\n", "two_link.csv", MdhRows::Next)?;
+//! let chain = SerialChain::from_mdh(&table, [0.0, -9.81, 0.0])?;
+//! let base = base_parameters(&chain, 0)?;
+//! assert!(base.len() < 20);
+//!
+//! let rod = LinkBody { mass_kg: 1.0, com_m: [0.5, 0.0, 0.0], inertia_at_com_kg_m2: [1e-4, 0.0, 0.0, 0.08, 0.0, 0.08] };
+//! let standard = [rod.standard_parameters(), rod.standard_parameters()].concat();
+//! let mut dynamics = ChainDynamics::new(chain, &standard)?;
+//! let mut torque_nm = [0.0; 2];
+//! dynamics.inverse_dynamics(&[0.0; 2], &[0.0; 2], &[0.0; 2], &mut torque_nm);
+//! assert!(torque_nm[0] > torque_nm[1] && torque_nm[1] > 0.0);
+//! # Ok::<(), aurt_rbd::RbdError>(())
+//! ```
+
+mod angle;
+mod base_parameters;
+mod chain;
+mod dynamics;
+mod energy;
+mod error;
+mod forward_dynamics;
+mod inertia;
+mod kernel;
+mod kinematics;
+mod mass_matrix;
+mod mdh;
+mod random;
+mod regressor;
+mod rnea;
+
+pub use base_parameters::base_parameters;
+pub use chain::{Joint, Placement, SerialChain};
+pub use dynamics::ChainDynamics;
+pub use energy::Energy;
+pub use error::{MdhError, MdhErrors, RbdError};
+pub use inertia::{Inconsistency, LinkBody, inconsistencies};
+pub use kernel::dispatch::Dispatch;
+pub use kinematics::LinkFrame;
+pub use mdh::{MdhRow, MdhRows, MdhTable};
+
+/// Number of standard inertial parameters of a link.
+pub const INERTIAL_PARAMETERS: usize = 10;

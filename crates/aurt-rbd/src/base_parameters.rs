@@ -1,0 +1,184 @@
+use aurt_traits::{BaseParameters, Motion, RegressorTile, RigidBodyRegressor};
+
+use crate::RbdError;
+use crate::random::Uniform;
+
+/// Motions of the dummy observations: position, velocity and acceleration are uniform within ± these.
+const REACH: [f64; 3] = [std::f64::consts::PI, 3.0, 10.0];
+/// What remains of a column of unit length after its projection on the kept ones counts as zero below this.
+/// Dependent columns leave 1e-13 at most on arms of twelve joints, independent ones 1e-4 at least.
+const NUMERICAL_ZERO: f64 = 1e-9;
+/// Factors of a linear combination below this are rounding.
+const DUST: f64 = 1e-9;
+/// The rank counts as settled when this many rounds in a row have found the same columns.
+const SETTLED_ROUNDS: usize = 3;
+/// Rounds after which an unsettled rank is given up.
+const MOST_ROUNDS: usize = 12;
+
+/// The base inertial parameters of a robot, by the two-step numerical procedure of the paper (section
+/// III-A.1; Gautier, *Numerical calculation of the base inertial parameters of robots*, J. Robotic Systems
+/// 8(4), 1991).
+///
+/// Step 1: a dummy observation matrix of random motions grows until its rank no longer does. Step 2: its
+/// columns, scaled to unit length, are orthogonalised from left to right; a column is independent if its
+/// diagonal element of R is not numerically zero, and else its linear combination of the kept columns
+/// follows from R₁⁻¹R₂. Of a set of dependent parameters the first in the order of
+/// [`RigidBodyRegressor::standard_parameters`] is kept, and the others are added to it.
+///
+/// The result is checked on motions of another seed: Y_base · values(π) = Y π.
+///
+/// # Errors
+/// [`RbdError::BaseParameters`] if the rank does not settle or the check fails: the geometry then has axes
+/// that are almost, but not quite, parallel or perpendicular.
+pub fn base_parameters(body: &dyn RigidBodyRegressor, seed: u64) -> Result<BaseParameters, RbdError> {
+    let mut samples = (2 * body.standard_parameters().len()).div_ceil(body.joints()).max(16);
+    let mut settled = 1;
+    let mut last = independent_columns(&observe(body, seed, samples)?);
+    for round in 1..=MOST_ROUNDS {
+        samples += samples / 2;
+        let next = independent_columns(&observe(body, seed.wrapping_add(round as u64), samples)?);
+        settled = if next.columns == last.columns { settled + 1 } else { 1 };
+        last = next;
+        if settled == SETTLED_ROUNDS {
+            let base = BaseParameters {
+                columns: last.columns,
+                combinations: last.combinations,
+                seed,
+                observations: samples,
+            };
+            check(body, &base, seed)?;
+            return Ok(base);
+        }
+    }
+    Err(RbdError::BaseParameters {
+        reason: format!(
+            "their number did not settle within {MOST_ROUNDS} rounds of {samples} random motions"
+        ),
+    })
+}
+
+/// An observation matrix: one column per standard parameter, rows joint by joint.
+struct Observations {
+    columns: Vec<Vec<f64>>,
+}
+
+/// The regressor of random motions.
+fn observe(body: &dyn RigidBodyRegressor, seed: u64, samples: usize) -> Result<Observations, RbdError> {
+    let joints = body.joints();
+    let parameters = body.standard_parameters().len();
+    let mut random = Uniform::from_seed(seed);
+    let mut series = REACH.map(|reach| (0..joints * samples).map(|_| random.within(reach)).collect());
+    let [q, qd, qdd] = series.each_mut().map(std::mem::take);
+    let mut columns = vec![vec![0.0; joints * samples]; parameters];
+    let motion = Motion::new(joints, vec![0.0; samples], q, qd, qdd)
+        .map_err(|error| RbdError::BaseParameters { reason: error.to_string() })?;
+    let mut data = vec![0.0; joints * parameters * samples];
+    let destination: Vec<u32> = (0..joints * parameters).map(|d| d as u32).collect();
+    let mut tile = RegressorTile::new(&destination, parameters, samples, samples, &mut data);
+    body.evaluate(motion.view(), &mut tile);
+    for (parameter, column) in columns.iter_mut().enumerate() {
+        for (joint, rows) in column.chunks_exact_mut(samples).enumerate() {
+            let start = (joint * parameters + parameter) * samples;
+            rows.copy_from_slice(&data[start..start + samples]);
+        }
+    }
+    Ok(Observations { columns })
+}
+
+struct Selection {
+    columns: Vec<usize>,
+    combinations: Vec<Vec<(usize, f64)>>,
+}
+
+/// Step 2: QR decomposition column by column, in which dependent columns are left out of Q.
+fn independent_columns(observations: &Observations) -> Selection {
+    let lengths: Vec<f64> = observations.columns.iter().map(|c| dot(c, c).sqrt()).collect();
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let mut kept: Vec<usize> = Vec::new();
+    let mut q: Vec<Vec<f64>> = Vec::new();
+    // Upper triangle R₁ of the kept columns, and R₂ of the dependent ones with their index.
+    let mut r1: Vec<Vec<f64>> = Vec::new();
+    let mut dependent: Vec<(usize, Vec<f64>)> = Vec::new();
+    for (index, column) in observations.columns.iter().enumerate() {
+        if lengths[index] <= NUMERICAL_ZERO * longest {
+            continue;
+        }
+        let mut rest: Vec<f64> = column.iter().map(|v| v / lengths[index]).collect();
+        let mut r = vec![0.0; q.len()];
+        // Projecting twice makes Q orthogonal to rounding, however close the columns are.
+        for _ in 0..2 {
+            for (direction, r) in q.iter().zip(&mut r) {
+                let share = dot(direction, &rest);
+                *r += share;
+                for (v, d) in rest.iter_mut().zip(direction) {
+                    *v -= share * d;
+                }
+            }
+        }
+        let diagonal = dot(&rest, &rest).sqrt();
+        if diagonal > NUMERICAL_ZERO {
+            rest.iter_mut().for_each(|v| *v /= diagonal);
+            q.push(rest);
+            r.push(diagonal);
+            r1.push(r);
+            kept.push(index);
+        } else {
+            dependent.push((index, r));
+        }
+    }
+    let mut combinations: Vec<Vec<(usize, f64)>> = kept.iter().map(|k| vec![(*k, 1.0)]).collect();
+    for (index, mut factors) in dependent {
+        for row in (0..factors.len()).rev() {
+            factors[row] /= r1[row][row];
+            for above in 0..row {
+                factors[above] -= r1[row][above] * factors[row];
+            }
+        }
+        for (k, factor) in factors.iter().enumerate() {
+            let factor = without_dust(factor * lengths[index] / lengths[kept[k]]);
+            if factor != 0.0 {
+                combinations[k].push((index, factor));
+            }
+        }
+    }
+    Selection { columns: kept, combinations }
+}
+
+/// A factor with its rounding removed where it is almost an integer, which the usual ones (0, 1, −1, 2) are.
+fn without_dust(factor: f64) -> f64 {
+    if (factor - factor.round()).abs() < DUST { factor.round() } else { factor }
+}
+
+/// Whether kept columns and combinations give the whole torque on motions of another seed.
+fn check(body: &dyn RigidBodyRegressor, base: &BaseParameters, seed: u64) -> Result<(), RbdError> {
+    let observations = observe(body, !seed, 64)?;
+    let mut random = Uniform::from_seed(seed ^ 0x5555_5555);
+    let standard: Vec<f64> = observations.columns.iter().map(|_| random.within(1.0)).collect();
+    let values = base.values(&standard);
+    let rows = observations.columns.first().map_or(0, Vec::len);
+    let sum = |row: usize, terms: &mut dyn Iterator<Item = (usize, f64)>| -> f64 {
+        terms.map(|(column, value)| observations.columns[column][row] * value).sum()
+    };
+    let (mut difference, mut size) = (0.0_f64, 0.0_f64);
+    for row in 0..rows {
+        let full = sum(row, &mut standard.iter().copied().enumerate());
+        let reduced = sum(row, &mut base.columns.iter().copied().zip(values.iter().copied()));
+        difference = difference.max((full - reduced).abs());
+        size = size.max(full.abs());
+    }
+    if difference <= 1e-7 * size {
+        return Ok(());
+    }
+    Err(RbdError::BaseParameters {
+        reason: format!(
+            "{} of them explain other motions only to {:.1e}; \
+             write angles that are meant to be exact as expressions (pi/2)",
+            base.len(),
+            difference / size
+        ),
+    })
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,244 @@
+use serde::{Deserialize, Serialize};
+
+use crate::{MdhTable, RbdError};
+
+/// A chain of N ≥ 1 links on a fixed base, joined by revolute joints.
+///
+/// Link frame j has its origin on the axis of joint j and its z axis along it. Frame j relative to frame
+/// j − 1 (the base for j = 0) is the joint's constant [`Placement`] followed by the rotation
+/// Rot_z(sign · q_j + offset).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ChainSpec", into = "ChainSpec")]
+pub struct SerialChain {
+    joints: Vec<Joint>,
+    frames: Vec<JointFrame>,
+    gravity_m_s2: [f64; 3],
+}
+
+/// A revolute joint and where it sits on the previous link.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// The constant transformation from the previous link frame to the joint.
+    pub placement: Placement,
+    /// What is added to the joint's coordinate, in rad.
+    #[serde(default)]
+    pub theta_offset_rad: f64,
+    /// Sense of the joint's coordinate, 1 or −1.
+    #[serde(default = "positive")]
+    pub sign: f64,
+}
+
+fn positive() -> f64 {
+    1.0
+}
+
+/// A constant transformation between two frames.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Placement {
+    /// Modified Denavit–Hartenberg: Rot_x(α) Trans_x(a) Trans_z(d).
+    Mdh {
+        /// Twist α in rad.
+        alpha_rad: f64,
+        /// Length a in m.
+        a_m: f64,
+        /// Offset d in m.
+        d_m: f64,
+    },
+    /// A rotation and a translation.
+    Fixed {
+        /// Rotation matrix, row after row; it maps coordinates in the new frame to the old one.
+        rotation: [[f64; 3]; 3],
+        /// Origin of the new frame in the old one, in m.
+        translation_m: [f64; 3],
+    },
+}
+
+/// A [`Placement`] as numbers to calculate with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointFrame {
+    /// Maps coordinates in the joint's frame (at joint angle 0) to the previous link frame.
+    pub rotation: [[f64; 3]; 3],
+    /// Origin of the joint's frame in the previous link frame, in m.
+    pub translation_m: [f64; 3],
+}
+
+impl Placement {
+    pub(crate) fn frame(&self) -> JointFrame {
+        match *self {
+            Self::Mdh { alpha_rad, a_m, d_m } => {
+                let (sin, cos) = exact_sin_cos(alpha_rad);
+                JointFrame {
+                    rotation: [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]],
+                    translation_m: [a_m, -d_m * sin, d_m * cos],
+                }
+            }
+            Self::Fixed { rotation, translation_m } => JointFrame { rotation, translation_m },
+        }
+    }
+
+    fn complaint(&self) -> Option<(&'static str, String)> {
+        match *self {
+            Self::Mdh { alpha_rad, a_m, d_m } => [("alpha", alpha_rad), ("a", a_m), ("d", d_m)]
+                .into_iter()
+                .find(|(_, v)| !v.is_finite())
+                .map(|(name, v)| (name, format!("must be finite, is {v}"))),
+            Self::Fixed { rotation: r, translation_m } => {
+                if !translation_m.iter().all(|v| v.is_finite()) {
+                    return Some(("translation", format!("must be finite, is {translation_m:?}")));
+                }
+                let product = |i: usize, k: usize| -> f64 { (0..3).map(|c| r[i][c] * r[k][c]).sum() };
+                let orthonormal = (0..3)
+                    .all(|i| (0..3).all(|k| (product(i, k) - if i == k { 1.0 } else { 0.0 }).abs() < 1e-9));
+                let determinant = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1])
+                    - r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0])
+                    + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
+                // Written so that a NaN in the matrix is a complaint too.
+                let rotates = orthonormal && determinant > 0.0;
+                (!rotates).then(|| ("rotation", format!("must be orthonormal and right-handed, is {r:?}")))
+            }
+        }
+    }
+}
+
+/// Sine and cosine, exactly 0 and ±1 at multiples of π/2 as far as f64 can hold these: parallel and
+/// perpendicular axes are meant to be exactly that, and the base parameters depend on it.
+fn exact_sin_cos(angle_rad: f64) -> (f64, f64) {
+    let (sin, cos) = angle_rad.sin_cos();
+    let dust = 4.0 * f64::EPSILON * angle_rad.abs().max(1.0);
+    if sin.abs() < dust {
+        (0.0, cos.signum())
+    } else if cos.abs() < dust {
+        (sin.signum(), 0.0)
+    } else {
+        (sin, cos)
+    }
+}
+
+impl SerialChain {
+    /// A chain of the given joints, base first; gravity in the base frame.
+    ///
+    /// # Errors
+    /// [`RbdError::NoJoints`], [`RbdError::Joint`] (value not finite, sign not ±1, no rotation matrix) or
+    /// [`RbdError::Gravity`].
+    pub fn new(joints: Vec<Joint>, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
+        if joints.is_empty() {
+            return Err(RbdError::NoJoints);
+        }
+        for (joint, j) in joints.iter().enumerate() {
+            if let Some((what, reason)) = j.placement.complaint() {
+                return Err(RbdError::Joint { joint, what, reason });
+            }
+            if !j.theta_offset_rad.is_finite() {
+                let reason = format!("must be finite, is {}", j.theta_offset_rad);
+                return Err(RbdError::Joint { joint, what: "theta offset", reason });
+            }
+            if j.sign.abs() != 1.0 {
+                let reason = format!("must be 1 or -1, is {}", j.sign);
+                return Err(RbdError::Joint { joint, what: "sign", reason });
+            }
+        }
+        if !gravity_m_s2.iter().all(|g| g.is_finite()) {
+            return Err(RbdError::Gravity { gravity_m_s2 });
+        }
+        let frames = joints.iter().map(|j| j.placement.frame()).collect();
+        Ok(Self { joints, frames, gravity_m_s2 })
+    }
+
+    /// The chain of a table of modified Denavit–Hartenberg parameters.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_mdh(table: &MdhTable, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
+        Self::new(table.joints(), gravity_m_s2)
+    }
+
+    /// The joints, base first.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Gravitational acceleration in the base frame, m/s².
+    #[must_use]
+    pub const fn gravity_m_s2(&self) -> [f64; 3] {
+        self.gravity_m_s2
+    }
+
+    /// The joints' constant placements as numbers.
+    pub(crate) fn frames(&self) -> &[JointFrame] {
+        &self.frames
+    }
+
+    /// The same bodies under another gravity vector.
+    #[must_use]
+    pub fn under_gravity(&self, gravity_m_s2: [f64; 3]) -> Self {
+        Self { gravity_m_s2, ..self.clone() }
+    }
+}
+
+/// What a saved chain holds.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChainSpec {
+    gravity_m_s2: [f64; 3],
+    joints: Vec<Joint>,
+}
+
+impl From<SerialChain> for ChainSpec {
+    fn from(chain: SerialChain) -> Self {
+        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints }
+    }
+}
+
+impl TryFrom<ChainSpec> for SerialChain {
+    type Error = RbdError;
+
+    fn try_from(spec: ChainSpec) -> Result<Self, RbdError> {
+        Self::new(spec.joints, spec.gravity_m_s2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    #[test]
+    fn right_angles_are_exact() {
+        assert_eq!(exact_sin_cos(FRAC_PI_2), (1.0, 0.0));
+        assert_eq!(exact_sin_cos(-FRAC_PI_2), (-1.0, 0.0));
+        assert_eq!(exact_sin_cos(PI), (0.0, -1.0));
+        assert_eq!(exact_sin_cos(-3.0 * FRAC_PI_2), (1.0, 0.0));
+        assert_ne!(exact_sin_cos(FRAC_PI_2 + 1e-9).1, 0.0);
+    }
+
+    #[test]
+    fn a_saved_chain_reads_back_and_is_checked() {
+        let placement = Placement::Mdh { alpha_rad: FRAC_PI_2, a_m: -0.4, d_m: 0.1 };
+        let turned = Placement::Fixed {
+            rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            translation_m: [0.1, 0.2, 0.3],
+        };
+        let joints = vec![
+            Joint { placement, theta_offset_rad: 0.1, sign: -1.0 },
+            Joint { placement: turned, theta_offset_rad: 0.0, sign: 1.0 },
+        ];
+        let chain = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
+        let boxed: Box<dyn aurt_traits::RigidBodyRegressor> = Box::new(chain.clone());
+        let text = serde_json::to_string(&boxed).unwrap();
+        assert!(text.contains(r#""kind":"serial_chain""#), "{text}");
+        let read: Box<dyn aurt_traits::RigidBodyRegressor> = serde_json::from_str(&text).unwrap();
+        assert_eq!(format!("{read:?}"), format!("{chain:?}"));
+
+        let bad = text.replace(r#""sign":-1.0"#, r#""sign":0.5"#);
+        let error = serde_json::from_str::<Box<dyn aurt_traits::RigidBodyRegressor>>(&bad).unwrap_err();
+        assert!(error.to_string().contains("joint 0: sign must be 1 or -1"), "{error}");
+        let unknown = text.replace("theta_offset_rad", "offset");
+        assert!(serde_json::from_str::<Box<dyn aurt_traits::RigidBodyRegressor>>(&unknown).is_err());
+        let mirrored = text.replace("[0.0,-1.0,0.0]", "[0.0,1.0,0.0]");
+        assert!(serde_json::from_str::<Box<dyn aurt_traits::RigidBodyRegressor>>(&mirrored).is_err());
+    }
+}

@@ -1,0 +1,179 @@
+use nalgebra::{Matrix3, Vector3};
+
+use crate::chain::JointFrame;
+use crate::{INERTIAL_PARAMETERS, RbdError, SerialChain};
+
+/// A chain with its inertial parameters: inverse and forward dynamics, mass matrix and energy, one sample
+/// at a time and without allocation.
+///
+/// The methods take `&mut self` for their working memory alone; none depends on an earlier call. A rotor
+/// inertia I_a of a joint ([`Self::with_rotor_inertia`]) adds I_a q̈ to its torque; it is part of all results.
+#[derive(Debug, Clone)]
+pub struct ChainDynamics {
+    pub(crate) chain: SerialChain,
+    pub(crate) links: Vec<LinkInertia>,
+    pub(crate) rotor_inertia_kg_m2: Vec<f64>,
+    pub(crate) scratch: Vec<LinkScratch>,
+}
+
+/// A link's inertia about its frame's origin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LinkInertia {
+    pub inertia: Matrix3<f64>,
+    pub first_moment: Vector3<f64>,
+    pub mass: f64,
+}
+
+/// What the recursions remember of a link, in the link's frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LinkScratch {
+    /// Maps coordinates in this link frame to the previous one.
+    pub rotation: Matrix3<f64>,
+    /// Origin of this link frame in the previous one.
+    pub origin: Vector3<f64>,
+    pub moment: Vector3<f64>,
+    pub force: Vector3<f64>,
+    pub bias_angular: Vector3<f64>,
+    pub bias_linear: Vector3<f64>,
+    pub articulated: Articulated,
+    /// Articulated (or composite) inertia times the joint's axis: moment and force.
+    pub axis_moment: Vector3<f64>,
+    pub axis_force: Vector3<f64>,
+    pub axis_inertia: f64,
+    pub axis_torque: f64,
+}
+
+/// A symmetric 6 × 6 inertia in blocks: moment = J ω̇ + H a, force = Hᵀ ω̇ + M a.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Articulated {
+    pub j: Matrix3<f64>,
+    pub h: Matrix3<f64>,
+    pub m: Matrix3<f64>,
+}
+
+impl ChainDynamics {
+    /// The dynamics of `chain` with 10 N standard parameters, link after link {XX XY XZ YY YZ ZZ mX mY mZ m}.
+    ///
+    /// # Errors
+    /// [`RbdError::Count`] or [`RbdError::NotFinite`]. Whether the parameters are those of a real body is
+    /// for [`inconsistencies`](crate::inconsistencies) to say.
+    pub fn new(chain: SerialChain, standard: &[f64]) -> Result<Self, RbdError> {
+        let joints = chain.joints().len();
+        let expected = joints * INERTIAL_PARAMETERS;
+        if standard.len() != expected {
+            let found = standard.len();
+            return Err(RbdError::Count { what: "standard inertial parameters", expected, found });
+        }
+        check_finite("standard inertial parameter", standard)?;
+        let links = standard.chunks_exact(INERTIAL_PARAMETERS).map(LinkInertia::from_standard).collect();
+        let scratch = vec![LinkScratch::ZERO; joints];
+        Ok(Self { chain, links, rotor_inertia_kg_m2: vec![0.0; joints], scratch })
+    }
+
+    /// The same robot with rotor inertias, reflected to the joint's side, in kg m².
+    ///
+    /// # Errors
+    /// [`RbdError::Count`] or [`RbdError::NotFinite`].
+    pub fn with_rotor_inertia(mut self, rotor_inertia_kg_m2: &[f64]) -> Result<Self, RbdError> {
+        let (expected, found) = (self.joints(), rotor_inertia_kg_m2.len());
+        if found != expected {
+            return Err(RbdError::Count { what: "rotor inertias", expected, found });
+        }
+        check_finite("rotor inertia", rotor_inertia_kg_m2)?;
+        self.rotor_inertia_kg_m2.copy_from_slice(rotor_inertia_kg_m2);
+        Ok(self)
+    }
+
+    /// Number of joints N.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.links.len()
+    }
+
+    /// The chain.
+    #[must_use]
+    pub const fn chain(&self) -> &SerialChain {
+        &self.chain
+    }
+
+    /// Sets rotation and origin of every link frame for the joint angles `q_rad`.
+    pub(crate) fn place(&mut self, q_rad: &[f64]) {
+        assert_eq!(q_rad.len(), self.joints(), "joint angles");
+        for ((link, frame), (joint, q)) in
+            self.scratch.iter_mut().zip(self.chain.frames()).zip(self.chain.joints().iter().zip(q_rad))
+        {
+            link.rotation = link_rotation(frame, joint.sign * q + joint.theta_offset_rad);
+            link.origin = Vector3::from(frame.translation_m);
+        }
+    }
+}
+
+fn check_finite(what: &'static str, values: &[f64]) -> Result<(), RbdError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(index) => Err(RbdError::NotFinite { what, index, value: values[index] }),
+        None => Ok(()),
+    }
+}
+
+/// The rotation that maps coordinates in a link frame, at the joint angle θ, to the previous one.
+pub(crate) fn link_rotation(frame: &JointFrame, theta_rad: f64) -> Matrix3<f64> {
+    let (sin, cos) = theta_rad.sin_cos();
+    let r = &frame.rotation;
+    Matrix3::from_fn(|row, column| match column {
+        0 => r[row][0] * cos + r[row][1] * sin,
+        1 => r[row][1] * cos - r[row][0] * sin,
+        _ => r[row][2],
+    })
+}
+
+impl LinkInertia {
+    fn from_standard(p: &[f64]) -> Self {
+        Self {
+            inertia: Matrix3::new(p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]),
+            first_moment: Vector3::new(p[6], p[7], p[8]),
+            mass: p[9],
+        }
+    }
+
+    /// The link as a rigid 6 × 6 inertia.
+    pub fn articulated(&self) -> Articulated {
+        Articulated {
+            j: self.inertia,
+            h: self.first_moment.cross_matrix(),
+            m: Matrix3::from_diagonal_element(self.mass),
+        }
+    }
+}
+
+impl LinkScratch {
+    const ZERO: Self = {
+        let vector = Vector3::new(0.0, 0.0, 0.0);
+        let matrix = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        Self {
+            rotation: matrix,
+            origin: vector,
+            moment: vector,
+            force: vector,
+            bias_angular: vector,
+            bias_linear: vector,
+            articulated: Articulated { j: matrix, h: matrix, m: matrix },
+            axis_moment: vector,
+            axis_force: vector,
+            axis_inertia: 0.0,
+            axis_torque: 0.0,
+        }
+    };
+}
+
+impl Articulated {
+    /// The same inertia seen from the previous link frame, whose coordinates `rotation` maps to and in
+    /// which the link frame's origin is `origin`.
+    pub fn in_previous(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {
+        let j = rotation * self.j * rotation.transpose();
+        let h = rotation * self.h * rotation.transpose();
+        let m = rotation * self.m * rotation.transpose();
+        let r = origin.cross_matrix();
+        let shifted = h + r * m;
+        Self { j: j - h * r + r * shifted.transpose(), h: shifted, m }
+    }
+}

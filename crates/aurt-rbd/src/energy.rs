@@ -1,0 +1,50 @@
+use nalgebra::{Matrix3, Vector3};
+
+use crate::ChainDynamics;
+
+/// Mechanical energy of a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    /// Kinetic energy in J, that of the rotors included.
+    pub kinetic_j: f64,
+    /// Potential energy in J, zero if every centre of mass is at the height of the base frame's origin.
+    pub potential_j: f64,
+}
+
+impl Energy {
+    /// The sum of both, in J.
+    #[must_use]
+    pub fn total_j(&self) -> f64 {
+        self.kinetic_j + self.potential_j
+    }
+}
+
+impl ChainDynamics {
+    /// Kinetic energy ½ Σ (ω·Iω + m v·v + 2 v·(ω × h)) + ½ Σ I_a q̇² and potential energy −Σ g·(m p + R h).
+    ///
+    /// # Panics
+    /// If a slice does not have N entries.
+    pub fn energy(&mut self, q_rad: &[f64], qd_rad_s: &[f64]) -> Energy {
+        assert_eq!(qd_rad_s.len(), self.joints(), "joint velocities");
+        self.place(q_rad);
+        let gravity = Vector3::from(self.chain.gravity_m_s2());
+        let mut energy = Energy { kinetic_j: 0.0, potential_j: 0.0 };
+        let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
+        let (mut omega, mut velocity) = (Vector3::zeros(), Vector3::zeros());
+        for (i, (link, body)) in self.scratch.iter().zip(&self.links).enumerate() {
+            let into = link.rotation.transpose();
+            velocity = into * (velocity + omega.cross(&link.origin));
+            omega = into * omega + Vector3::z() * (self.chain.joints()[i].sign * qd_rad_s[i]);
+            origin += rotation * link.origin;
+            rotation *= link.rotation;
+            let h = &body.first_moment;
+            energy.kinetic_j += 0.5
+                * (omega.dot(&(body.inertia * omega))
+                    + body.mass * velocity.norm_squared()
+                    + self.rotor_inertia_kg_m2[i] * qd_rad_s[i].powi(2))
+                + velocity.dot(&omega.cross(h));
+            energy.potential_j -= gravity.dot(&(body.mass * origin + rotation * h));
+        }
+        energy
+    }
+}

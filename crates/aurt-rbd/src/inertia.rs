@@ -1,0 +1,146 @@
+use nalgebra::Matrix3;
+
+use crate::INERTIAL_PARAMETERS;
+
+/// A link's mass distribution as data sheets and CAD give it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkBody {
+    /// Mass in kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the link frame, in m.
+    pub com_m: [f64; 3],
+    /// Inertia about the centre of mass along the axes of the link frame, in kg m², {XX XY XZ YY YZ ZZ};
+    /// XY, XZ, YZ are the matrix entries, −∫xy dm.
+    pub inertia_at_com_kg_m2: [f64; 6],
+}
+
+impl LinkBody {
+    /// The ten standard parameters {XX XY XZ YY YZ ZZ mX mY mZ m}, inertia about the link frame's origin:
+    /// I = I_C + m (c·c 1 − c cᵀ).
+    #[must_use]
+    pub fn standard_parameters(&self) -> [f64; INERTIAL_PARAMETERS] {
+        let [x, y, z] = self.com_m;
+        let m = self.mass_kg;
+        let [xx, xy, xz, yy, yz, zz] = self.inertia_at_com_kg_m2;
+        [
+            xx + m * (y * y + z * z),
+            xy - m * x * y,
+            xz - m * x * z,
+            yy + m * (x * x + z * z),
+            yz - m * y * z,
+            zz + m * (x * x + y * y),
+            m * x,
+            m * y,
+            m * z,
+            m,
+        ]
+    }
+
+    /// The body of ten standard parameters; `None` if the mass is not positive or anything is not finite.
+    #[must_use]
+    pub fn from_standard_parameters(standard: &[f64; INERTIAL_PARAMETERS]) -> Option<Self> {
+        let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *standard;
+        if m <= 0.0 || !standard.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let [x, y, z] = [mx / m, my / m, mz / m];
+        Some(Self {
+            mass_kg: m,
+            com_m: [x, y, z],
+            inertia_at_com_kg_m2: [
+                xx - m * (y * y + z * z),
+                xy + m * x * y,
+                xz + m * x * z,
+                yy - m * (x * x + z * z),
+                yz + m * y * z,
+                zz - m * (x * x + y * y),
+            ],
+        })
+    }
+}
+
+/// Why a link's parameters cannot be those of a body of positive density.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Inconsistency {
+    /// A parameter is not finite.
+    NotFinite {
+        /// The link, from 0.
+        link: usize,
+    },
+    /// The mass is not positive.
+    Mass {
+        /// The link, from 0.
+        link: usize,
+        /// The mass in kg.
+        mass_kg: f64,
+    },
+    /// The inertia about the centre of mass is not positive definite.
+    Inertia {
+        /// The link, from 0.
+        link: usize,
+        /// The smallest principal moment in kg m².
+        smallest_kg_m2: f64,
+    },
+    /// One principal moment exceeds the sum of the two others.
+    Triangle {
+        /// The link, from 0.
+        link: usize,
+        /// The excess in kg m².
+        excess_kg_m2: f64,
+    },
+}
+
+impl std::fmt::Display for Inconsistency {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotFinite { link } => write!(f, "link {link}: a parameter is not finite"),
+            Self::Mass { link, mass_kg } => write!(f, "link {link}: the mass is {mass_kg} kg"),
+            Self::Inertia { link, smallest_kg_m2 } => write!(
+                f,
+                "link {link}: the inertia about the centre of mass is not positive definite \
+                 (smallest principal moment {smallest_kg_m2} kg m^2)"
+            ),
+            Self::Triangle { link, excess_kg_m2 } => write!(
+                f,
+                "link {link}: one principal moment exceeds the sum of the others by {excess_kg_m2} kg m^2"
+            ),
+        }
+    }
+}
+
+/// Checks 10 N standard parameters for physical consistency: mass > 0, inertia about the centre of mass
+/// positive definite, principal moments within the triangle inequality (Traversaro et al., IROS 2016). Up to
+/// one complaint per link; empty if there are bodies that have these parameters.
+///
+/// Rounding of 1e-12 relative is forgiven in the triangle inequality, which flat bodies meet with equality.
+///
+/// Base parameters as estimated need not pass: they are combinations of the parameters of several links.
+///
+/// # Panics
+/// If the number of parameters is no multiple of ten.
+#[must_use]
+pub fn inconsistencies(standard: &[f64]) -> Vec<Inconsistency> {
+    let (links, rest) = standard.as_chunks::<INERTIAL_PARAMETERS>();
+    assert!(rest.is_empty(), "ten parameters per link");
+    links.iter().enumerate().filter_map(|(link, p)| inconsistency(link, p)).collect()
+}
+
+fn inconsistency(link: usize, standard: &[f64; INERTIAL_PARAMETERS]) -> Option<Inconsistency> {
+    if !standard.iter().all(|v| v.is_finite()) {
+        return Some(Inconsistency::NotFinite { link });
+    }
+    let Some(body) = LinkBody::from_standard_parameters(standard) else {
+        return Some(Inconsistency::Mass { link, mass_kg: standard[INERTIAL_PARAMETERS - 1] });
+    };
+    let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
+    let mut moments = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
+    moments.as_mut_slice().sort_by(f64::total_cmp);
+    let [smallest, middle, largest] = [moments[0], moments[1], moments[2]];
+    if smallest <= 0.0 {
+        return Some(Inconsistency::Inertia { link, smallest_kg_m2: smallest });
+    }
+    let excess = largest - smallest - middle;
+    (excess > 1e-12 * standard[0].abs().max(standard[3].abs()).max(largest))
+        .then_some(Inconsistency::Triangle { link, excess_kg_m2: excess })
+}

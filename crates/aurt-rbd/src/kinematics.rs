@@ -1,0 +1,68 @@
+use nalgebra::{Matrix3, Vector3};
+
+use crate::SerialChain;
+use crate::dynamics::link_rotation;
+
+/// Where a link frame is, in the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkFrame {
+    /// Rotation matrix, row after row; it maps coordinates in the link frame to the base frame.
+    pub rotation: [[f64; 3]; 3],
+    /// The frame's origin in m.
+    pub origin_m: [f64; 3],
+}
+
+impl LinkFrame {
+    /// A point of the link, in the base frame.
+    #[must_use]
+    pub fn point_m(&self, in_link_m: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|r| {
+            self.origin_m[r] + (0..3).map(|c| self.rotation[r][c] * in_link_m[c]).sum::<f64>()
+        })
+    }
+}
+
+impl SerialChain {
+    /// The frames of all links, base first, at the joint angles q; `frames` is cleared first.
+    ///
+    /// # Panics
+    /// If `q_rad` does not have N entries.
+    pub fn link_frames(&self, q_rad: &[f64], frames: &mut Vec<LinkFrame>) {
+        assert_eq!(q_rad.len(), self.joints().len(), "joint angles");
+        frames.clear();
+        let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
+        for ((frame, joint), q) in self.frames().iter().zip(self.joints()).zip(q_rad) {
+            origin += rotation * Vector3::from(frame.translation_m);
+            rotation *= link_rotation(frame, joint.sign * q + joint.theta_offset_rad);
+            frames.push(LinkFrame {
+                rotation: std::array::from_fn(|r| std::array::from_fn(|c| rotation[(r, c)])),
+                origin_m: origin.into(),
+            });
+        }
+    }
+
+    /// The geometric Jacobian of a point of `link`, 6 × N, row after row, in the base frame: rows 0–2 give
+    /// the point's velocity in m/s, rows 3–5 the link's angular velocity in rad/s, per q̇.
+    ///
+    /// A force F and a moment M that act on the link at that point load the joints with Jᵀ (F, M).
+    ///
+    /// `frames` are those of [`Self::link_frames`]; `point_m` is in the link frame.
+    ///
+    /// # Panics
+    /// If `link` is not below N, `frames` does not have N entries or `jacobian` 6 N.
+    pub fn jacobian(&self, frames: &[LinkFrame], link: usize, point_m: [f64; 3], jacobian: &mut [f64]) {
+        let joints = self.joints().len();
+        assert_eq!(frames.len(), joints, "link frames");
+        assert_eq!(jacobian.len(), 6 * joints, "entries of the Jacobian");
+        let point = Vector3::from(frames[link].point_m(point_m));
+        jacobian.fill(0.0);
+        for (j, (frame, joint)) in frames.iter().zip(self.joints()).enumerate().take(link + 1) {
+            let axis = Vector3::from_fn(|r, _| joint.sign * frame.rotation[r][2]);
+            let velocity = axis.cross(&(point - Vector3::from(frame.origin_m)));
+            for r in 0..3 {
+                jacobian[r * joints + j] = velocity[r];
+                jacobian[(3 + r) * joints + j] = axis[r];
+            }
+        }
+    }
+}

@@ -1,0 +1,40 @@
+use crate::ChainDynamics;
+
+impl ChainDynamics {
+    /// The joint-space mass matrix M(q) in kg m², N × N, row after row, rotor inertias on its diagonal, by
+    /// the composite-rigid-body algorithm (Featherstone, section 6.2).
+    ///
+    /// # Panics
+    /// If `q_rad` does not have N entries or `mass_matrix_kg_m2` N².
+    pub fn mass_matrix(&mut self, q_rad: &[f64], mass_matrix_kg_m2: &mut [f64]) {
+        let joints = self.joints();
+        assert_eq!(mass_matrix_kg_m2.len(), joints * joints, "entries of the mass matrix");
+        self.place(q_rad);
+        for (link, body) in self.scratch.iter_mut().zip(&self.links) {
+            link.articulated = body.articulated();
+        }
+        for i in (0..joints).rev() {
+            let composite = self.scratch[i].articulated;
+            let sign = self.chain.joints()[i].sign;
+            let mut moment = composite.j.column(2) * sign;
+            let mut force = composite.h.row(2).transpose() * sign;
+            mass_matrix_kg_m2[i * joints + i] = composite.j.m33 + self.rotor_inertia_kg_m2[i];
+            // The force that accelerates the links from i on, as each earlier joint feels it.
+            for j in (0..i).rev() {
+                let link = &self.scratch[j + 1];
+                force = link.rotation * force;
+                moment = link.rotation * moment + link.origin.cross(&force);
+                let entry = self.chain.joints()[j].sign * moment.z;
+                mass_matrix_kg_m2[i * joints + j] = entry;
+                mass_matrix_kg_m2[j * joints + i] = entry;
+            }
+            if i > 0 {
+                let carried = composite.in_previous(&self.scratch[i].rotation, &self.scratch[i].origin);
+                let previous = &mut self.scratch[i - 1].articulated;
+                previous.j += carried.j;
+                previous.h += carried.h;
+                previous.m += carried.m;
+            }
+        }
+    }
+}

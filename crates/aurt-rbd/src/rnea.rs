@@ -1,0 +1,72 @@
+use nalgebra::Vector3;
+
+use crate::ChainDynamics;
+
+impl ChainDynamics {
+    /// Joint torques τ(q, q̇, q̈) in Nm, by the recursive Newton–Euler algorithm (Luh, Walker, Paul, 1980).
+    ///
+    /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from the previous
+    /// one's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
+    /// its origin. Inward, forces and moments add up, and the joint carries their moment about its axis.
+    ///
+    /// # Panics
+    /// If a slice does not have N entries.
+    pub fn inverse_dynamics(
+        &mut self,
+        q_rad: &[f64],
+        qd_rad_s: &[f64],
+        qdd_rad_s2: &[f64],
+        torque_nm: &mut [f64],
+    ) {
+        assert_eq!(qdd_rad_s2.len(), self.joints(), "joint accelerations");
+        self.newton_euler(q_rad, qd_rad_s, |joint| qdd_rad_s2[joint], torque_nm);
+    }
+
+    /// Torques in Nm that hold the motion (q, q̇) at q̈ = 0: Coriolis, centrifugal and gravity torques.
+    ///
+    /// # Panics
+    /// If a slice does not have N entries.
+    pub fn bias_torque(&mut self, q_rad: &[f64], qd_rad_s: &[f64], torque_nm: &mut [f64]) {
+        self.newton_euler(q_rad, qd_rad_s, |_| 0.0, torque_nm);
+    }
+
+    fn newton_euler(
+        &mut self,
+        q_rad: &[f64],
+        qd_rad_s: &[f64],
+        qdd_rad_s2: impl Fn(usize) -> f64,
+        torque_nm: &mut [f64],
+    ) {
+        assert_eq!(qd_rad_s.len(), self.joints(), "joint velocities");
+        assert_eq!(torque_nm.len(), self.joints(), "joint torques");
+        self.place(q_rad);
+        let axis = Vector3::z();
+        let mut omega = Vector3::zeros();
+        let mut omega_dot = Vector3::zeros();
+        let mut accel = -Vector3::from(self.chain.gravity_m_s2());
+        for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
+            let sign = self.chain.joints()[i].sign;
+            let (qd, qdd) = (sign * qd_rad_s[i], sign * qdd_rad_s2(i));
+            let into = link.rotation.transpose();
+            let r = &link.origin;
+            accel = into * (accel + omega_dot.cross(r) + omega.cross(&omega.cross(r)));
+            let carried = into * omega;
+            omega_dot = into * omega_dot + carried.cross(&(axis * qd)) + axis * qdd;
+            omega = carried + axis * qd;
+            let h = &body.first_moment;
+            link.force = body.mass * accel + omega_dot.cross(h) + omega.cross(&omega.cross(h));
+            link.moment = body.inertia * omega_dot + omega.cross(&(body.inertia * omega)) + h.cross(&accel);
+        }
+        for i in (0..self.scratch.len()).rev() {
+            let link = self.scratch[i];
+            let rotor = self.rotor_inertia_kg_m2[i] * qdd_rad_s2(i);
+            torque_nm[i] = self.chain.joints()[i].sign * link.moment.z + rotor;
+            if i > 0 {
+                let force = link.rotation * link.force;
+                let previous = &mut self.scratch[i - 1];
+                previous.force += force;
+                previous.moment += link.rotation * link.moment + link.origin.cross(&force);
+            }
+        }
+    }
+}
