@@ -1,1 +1,24 @@
 //! Finding models by name, reading experiments, composing robot models.
+//!
+//! - [`Registry`] knows every model that can be named and builds one from its table;
+//! - [`Experiment`] is an experiment's TOML file, checked;
+//! - [`RigidBodyDynamics`] and [`Experiment::robot_model`] compose the robot model;
+//! - [`model_file`] writes and reads models as JSON.
+
+mod assemble;
+mod build;
+mod builtin;
+mod configuration;
+mod error;
+pub mod experiment;
+pub mod model_file;
+mod place;
+mod registry;
+pub mod suggestion;
+
+pub use assemble::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+pub use build::SlotModel;
+pub use configuration::{Entry, Node, NodeKind, Span};
+pub use error::{BuildError, Error};
+pub use experiment::{Experiment, ExperimentErrors, Problem};
+pub use registry::{ModelListing, Origin, Registry};

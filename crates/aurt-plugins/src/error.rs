@@ -1,0 +1,212 @@
+use std::path::PathBuf;
+
+use aurt_rbd::RbdError;
+use aurt_traits::{ModelError, Slot};
+use thiserror::Error;
+
+use crate::{
+    Span,
+    experiment::ExperimentErrors,
+    model_file::{Step, in_words},
+    suggestion,
+};
+
+/// Why something about models, experiments or model files failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A model's configuration does not give a model.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// Two models of one slot have the same name.
+    #[error(
+        "the {slot} model `{name}` exists twice: from {first} and from {second}; rename one of them or load only one"
+    )]
+    DuplicateModel {
+        /// The slot of both.
+        slot: &'static str,
+        /// The name of both.
+        name: String,
+        /// What registered the first, in words.
+        first: String,
+        /// What registered the second, in words.
+        second: String,
+    },
+    /// An experiment is wrong in one or more places.
+    #[error(transparent)]
+    Experiment(#[from] Box<ExperimentErrors>),
+    /// The rigid bodies cannot be built, or their base parameters not be determined.
+    #[error(transparent)]
+    RigidBody(#[from] RbdError),
+    /// Stacks, arm terms and rigid bodies do not fit together.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Assembly(Vec<ModelError>),
+    /// A value of a model file is wrong; [`Error::in_file`] makes a [`Error::ModelFile`] of it.
+    #[error("{}{reason}{}", in_words(place), and_help(help))]
+    ModelValue {
+        /// The way to the value.
+        place: Vec<Step>,
+        /// What is wrong with it, as the rest of a sentence about it.
+        reason: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// A model file is wrong.
+    #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
+    ModelFile {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// Something cannot be written into a model file.
+    #[error("{what} cannot be saved: {reason}")]
+    Unsaved {
+        /// What could not be saved.
+        what: String,
+        /// Why.
+        reason: String,
+    },
+    /// A file could not be read.
+    #[error("{path}: cannot be read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file could not be written.
+    #[error("{path}: cannot be written: {source}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+/// Why a model could not be built from its configuration.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The configuration is no table.
+    #[error("expected a table such as {{ model = \"…\" }}, found {found}")]
+    NoTable {
+        /// The slot to be filled.
+        slot: Slot,
+        /// What was found.
+        found: &'static str,
+        /// Where it stands.
+        span: Span,
+    },
+    /// The table lacks its `model` key, or that is no string.
+    #[error("the table lacks `model`, the name of the {slot} model", slot = slot.name())]
+    NoModelKey {
+        /// The slot to be filled.
+        slot: Slot,
+        /// Names of that slot's models, sorted.
+        known: Vec<String>,
+        /// Where the table stands.
+        span: Span,
+    },
+    /// No model of that slot has that name.
+    #[error("there is no {slot} model `{name}`", slot = slot.name())]
+    UnknownModel {
+        /// The slot to be filled.
+        slot: Slot,
+        /// The name that was asked for.
+        name: String,
+        /// Names of that slot's models, sorted.
+        known: Vec<String>,
+        /// Slots that do have a model of that name.
+        elsewhere: Vec<Slot>,
+        /// Where the name stands.
+        span: Span,
+    },
+    /// The model refused its keys: unknown key, wrong type, missing key.
+    #[error("model `{model}`{place}: {reason}", place = key.as_ref().map_or_else(String::new, |k| format!(", key `{k}`")))]
+    Configuration {
+        /// The model's name.
+        model: String,
+        /// The key that it was about, if one.
+        key: Option<String>,
+        /// The model's complaint.
+        reason: String,
+        /// A working configuration of the model.
+        example: String,
+        /// Where the culprit stands.
+        span: Span,
+    },
+    /// The model has its keys but cannot work with a value, or does not fit its slot.
+    #[error("{error}")]
+    Invalid {
+        /// The model's complaint.
+        error: ModelError,
+        /// Where the culprit stands.
+        span: Span,
+    },
+}
+
+impl BuildError {
+    /// Where the culprit stands in the text that the configuration was read from.
+    #[must_use]
+    pub fn span(&self) -> Span {
+        match self {
+            Self::NoTable { span, .. }
+            | Self::NoModelKey { span, .. }
+            | Self::UnknownModel { span, .. }
+            | Self::Configuration { span, .. }
+            | Self::Invalid { span, .. } => span.clone(),
+        }
+    }
+
+    /// What to do about it: what is known, what was probably meant.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::NoTable { slot, .. } => Some(match slot {
+                Slot::ArmTerm => "write [[arm_terms]] with `model = \"…\"` below it".to_owned(),
+                _ => format!("write {} = {{ model = \"…\" }}", slot.name()),
+            }),
+            Self::NoModelKey { slot, known, .. } => {
+                let list = known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
+                Some(format!("known {} models: {list}", slot.name()))
+            }
+            Self::UnknownModel { slot, name, known, elsewhere, .. } => {
+                let known = suggestion::help(
+                    name,
+                    &format!("{} models", slot.name()),
+                    known.iter().map(String::as_str),
+                );
+                let slots =
+                    elsewhere.iter().map(|s| format!("`{}`", s.name())).collect::<Vec<_>>().join(", ");
+                Some(if slots.is_empty() {
+                    known
+                } else {
+                    format!("`{name}` is a model for {slots}; {known}")
+                })
+            }
+            Self::Configuration { key, reason, example, .. } => {
+                let meant = key.as_deref().filter(|_| reason.starts_with("unknown key")).and_then(|key| {
+                    let expected = reason.split_once("expected")?.1;
+                    suggestion::likely(key, expected.split('`').skip(1).step_by(2))
+                });
+                Some(meant.map_or_else(
+                    || format!("a working example: {example}"),
+                    |meant| format!("did you mean `{meant}`? a working example: {example}"),
+                ))
+            }
+            Self::Invalid { .. } => None,
+        }
+    }
+}
+
+fn and_help(help: &Option<String>) -> String {
+    help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
+}

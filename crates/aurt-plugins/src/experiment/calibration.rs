@@ -1,0 +1,62 @@
+use super::section::Section;
+
+/// `[calibration]`: how the coefficients are found. All keys are optional.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Calibration {
+    /// `estimator`.
+    pub estimator: Estimator,
+    /// `load_torque`.
+    pub load_torque: LoadTorqueChoice,
+    /// `rest`.
+    pub rest: Rest,
+}
+
+/// `estimator`: how the joints' residuals are weighted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Estimator {
+    /// `"wls"`: each joint by 1/σ² of its residual under ordinary least squares (equations 13, 14).
+    #[default]
+    WeightedLeastSquares,
+    /// `"ols"`: all joints alike.
+    OrdinaryLeastSquares,
+}
+
+/// `load_torque`: how the load τ_J of load-dependent friction is formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoadTorqueChoice {
+    /// `"fitted"`: from the coefficients of a first fit, then a second one.
+    #[default]
+    Fitted,
+    /// `"literal"`: the paper's, the sum of the base regressor's row.
+    Literal,
+}
+
+/// `rest`: what happens to samples of a joint that rests, where the sign of its velocity is noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// `"keep"`: they are fitted like all others.
+    #[default]
+    Keep,
+    /// `"exclude"`: the joint's rows at rest are left out.
+    Exclude,
+}
+
+impl Calibration {
+    pub(super) fn read(mut section: Section<'_, '_>) -> Self {
+        let estimator = section.choice(
+            "estimator",
+            &[("wls", Estimator::WeightedLeastSquares), ("ols", Estimator::OrdinaryLeastSquares)],
+        );
+        let load_torque = section.choice(
+            "load_torque",
+            &[("fitted", LoadTorqueChoice::Fitted), ("literal", LoadTorqueChoice::Literal)],
+        );
+        let rest = section.choice("rest", &[("keep", Rest::Keep), ("exclude", Rest::Exclude)]);
+        section.finish();
+        Self {
+            estimator: estimator.unwrap_or_default(),
+            load_torque: load_torque.unwrap_or_default(),
+            rest: rest.unwrap_or_default(),
+        }
+    }
+}

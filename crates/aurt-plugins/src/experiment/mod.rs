@@ -1,0 +1,213 @@
+//! Reading an experiment: one TOML file that says which robot, which models, which recordings and how to fit.
+//!
+//! Everything that is wrong with the file is found in one pass and reported together, each problem with the place
+//! of the key or value at fault. The text is kept as it was written, so that editors can change single keys and
+//! leave comments and order alone.
+
+mod calibration;
+mod errors;
+mod instrument;
+mod joint_count;
+mod joint_dynamics;
+mod paths;
+mod preprocess;
+mod recordings;
+mod robot;
+mod section;
+
+use std::path::{Path, PathBuf};
+
+use aurt_traits::ArmTerm;
+use toml::de::DeTable;
+
+pub use self::{
+    calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
+    errors::{ExperimentErrors, Problem},
+    instrument::Instrument,
+    joint_dynamics::{JointDynamics, JointOverride},
+    preprocess::Preprocess,
+    recordings::{ColumnName, JointColumns, RecordingColumns, RecordingSource, Recordings},
+    robot::Robot,
+};
+use self::{
+    errors::Complaint,
+    joint_count::JointCheck,
+    section::{Reader, Section},
+};
+use crate::{Error, Node, NodeKind, Registry};
+
+/// The version of the experiment file that this program reads: `schema = 1`.
+pub const SCHEMA: i64 = 1;
+
+/// An experiment, checked: all its files exist, all its models are built, all its lists fit the robot.
+#[derive(Debug, Clone)]
+pub struct Experiment {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// The text of that file, as it was written.
+    pub source_text: String,
+    /// `[robot]`.
+    pub robot: Robot,
+    /// `[joint_dynamics]`.
+    pub joint_dynamics: JointDynamics,
+    /// `[[arm_terms]]`, in the order of writing.
+    pub arm_terms: Vec<Box<dyn ArmTerm>>,
+    /// `[instrument]`.
+    pub instrument: Instrument,
+    /// `[recordings]`.
+    pub recordings: Recordings,
+    /// `[preprocess]`.
+    pub preprocess: Preprocess,
+    /// `[calibration]`.
+    pub calibration: Calibration,
+    /// `libraries` of `[plugins]`: the dynamic libraries that were loaded for this experiment.
+    pub libraries: Vec<PathBuf>,
+    /// `[sweep]`, as it was written.
+    pub sweep: Option<Node>,
+}
+
+impl Experiment {
+    /// Reads an experiment from its file. Libraries that it names are loaded into `registry`.
+    ///
+    /// # Errors
+    /// [`Error::Read`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
+    pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        Ok(Self::parse(&text, path, registry)?)
+    }
+
+    /// Reads an experiment from its text; relative paths start at the folder of `path`.
+    ///
+    /// # Errors
+    /// All problems at once.
+    pub fn parse(text: &str, path: &Path, registry: &mut Registry) -> Result<Self, Box<ExperimentErrors>> {
+        let fail = |complaints| Box::new(ExperimentErrors::new(path.to_owned(), text.to_owned(), complaints));
+        let root = syntax(text).map_err(fail)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let reader = Reader::new(folder);
+        let experiment = read_sections(&root, &reader, path, text, registry);
+        let (experiment, joints) = experiment;
+        let (mut complaints, checks) = reader.into_complaints();
+        if let Some(joints) = joints {
+            complaints.extend(checks.into_iter().flat_map(|check| check.complaints(joints)));
+        }
+        experiment.filter(|_| complaints.is_empty()).ok_or_else(|| fail(complaints))
+    }
+
+    /// Number of joints N of the robot.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.robot.joints()
+    }
+}
+
+/// The text as a table, or everything that makes it no TOML.
+fn syntax(text: &str) -> Result<Node, Vec<Complaint>> {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        let mut complaints: Vec<Complaint> = errors
+            .iter()
+            .map(|e| Complaint::new(e.span().unwrap_or(0..0), format!("this is not TOML: {}", e.message())))
+            .collect();
+        // What follows the first error of a line is mostly its consequence.
+        let line = |c: &Complaint| text.get(..c.span.start).map_or(0, |before| before.matches('\n').count());
+        complaints.sort_by_key(|c| c.span.start);
+        complaints.dedup_by_key(|c| line(c));
+        return Err(complaints);
+    }
+    let (root, unreadable) = Node::from_toml(table.get_ref(), 0..0);
+    if unreadable.is_empty() {
+        return Ok(root);
+    }
+    Err(unreadable.into_iter().map(|span| Complaint::new(span, "the number is too large")).collect())
+}
+
+/// All sections, and the number of joints as soon as that can be known; no experiment where a section is unusable.
+fn read_sections(
+    root: &Node,
+    reader: &Reader,
+    path: &Path,
+    text: &str,
+    registry: &mut Registry,
+) -> (Option<Experiment>, Option<usize>) {
+    let Some(mut top) = Section::new(reader, root, "the experiment") else { return (None, None) };
+    read_schema(&mut top);
+    let libraries = read_libraries(&mut top);
+    top.require("robot", "[robot] with `mdh` and `gravity_m_s2`");
+    let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
+    let dynamics = top.section("joint_dynamics");
+    let joint_dynamics = JointDynamics::read(dynamics, reader, registry);
+    let arm_terms = read_arm_terms(&mut top, registry);
+    let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
+    top.require("recordings", "[recordings] with `calibration`");
+    let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
+    let preprocess = top.section("preprocess").map(Preprocess::read).unwrap_or_default();
+    let calibration = top.section("calibration").map(Calibration::read).unwrap_or_default();
+    let sweep = top.take("sweep").cloned();
+    top.finish();
+    let experiment = robot.zip(joint_dynamics).map(|(robot, joint_dynamics)| Experiment {
+        path: path.to_owned(),
+        source_text: text.to_owned(),
+        robot,
+        joint_dynamics,
+        arm_terms,
+        instrument,
+        recordings,
+        preprocess,
+        calibration,
+        libraries,
+        sweep,
+    });
+    (experiment, joints)
+}
+
+fn read_schema(top: &mut Section<'_, '_>) {
+    let Some(node) = top.require("schema", "schema = 1") else { return };
+    match node.kind {
+        NodeKind::Integer(SCHEMA) => {}
+        NodeKind::Integer(n) => {
+            let help = format!("this program reads schema {SCHEMA}");
+            top.complain(
+                "schema",
+                node,
+                &format!("is {n}, another version of the experiment file"),
+                Some(help),
+            );
+        }
+        _ => top.complain("schema", node, &format!("expects {SCHEMA}, found {}", node.kind_name()), None),
+    }
+}
+
+fn read_libraries(top: &mut Section<'_, '_>) -> Vec<PathBuf> {
+    let Some(mut section) = top.section("plugins") else { return Vec::new() };
+    let mut libraries = Vec::new();
+    if let Some(node) = section.take("libraries") {
+        match &node.kind {
+            NodeKind::Array(items) => {
+                libraries.extend(items.iter().filter_map(|item| section.file_of("libraries", item)));
+            }
+            _ => section.complain(
+                "libraries",
+                node,
+                &format!("expects a list of files, found {}", node.kind_name()),
+                None,
+            ),
+        }
+    }
+    section.finish();
+    libraries
+}
+
+fn read_arm_terms(top: &mut Section<'_, '_>, registry: &Registry) -> Vec<Box<dyn ArmTerm>> {
+    let reader = top.reader;
+    let mut terms = Vec::new();
+    for table in top.tables("arm_terms") {
+        if let Some(term) = joint_dynamics::build::<dyn ArmTerm>(reader, registry, table) {
+            reader.check_joints(JointCheck::ArmTerm { term: term.clone(), table: table.clone() });
+            terms.push(term);
+        }
+    }
+    terms
+}

@@ -1,0 +1,153 @@
+use std::collections::BTreeMap;
+
+use aurt_traits::{ModelEntry, Slot};
+
+use crate::{Error, Node, Span, build::SlotModel, error::BuildError};
+
+/// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
+#[derive(Debug, Clone, Default)]
+pub struct Registry {
+    models: BTreeMap<(Slot, String), ModelListing>,
+}
+
+/// What a listing says of a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelListing {
+    /// Where the model may be named.
+    pub slot: Slot,
+    /// Its name in experiments.
+    pub name: String,
+    /// One line for listings.
+    pub summary: String,
+    /// The equation, in plain text.
+    pub equation: String,
+    /// When to use the model, and when another.
+    pub use_when: String,
+    /// Where the equation is from.
+    pub source: String,
+    /// A working configuration, as a TOML inline table.
+    pub example: String,
+    /// Who registered it.
+    pub origin: Origin,
+}
+
+/// Who registered a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// A crate that is part of this program.
+    Crate(&'static str),
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Crate(name) => write!(f, "crate {name}"),
+        }
+    }
+}
+
+impl From<&ModelEntry> for ModelListing {
+    fn from(entry: &ModelEntry) -> Self {
+        Self {
+            slot: entry.slot,
+            name: entry.name.to_owned(),
+            summary: entry.summary.to_owned(),
+            equation: entry.equation.to_owned(),
+            use_when: entry.use_when.to_owned(),
+            source: entry.source.to_owned(),
+            example: entry.example.to_owned(),
+            origin: Origin::Crate(entry.origin),
+        }
+    }
+}
+
+impl Registry {
+    /// All slots, in the order of listings.
+    pub const SLOTS: [Slot; 4] = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous, Slot::ArmTerm];
+
+    /// The models that are linked into this program.
+    ///
+    /// # Errors
+    /// [`Error::DuplicateModel`] if two crates register one name in one slot.
+    pub fn linked() -> Result<Self, Error> {
+        let mut registry = Self::default();
+        for entry in inventory::iter::<ModelEntry> {
+            registry.add(ModelListing::from(entry))?;
+        }
+        Ok(registry)
+    }
+
+    /// Adds a model.
+    pub(crate) fn add(&mut self, listing: ModelListing) -> Result<(), Error> {
+        let key = (listing.slot, listing.name.clone());
+        if let Some(first) = self.models.get(&key) {
+            return Err(Error::DuplicateModel {
+                slot: listing.slot.name(),
+                name: listing.name,
+                first: first.origin.to_string(),
+                second: listing.origin.to_string(),
+            });
+        }
+        self.models.insert(key, listing);
+        Ok(())
+    }
+
+    /// All models, sorted by slot and name.
+    pub fn models(&self) -> impl Iterator<Item = &ModelListing> {
+        self.models.values()
+    }
+
+    /// The models of one slot, sorted by name.
+    pub fn models_of(&self, slot: Slot) -> impl Iterator<Item = &ModelListing> {
+        self.models.values().filter(move |m| m.slot == slot)
+    }
+
+    /// The models of a name, in any slot.
+    pub fn named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a ModelListing> {
+        self.models.values().filter(move |m| m.name == name)
+    }
+
+    /// The model of a name in a slot.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownModel`] with the known names and the slots that do have that name.
+    pub fn model(&self, slot: Slot, name: &str) -> Result<&ModelListing, BuildError> {
+        self.locate(slot, name, 0..0)
+    }
+
+    pub(crate) fn locate(&self, slot: Slot, name: &str, span: Span) -> Result<&ModelListing, BuildError> {
+        self.models.get(&(slot, name.to_owned())).ok_or_else(|| BuildError::UnknownModel {
+            slot,
+            name: name.to_owned(),
+            known: self.names(slot),
+            elsewhere: self.named(name).map(|m| m.slot).collect(),
+            span,
+        })
+    }
+
+    /// The names of a slot's models, sorted.
+    #[must_use]
+    pub fn names(&self, slot: Slot) -> Vec<String> {
+        self.models_of(slot).map(|m| m.name.clone()).collect()
+    }
+
+    /// The model that a table `{ model = "…", … }` describes, for the slot of the trait `M`:
+    /// `registry.build::<dyn CoulombModel>(&table)`.
+    ///
+    /// # Errors
+    /// All complaints about the configuration, each with its place in the text.
+    pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
+        crate::build::build(self, table)
+    }
+
+    /// The model that a saved table `{"model": "…", …}` describes.
+    ///
+    /// # Errors
+    /// As [`Self::build`], without places.
+    pub fn build_from_json<M: SlotModel + ?Sized>(
+        &self,
+        table: &serde_json::Value,
+    ) -> Result<Box<M>, Vec<BuildError>> {
+        self.build(&Node::from(table))
+    }
+}

@@ -1,0 +1,283 @@
+//! Reading experiments: what the struct holds, and what people read when something is wrong.
+
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
+
+use std::{fs, path::Path};
+
+use aurt_plugins::{
+    Error, Experiment, Registry,
+    experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, Rest},
+};
+use aurt_traits::MeasurementUnit;
+use tempfile::TempDir;
+
+/// A folder with a two-joint robot and recordings (whose contents nobody reads here).
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0.4,0\n").unwrap();
+    for name in ["a.csv", "b.csv", "c.csv"] {
+        fs::write(folder.path().join(name), "").unwrap();
+    }
+    folder
+}
+
+fn read(folder: &Path, text: &str) -> Result<Experiment, String> {
+    let path = folder.join("e.toml");
+    fs::write(&path, text).unwrap();
+    let mut registry = Registry::linked().unwrap();
+    Experiment::read(&path, &mut registry)
+        .map_err(|e| e.to_string().replace(&format!("{}/", folder.display()), ""))
+}
+
+fn problems(text: &str) -> String {
+    read(folder().path(), text).expect_err("this experiment is wrong")
+}
+
+const WHOLE: &str = r#"
+schema = 1
+[robot]
+mdh = "mdh.csv"
+mdh_rows = "next"
+gravity_m_s2 = [0, 0, -9.81]
+torque_constants_nm_per_a = [11.976, 9.839]
+[joint_dynamics]
+coulomb    = { model = "square" }
+hysteresis = { model = "sign" }
+viscous    = { model = "polynomial", powers = [1, 2, 3] }
+[[joint_dynamics.override]]
+joints = [1]
+coulomb = { model = "absolute" }
+[instrument]
+gains = [1, 1.02]
+offsets = [0.0, 0.1]
+delay_s = [0.0, 0.002]
+[recordings]
+calibration = ["a.csv", { file = "b.csv", window_s = [0.0, 30.0] }]
+validation  = [{ file = "c.csv", unit = "A", columns = { time = 0, position = [1, 2], measurement = ["i0", "i1"] } }]
+target = "b.csv"
+[preprocess]
+f_dyn_hz = 2.5
+sample_rate_hz = 100
+position_cutoff_hz = 8.0
+parallel_cutoff_hz = 5.0
+rest_velocity_rad_s = 0.02
+max_gap_s = 0.5
+trim_rest = false
+[calibration]
+estimator = "ols"
+load_torque = "literal"
+rest = "exclude"
+[sweep.grid]
+"joint_dynamics.coulomb" = [{ model = "none" }, { model = "square" }]
+"#;
+
+#[test]
+fn every_key_of_the_contract_is_read() {
+    let folder = folder();
+    let e = read(folder.path(), WHOLE).unwrap();
+    assert_eq!(e.joints(), 2);
+    assert_eq!(e.robot.mdh, folder.path().join("mdh.csv"));
+    assert_eq!(e.robot.gravity_m_s2, [0.0, 0.0, -9.81]);
+    assert_eq!(e.robot.torque_constants_nm_per_a.as_deref(), Some(&[11.976, 9.839][..]));
+    let stacks = e.joint_dynamics.stacks(2).unwrap();
+    let names =
+        |j: usize| (stacks[j].coulomb().name(), stacks[j].hysteresis().name(), stacks[j].viscous().name());
+    assert_eq!(names(0), ("square", "sign", "polynomial"));
+    assert_eq!(names(1), ("absolute", "sign", "polynomial"));
+    assert_eq!(stacks[1].viscous().columns().len(), 3);
+    assert_eq!(e.instrument.gains.as_deref(), Some(&[1.0, 1.02][..]));
+    assert_eq!(e.instrument.delay_s.as_deref(), Some(&[0.0, 0.002][..]));
+    assert_eq!(e.recordings.calibration[0].written, "a.csv");
+    assert_eq!(e.recordings.calibration[1].window_s, Some([0.0, 30.0]));
+    let validation = &e.recordings.validation[0];
+    assert_eq!(validation.unit, Some(MeasurementUnit::Ampere));
+    let columns = validation.columns.as_ref().unwrap();
+    assert_eq!(columns.time, ColumnName::Index(0));
+    assert_eq!(columns.position, JointColumns::Range { first: 1, last: 2 });
+    assert_eq!(columns.velocity, None);
+    assert_eq!(columns.measurement, Some(JointColumns::Names(vec!["i0".into(), "i1".into()])));
+    assert_eq!(e.recordings.target[0].file, folder.path().join("b.csv"));
+    assert_eq!((e.preprocess.f_dyn_hz, e.preprocess.sample_rate_hz), (2.5, Some(100.0)));
+    assert!(!e.preprocess.trim_rest);
+    assert_eq!(e.calibration.estimator, Estimator::OrdinaryLeastSquares);
+    assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Literal);
+    assert_eq!(e.calibration.rest, Rest::Exclude);
+    assert!(e.sweep.unwrap().get("grid").is_some());
+}
+
+const SHORT: &str = r#"
+schema = 1
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[recordings]
+calibration = ["a.csv"]
+"#;
+
+#[test]
+fn what_is_left_out_has_its_default() {
+    let e = read(folder().path(), SHORT).unwrap();
+    let stack = &e.joint_dynamics.stacks(2).unwrap()[0];
+    assert_eq!((stack.coulomb().name(), stack.hysteresis().name()), ("none", "sign"));
+    assert_eq!((stack.viscous().name(), stack.viscous().columns().len()), ("polynomial", 1));
+    assert_eq!(e.preprocess.f_dyn_hz, 10.0);
+    assert_eq!(e.calibration.estimator, Estimator::WeightedLeastSquares);
+    assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Fitted);
+}
+
+#[test]
+fn dotted_inline_and_headed_tables_are_the_same() {
+    let dotted = r#"
+        schema = 1
+        robot = { mdh = "mdh.csv", gravity_m_s2 = [0.0, 0.0, -9.81] }
+        joint_dynamics.coulomb.model = "square"
+        joint_dynamics.viscous = { powers = [1, 3], model = "polynomial" }
+        joint_dynamics.override = [{ joints = [0], coulomb.model = "absolute" }]
+        recordings.calibration = [{ file = "a.csv" }]
+        calibration.estimator = "ols"
+    "#;
+    let e = read(folder().path(), dotted).unwrap();
+    let stacks = e.joint_dynamics.stacks(2).unwrap();
+    assert_eq!((stacks[0].coulomb().name(), stacks[1].coulomb().name()), ("absolute", "square"));
+    assert_eq!(stacks[1].viscous().columns().len(), 2);
+    assert_eq!(e.calibration.estimator, Estimator::OrdinaryLeastSquares);
+}
+
+#[test]
+fn all_problems_are_reported_at_once_each_at_its_place() {
+    let text = r#"schema = 1
+[robot]
+mdh = "mdh.csv"
+mdh_rows = "nxet"
+gravity = [0, 0, -9.81]
+torque_constants_nm_per_a = [11.976, 9.839, 9.839]
+[joint_dynamics]
+coulomb = { model = "sqare" }
+viscous = { model = "polynomial", powers = "1" }
+[[joint_dynamics.override]]
+joints = [1, 7]
+hysteresis = { model = "square" }
+coulomb = { model = "absolute", level = 2 }
+[recordings]
+calibration = ["a.csv", "missing.csv"]
+validation = [{ file = "c.csv", unit = "mA", windw_s = [0, 1] }]
+[preprocess]
+f_dyn_hz = -1
+[calibration]
+estimator = 3
+[plot]
+"#;
+    let expected = r#"e.toml:4:12: `mdh_rows` cannot be "nxet"; did you mean `next`? known values: `next`, `previous`
+e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `gravity_m_s2`, `mdh`, `mdh_rows`, `torque_constants_nm_per_a`
+e.toml:6:29: `torque_constants_nm_per_a` expects one entry per joint, so 2, found 3
+e.toml:8:21: there is no coulomb model `sqare`; did you mean `square`? known coulomb models: COULOMB
+e.toml:9:44: model `polynomial`, key `powers`: invalid type: string "1", expected a sequence; a working example: POLYNOMIAL
+e.toml:11:14: there is no joint 7; joints count from 0; the robot has 2: 0 to 1
+e.toml:12:24: there is no hysteresis model `square`; `square` is a model for `coulomb`; known hysteresis models: HYSTERESIS
+e.toml:13:33: model `absolute`, key `level`: unknown key `level`, it has no keys; a working example: ABSOLUTE
+e.toml:15:25: `calibration` names the file missing.csv, which does not exist; relative paths start at the experiment's folder
+e.toml:16:40: `unit` cannot be "mA"; known values: `A`, `Nm`
+e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `columns`, `file`, `unit`, `window_s`
+e.toml:18:12: `f_dyn_hz` must be above zero, is -1
+e.toml:20:13: `estimator` expects a string, found an integer
+e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;
+    let registry = Registry::linked().unwrap();
+    let list = |slot| registry.names(slot).iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    let example = |slot, name| registry.model(slot, name).unwrap().example.clone();
+    use aurt_traits::Slot::{Coulomb, Hysteresis, Viscous};
+    let expected = expected
+        .replace("COULOMB", &list(Coulomb))
+        .replace("HYSTERESIS", &list(Hysteresis))
+        .replace("POLYNOMIAL", &example(Viscous, "polynomial"))
+        .replace("ABSOLUTE", &example(Coulomb, "absolute"));
+    let found = problems(text);
+    for (found, expected) in found.lines().zip(expected.lines()) {
+        assert_eq!(found, expected);
+    }
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn missing_sections_and_keys_are_named_with_an_example() {
+    assert_eq!(
+        problems("# nothing\n"),
+        "e.toml:1:1: the experiment lacks the key `schema`; for example: schema = 1\n\
+         e.toml:1:1: the experiment lacks the key `robot`; for example: [robot] with `mdh` and `gravity_m_s2`\n\
+         e.toml:1:1: the experiment lacks the key `recordings`; for example: [recordings] with `calibration`"
+    );
+    assert_eq!(
+        problems("schema = 2\n[robot]\n[recordings]\ncalibration = []\n"),
+        "e.toml:1:10: `schema` is 2, another version of the experiment file; this program reads schema 1\n\
+         e.toml:2:1: [robot] lacks the key `mdh`; for example: mdh = \"mdh.csv\"\n\
+         e.toml:2:1: [robot] lacks the key `gravity_m_s2`; for example: gravity_m_s2 = [0.0, 0.0, -9.81]\n\
+         e.toml:4:15: `calibration` needs at least one recording"
+    );
+}
+
+#[test]
+fn a_text_that_is_no_toml_is_said_to_be_none() {
+    assert_eq!(
+        problems("schema = = 1\n[robot\n"),
+        "e.toml:1:10: this is not TOML: extra `=`, expected nothing\n\
+         e.toml:2:7: this is not TOML: unclosed table, expected `]`"
+    );
+}
+
+#[test]
+fn wrong_lengths_and_numbers_are_found() {
+    let text = SHORT.replace("[0.0, 0.0, -9.81]", "[0.0, -9.81]\ntorque_constants_nm_per_a = [1.0, nan]")
+        + "[instrument]\ngains = [1.0]\noffsets = [0.0, \"x\"]\n";
+    assert_eq!(
+        problems(&text),
+        "e.toml:5:16: `gravity_m_s2` expects 3 numbers (x, y, z in m/s² in the base frame), found 2\n\
+         e.toml:6:35: `torque_constants_nm_per_a` must be finite, is NaN\n\
+         e.toml:10:9: `gains` expects one entry per joint, so 2, found 1\n\
+         e.toml:11:17: `offsets` expects a number, found a string"
+    );
+}
+
+#[test]
+fn overrides_must_not_contradict_each_other() {
+    let text = format!(
+        "{SHORT}[[joint_dynamics.override]]\njoints = [0, 1, 0]\ncoulomb = {{ model = \"square\" }}\n\
+         [[joint_dynamics.override]]\njoints = [1]\ncoulomb = {{ model = \"absolute\" }}\n\
+         [[joint_dynamics.override]]\njoints = [0]\n"
+    );
+    assert_eq!(
+        problems(&text),
+        "e.toml:9:10: `joints` names joint 0 twice\n\
+         e.toml:13:11: an override above already gives the coulomb model of joint 1\n\
+         e.toml:14:1: the override changes nothing; give it at least one of `coulomb`, `hysteresis`, `viscous`"
+    );
+}
+
+#[test]
+fn an_unset_environment_variable_is_named() {
+    let text = SHORT.replace("a.csv", "${AURT_SURELY_UNSET}/a.csv");
+    assert_eq!(
+        problems(&text),
+        "e.toml:7:16: `calibration` needs the environment variable `AURT_SURELY_UNSET`, which is not set; \
+         set it to the folder that is meant: AURT_SURELY_UNSET=/path/to/folder aurt …"
+    );
+}
+
+#[test]
+fn problems_of_the_mdh_file_name_that_file() {
+    let folder = folder();
+    fs::write(folder.path().join("mdh.csv"), "alpha,a,d\n0,zero,0\n").unwrap();
+    let problems = read(folder.path(), SHORT).unwrap_err();
+    assert!(problems.starts_with("e.toml:4:7: `mdh`: mdh.csv:2: `zero` in column 2 (a)"), "{problems}");
+}
+
+#[test]
+fn spans_cover_the_value() {
+    let folder = folder();
+    let path = folder.path().join("e.toml");
+    let text = SHORT.replace("-9.81", "-9,81").replace("a.csv", "ä.csv");
+    fs::write(&path, &text).unwrap();
+    let error = Experiment::read(&path, &mut Registry::linked().unwrap()).unwrap_err();
+    let Error::Experiment(errors) = error else { panic!("{error}") };
+    let underlined: Vec<&str> = errors.problems.iter().map(|p| &errors.source_text[p.span.clone()]).collect();
+    assert_eq!(underlined, ["[0.0, 0.0, -9,81]", "\"ä.csv\""]);
+    assert_eq!((errors.problems[1].line, errors.problems[1].column), (7, 16));
+}
