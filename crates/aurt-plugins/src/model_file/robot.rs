@@ -17,8 +17,7 @@ use crate::{BuildError, Error, Registry, SlotModel, assemble::RigidBodyDynamics}
 ///
 /// # Errors
 /// [`Error::Unsaved`] if a model cannot be expressed in JSON.
-pub fn robot_model_to_json(model: &RobotModel, registry: &Registry) -> Result<Value, Error> {
-    let _ = registry;
+pub fn robot_model_to_json(model: &RobotModel) -> Result<Value, Error> {
     let rigid_body = rigid_body::rigid_body_to_json(&RigidBodyDynamics {
         rigid_body: model.rigid_body().clone(),
         base: model.base().clone(),
@@ -133,8 +132,8 @@ fn all(errors: &[ModelError]) -> String {
 ///
 /// # Errors
 /// As [`robot_model_to_json`], and [`Error::Write`].
-pub fn write_robot_model(path: &Path, model: &RobotModel, registry: &Registry) -> Result<(), Error> {
-    write_json(path, &robot_model_to_json(model, registry)?)
+pub fn write_robot_model(path: &Path, model: &RobotModel) -> Result<(), Error> {
+    write_json(path, &robot_model_to_json(model)?)
 }
 
 /// Reads a file of kind `robot_dynamics`.
