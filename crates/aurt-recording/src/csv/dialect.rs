@@ -1,0 +1,154 @@
+use crate::csv::number;
+
+/// What separates the cells of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Delimiter {
+    Comma,
+    Semicolon,
+    Tab,
+    /// Runs of spaces (and tabs among them).
+    Spaces,
+}
+
+impl Delimiter {
+    /// The separating byte; a space for [`Self::Spaces`].
+    pub(super) const fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab => b'\t',
+            Self::Spaces => b' ',
+        }
+    }
+
+    const fn in_words(self) -> &'static str {
+        match self {
+            Self::Comma => "commas",
+            Self::Semicolon => "semicolons",
+            Self::Tab => "tabs",
+            Self::Spaces => "spaces",
+        }
+    }
+}
+
+/// How the cells of a file are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Dialect {
+    pub(super) delimiter: Delimiter,
+    /// Whether 1,5 means one and a half.
+    pub(super) decimal_comma: bool,
+}
+
+impl Dialect {
+    /// The dialect of some lines of data, the header among them if there is one.
+    ///
+    /// A delimiter is one that the first line has and that most lines have as often as the first; of equals a tab
+    /// goes before a semicolon and that before a comma, which may be a decimal comma. A comma is one where another
+    /// delimiter separates the cells and no cell has a point.
+    pub(super) fn detect(lines: &[&[u8]]) -> Self {
+        let mut delimiter = Delimiter::Spaces;
+        let mut most = 0;
+        for candidate in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
+            let Some(first) = lines.first().map(|l| count(l, candidate)).filter(|c| *c > 0) else { continue };
+            let alike = lines.iter().filter(|l| count(l, candidate) == first).count();
+            if alike > most {
+                most = alike;
+                delimiter = candidate;
+            }
+        }
+        let mut dialect = Self { delimiter, decimal_comma: false };
+        if matches!(delimiter, Delimiter::Semicolon | Delimiter::Tab) {
+            let (mut commas, mut points) = (false, false);
+            for line in lines {
+                for cell in dialect.cells(line) {
+                    points |= cell.contains(&b'.') && number::parse(cell, b'.').is_some();
+                    commas |= cell.contains(&b',') && number::parse(cell, b',').is_some();
+                }
+            }
+            dialect.decimal_comma = commas && !points;
+        }
+        dialect
+    }
+
+    /// The decimal sign.
+    pub(super) const fn decimal(self) -> u8 {
+        if self.decimal_comma { b',' } else { b'.' }
+    }
+
+    /// The cells of a line, without surrounding blanks and quotes.
+    pub(super) fn cells<'a>(self, line: &'a [u8]) -> Cells<'a> {
+        Cells { delimiter: self.delimiter, rest: Some(line) }
+    }
+
+    /// The dialect in words.
+    pub(super) fn in_words(self) -> String {
+        let decimal = if self.decimal_comma { ", decimal commas" } else { "" };
+        format!("separated by {}{decimal}", self.delimiter.in_words())
+    }
+}
+
+/// How often a delimiter stands in a line outside quotes.
+fn count(line: &[u8], delimiter: Delimiter) -> usize {
+    let mut quoted = false;
+    let mut count = 0;
+    for byte in line {
+        quoted ^= *byte == b'"';
+        count += usize::from(!quoted && *byte == delimiter.byte());
+    }
+    count
+}
+
+/// The cells of a line.
+pub(super) struct Cells<'a> {
+    delimiter: Delimiter,
+    rest: Option<&'a [u8]>,
+}
+
+impl<'a> Iterator for Cells<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let mut rest = self.rest?;
+        let spaces = self.delimiter == Delimiter::Spaces;
+        if spaces {
+            rest = rest.trim_ascii_start();
+            if rest.is_empty() {
+                self.rest = None;
+                return None;
+            }
+        }
+        let mut quoted = false;
+        let end = rest.iter().position(|b| {
+            quoted ^= *b == b'"';
+            !quoted && if spaces { is_blank(*b) } else { *b == self.delimiter.byte() }
+        });
+        let cell = match end {
+            Some(end) => {
+                self.rest = Some(&rest[end + 1..]);
+                &rest[..end]
+            }
+            None => {
+                self.rest = None;
+                rest
+            }
+        };
+        Some(unquote(cell.trim_ascii()))
+    }
+}
+
+/// Whether a byte separates cells in a file separated by spaces.
+pub(super) const fn is_blank(byte: u8) -> bool {
+    byte == b' ' || byte == b'\t'
+}
+
+fn unquote(cell: &[u8]) -> &[u8] {
+    for quote in [b'"', b'\''] {
+        if let [first, inner @ .., last] = cell
+            && *first == quote
+            && *last == quote
+        {
+            return inner.trim_ascii();
+        }
+    }
+    cell
+}

@@ -1,0 +1,305 @@
+//! Text files with one row per sample.
+
+mod columns;
+mod dialect;
+mod families;
+mod header;
+mod lines;
+mod number;
+mod plausibility;
+mod rows;
+
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use aurt_traits::MeasurementUnit;
+
+pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
+
+use crate::csv::columns::{Search, Selected};
+use crate::csv::dialect::Dialect;
+use crate::csv::header::Header;
+use crate::csv::lines::{Line, Lines};
+use crate::csv::plausibility::{Collector, Limits};
+use crate::csv::rows::{RowParser, RowProblem};
+use crate::{ReadReport, Recording, RecordingError};
+
+/// Bytes of a file that are looked at to find out how it is written.
+const SAMPLE_BYTES: usize = 1 << 16;
+
+/// What to read, and what to put up with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadOptions {
+    /// Number of joints that the robot has; `None`: as many as there are position columns.
+    pub joints: Option<usize>,
+    /// Columns that are not to be found by their names.
+    pub columns: ColumnSelection,
+    /// Unit of the measurement; `None`: from the column names.
+    pub unit: Option<MeasurementUnit>,
+    /// Whether a recording without measurement is an error.
+    pub needs_measurement: bool,
+    /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
+    /// reported. More is an error.
+    pub max_corrupt_share: f64,
+    /// Positions beyond this are corrupt, in rad.
+    pub position_limit_rad: f64,
+    /// Velocities beyond this are corrupt, in rad/s.
+    pub velocity_limit_rad_s: f64,
+    /// Measurements beyond this are corrupt, in the measurement's unit.
+    pub measurement_limit: f64,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            joints: None,
+            columns: ColumnSelection::default(),
+            unit: None,
+            needs_measurement: true,
+            max_corrupt_share: 0.01,
+            position_limit_rad: 1e4,
+            velocity_limit_rad_s: 1e4,
+            measurement_limit: 1e6,
+        }
+    }
+}
+
+/// Reads a recording from a text file with one row per sample.
+///
+/// Cells are separated by commas, semicolons, tabs or runs of spaces; which, whether decimals have commas, and
+/// whether there is a header is found out. Blank lines and lines that start with `#` are skipped. Columns are known
+/// by their usual names (`actual_q_0`, `q1`, `tau[3]`, …; numbered from 0 or 1) or selected in `options`. Columns
+/// that are not read may hold anything.
+///
+/// If the file has both motor currents and joint torques, `options.unit` decides; without it that is an error
+/// where a measurement is needed, and otherwise neither is read.
+///
+/// # Errors
+/// A file that cannot be read; columns that are missing or ambiguous; a cell that is needed and no finite number, a
+/// line with too few or too many cells, a last line that breaks off; more corrupt rows than
+/// `options.max_corrupt_share`. Each names file, line, column and remedy.
+pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
+    if !(0.0..=1.0).contains(&options.max_corrupt_share) {
+        return Err(RecordingError::InvalidOption {
+            option: "max_corrupt_share",
+            value: options.max_corrupt_share,
+            remedy: "it is a share between 0 and 1",
+        });
+    }
+    if path.is_dir() {
+        return Err(RecordingError::Directory { path: path.to_owned() });
+    }
+    let reader = Reader { path, options };
+    let unreadable = |source| reader.unreadable(source);
+    let mut file = File::open(path).map_err(unreadable)?;
+    let bytes = file.metadata().map_or(0, |m| m.len());
+    let mut sample = Vec::with_capacity(SAMPLE_BYTES);
+    file.by_ref().take(SAMPLE_BYTES as u64).read_to_end(&mut sample).map_err(unreadable)?;
+    reader.read(Cursor::new(sample.as_slice()).chain(file), &sample, bytes)
+}
+
+/// The reading of one file.
+struct Reader<'a> {
+    path: &'a Path,
+    options: &'a ReadOptions,
+}
+
+impl Reader<'_> {
+    fn read(&self, source: impl Read, sample: &[u8], bytes: u64) -> Result<Recording, RecordingError> {
+        if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
+            return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
+        }
+        let mut lines = Lines::new(source);
+        let dialect = Dialect::detect(&content_lines(sample));
+        let Some((header, mut first)) = self.header(dialect, &mut lines)? else {
+            let found =
+                if bytes == 0 && sample.is_empty() { "it is empty" } else { "only blank lines and comments" };
+            return Err(self.no_rows(found));
+        };
+        let selected = Search { path: self.path, header: &header, options: self.options }.run()?;
+        let wanted = selected.all();
+        let parser = RowParser::new(dialect, header.columns, &wanted);
+        let rows = if first.is_empty() { 0 } else { bytes as usize / (first.len() + 1) };
+        let mut collector = Collector::new(&selected, Limits::of(self.options), rows);
+        let mut row = vec![0.0; wanted.len()];
+        if header.is_data {
+            let line = Line { number: header.line, bytes: &first, terminated: true };
+            self.take(&parser, &header, &line, &mut row, &mut collector)?;
+        }
+        first.clear();
+        while let Some(line) = lines.next().map_err(|e| self.unreadable(e))? {
+            if is_content(line.bytes) {
+                self.take(&parser, &header, &line, &mut row, &mut collector)?;
+            }
+        }
+        if collector.rows() == 0 {
+            return Err(self.no_rows("there is a header, but no row follows"));
+        }
+        self.finish(dialect, &header, selected, collector)
+    }
+
+    /// The header, and the line it was found on.
+    fn header(
+        &self,
+        dialect: Dialect,
+        lines: &mut Lines<impl Read>,
+    ) -> Result<Option<(Header, Vec<u8>)>, RecordingError> {
+        let mut comment: Option<Vec<u8>> = None;
+        while let Some(line) = lines.next().map_err(|e| self.unreadable(e))? {
+            let bytes = without_mark(line.bytes, line.number);
+            if is_content(bytes) {
+                let header = Header::of(dialect, bytes, line.number, comment.as_deref());
+                return Ok(Some((header, bytes.to_vec())));
+            }
+            comment = bytes.trim_ascii().strip_prefix(b"#").map(|c| c.trim_ascii().to_vec());
+        }
+        Ok(None)
+    }
+
+    /// Parses a line and hands its row to the collector.
+    fn take(
+        &self,
+        parser: &RowParser,
+        header: &Header,
+        line: &Line<'_>,
+        row: &mut [f64],
+        collector: &mut Collector,
+    ) -> Result<(), RecordingError> {
+        let Err(problem) = parser.parse(line.bytes, row) else {
+            collector.add(row, line.number);
+            return Ok(());
+        };
+        let path = self.path.to_owned();
+        let number = line.number;
+        match problem {
+            RowProblem::Count { found } if found < header.columns && !line.terminated => {
+                let reason = format!("{found} cells of {}", header.columns);
+                Err(RecordingError::TruncatedLastLine { path, line: number, reason })
+            }
+            RowProblem::Count { found } => {
+                let remedy = if found == 1 {
+                    "all lines must be separated alike; correct or delete the line"
+                } else {
+                    "correct or delete the line"
+                };
+                let remedy = remedy.to_owned();
+                Err(RecordingError::Ragged { path, line: number, expected: header.columns, found, remedy })
+            }
+            RowProblem::Cell { column } => {
+                let cell = parser.cells(line.bytes).nth(column).unwrap_or_default();
+                let text: String = String::from_utf8_lossy(cell).chars().take(40).collect();
+                if !line.terminated && column + 1 == header.columns {
+                    let reason = format!("its last cell is `{text}`");
+                    return Err(RecordingError::TruncatedLastLine { path, line: number, reason });
+                }
+                let remedy = remedy_for(&text).to_owned();
+                let name = header.names.get(column).cloned();
+                Err(RecordingError::Cell { path, line: number, column: column + 1, name, text, remedy })
+            }
+        }
+    }
+
+    fn finish(
+        &self,
+        dialect: Dialect,
+        header: &Header,
+        selected: Selected,
+        collector: Collector,
+    ) -> Result<Recording, RecordingError> {
+        let rows = collector.rows();
+        let (series, dropped) =
+            collector.finish(self.path, header, &selected, self.options.max_corrupt_share)?;
+        let joints = selected.position.len();
+        let mut columns = vec![
+            format!("time: {}", header.name(selected.time)),
+            format!("position: {}", header.span(&selected.position)),
+        ];
+        if let Some(velocity) = &selected.velocity {
+            columns.push(format!("velocity: {}", header.span(velocity)));
+        }
+        if let Some(measurement) = &selected.measurement {
+            columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
+        }
+        let mut remarks = selected.remarks;
+        let mut series = series.into_iter();
+        let time_s = series.next().unwrap_or_default();
+        let position_rad: Vec<Vec<f64>> = series.by_ref().take(joints).collect();
+        remarks.extend(plausibility::remark_on_degrees(&position_rad));
+        let named = if header.names.is_empty() { "without header" } else { "with header" };
+        let report = ReadReport {
+            format: format!("{}, {named}", dialect.in_words()),
+            rows,
+            columns,
+            dropped,
+            remarks,
+        };
+        Ok(Recording {
+            file: self.path.to_owned(),
+            time_s,
+            position_rad,
+            velocity_rad_s: selected.velocity.map(|_| series.by_ref().take(joints).collect()),
+            measurement: selected.measurement.map(|_| series.by_ref().take(joints).collect()),
+            unit: selected.unit,
+            report,
+        })
+    }
+
+    fn unreadable(&self, source: std::io::Error) -> RecordingError {
+        let remedy = match source.kind() {
+            std::io::ErrorKind::NotFound => "no such file; check the path",
+            std::io::ErrorKind::PermissionDenied => {
+                "reading it is not permitted; check the file's permissions"
+            }
+            _ => "it cannot be read",
+        };
+        RecordingError::Unreadable { path: self.path.to_owned(), remedy, source }
+    }
+
+    fn no_rows(&self, found: &str) -> RecordingError {
+        RecordingError::NoRows { path: self.path.to_owned(), found: found.to_owned() }
+    }
+}
+
+/// What to do about a cell that is no number.
+fn remedy_for(text: &str) -> &'static str {
+    let lower = text.to_lowercase();
+    let word = lower.trim_start_matches(['-', '+']);
+    if text.is_empty() {
+        "the cell is empty: fill it in or delete the row"
+    } else if ["nan", "inf", "infinity", "null", "none", "na"].contains(&word) {
+        "delete the row, or cut the recording with a window before it"
+    } else if text.contains(',') {
+        "numbers need a decimal point, or decimal commas throughout and semicolons between cells"
+    } else if text.contains('.') && text.starts_with(|c: char| c.is_ascii_digit() || c == '-') {
+        "the file's decimal sign is a comma, or the number is garbled: write all numbers alike"
+    } else {
+        "correct the cell, delete the row, or select another column"
+    }
+}
+
+/// Whether a line is neither blank nor a comment.
+fn is_content(line: &[u8]) -> bool {
+    line.trim_ascii_start().first().is_some_and(|b| *b != b'#')
+}
+
+/// The line without a UTF-8 byte order mark, which only the first may have.
+fn without_mark(line: &[u8], number: usize) -> &[u8] {
+    const MARK: &[u8] = b"\xef\xbb\xbf";
+    if number == 1 { line.strip_prefix(MARK).unwrap_or(line) } else { line }
+}
+
+/// The lines of a sample of a file that hold cells; the last one may be cut by the sample's end and is left out
+/// unless it is the only one.
+fn content_lines(sample: &[u8]) -> Vec<&[u8]> {
+    let mut lines: Vec<&[u8]> = sample
+        .split(|b| *b == b'\n')
+        .enumerate()
+        .map(|(k, line)| without_mark(line.strip_suffix(b"\r").unwrap_or(line), k + 1))
+        .filter(|line| is_content(line))
+        .collect();
+    if lines.len() > 1 && sample.len() == SAMPLE_BYTES {
+        lines.pop();
+    }
+    lines
+}

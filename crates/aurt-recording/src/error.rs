@@ -1,0 +1,325 @@
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// What can be wrong with a recording or with a request to it.
+///
+/// Lines and columns count from 1 in messages, as editors do; fields that end in `index` count from 0.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The file could not be opened or read.
+    #[error("{path}: {remedy}", path = path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        remedy: &'static str,
+        /// What the operating system said.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The path is a directory.
+    #[error("{path} is a directory, not a recording; name a file in it", path = path.display())]
+    Directory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The file has no rows.
+    #[error("{path} holds no rows of data ({found}); a recording has a header line and one row per sample", path = path.display())]
+    NoRows {
+        /// The file.
+        path: PathBuf,
+        /// What there is instead.
+        found: String,
+    },
+    /// The first line is data, and no columns were selected.
+    #[error(
+        "{path}, line {line}: there is no header line, so the {columns} columns have no names; \
+         say which is which, counting from 0, e.g. columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }}",
+        path = path.display()
+    )]
+    Headerless {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first row.
+        line: usize,
+        /// Number of columns.
+        columns: usize,
+    },
+    /// A column that is needed is not there.
+    #[error(
+        "{path}, line {line}: no column for {what}{wanted}; the file has {known}{likely}",
+        path = path.display(),
+        wanted = wanted.as_ref().map(|w| format!(" (`{w}`)")).unwrap_or_default(),
+        known = list(known),
+        likely = likely.as_ref().map(|l| format!("; {l}")).unwrap_or_default()
+    )]
+    MissingColumn {
+        /// The file.
+        path: PathBuf,
+        /// Line of the header.
+        line: usize,
+        /// The quantity, e.g. "joint positions".
+        what: &'static str,
+        /// The name that was asked for.
+        wanted: Option<String>,
+        /// The columns of the file.
+        known: Vec<String>,
+        /// What was probably meant, or what to do.
+        likely: Option<String>,
+    },
+    /// A selection names a column beyond the last one.
+    #[error(
+        "{path}: column {index} (counting from 0) was selected for {what}, but the file has {columns} columns, 0 to {last}",
+        path = path.display(), last = columns - 1
+    )]
+    ColumnIndex {
+        /// The file.
+        path: PathBuf,
+        /// The quantity.
+        what: &'static str,
+        /// The column asked for, from 0.
+        index: usize,
+        /// Number of columns of the file.
+        columns: usize,
+    },
+    /// Columns that do not fit together: holes in a numbering, different joint counts, doubled names.
+    #[error("{path}, line {line}: {reason}; {remedy}", path = path.display())]
+    Columns {
+        /// The file.
+        path: PathBuf,
+        /// Line of the header.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// The unit of the measurement cannot be told.
+    #[error("{path}: {reason}; {remedy}", path = path.display())]
+    Unit {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A cell that is not a finite number.
+    #[error(
+        "{path}, line {line}, column {column}{name}: `{text}` is not a finite number; {remedy}",
+        path = path.display(),
+        name = name.as_ref().map(|n| format!(" ({n})")).unwrap_or_default()
+    )]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Name of the column, if it has one.
+        name: Option<String>,
+        /// The cell, shortened.
+        text: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// A line with another number of cells than the first one.
+    #[error(
+        "{path}, line {line}: {found} cells where the file has {expected}; {remedy}",
+        path = path.display()
+    )]
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Cells of the header or first row.
+        expected: usize,
+        /// Cells of this line.
+        found: usize,
+        /// What to do.
+        remedy: String,
+    },
+    /// The last line breaks off.
+    #[error(
+        "{path}, line {line}: the last line breaks off ({reason}); the recording was probably cut while it was written: \
+         delete that line",
+        path = path.display()
+    )]
+    TruncatedLastLine {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// How it shows.
+        reason: String,
+    },
+    /// More rows are corrupt than may be dropped.
+    #[error(
+        "{path}, line {line}, column {column}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
+         dropped (max_corrupt_share = {max_share}): repair the file or, if these rows may go, raise the share",
+        path = path.display()
+    )]
+    CorruptRows {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first corrupt row, from 1.
+        line: usize,
+        /// Its column, from 1.
+        column: usize,
+        /// What is wrong there, with the column's name.
+        reason: String,
+        /// Number of corrupt rows.
+        rows: usize,
+        /// Number of rows.
+        total: usize,
+        /// Number of rows that may be dropped.
+        allowed: usize,
+        /// The share that was allowed.
+        max_share: f64,
+    },
+    /// A value in a recording that was not read from a file.
+    #[error("{path}: {reason}; remove such samples first", path = path.display())]
+    Sample {
+        /// The recording.
+        path: PathBuf,
+        /// Which value, and what is wrong.
+        reason: String,
+    },
+    /// A window that holds no samples.
+    #[error(
+        "{path}: the window {from_s} s to {to_s} s {reason}; the recording lasts from 0 to {duration_s:.3} s",
+        path = path.display()
+    )]
+    Window {
+        /// The file.
+        path: PathBuf,
+        /// Start, in s from the first stamp.
+        from_s: f64,
+        /// End, in s from the first stamp.
+        to_s: f64,
+        /// What is wrong with it.
+        reason: &'static str,
+        /// Duration of the recording.
+        duration_s: f64,
+    },
+    /// An option outside its range.
+    #[error("`{option}` = {value}: {remedy}")]
+    InvalidOption {
+        /// Name of the option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it has to be.
+        remedy: &'static str,
+    },
+    /// Two things that must have the same number of entries do not.
+    #[error("{what}: expected {expected}, got {found}")]
+    Count {
+        /// What was counted.
+        what: String,
+        /// The number that is right.
+        expected: usize,
+        /// The number that was found.
+        found: usize,
+    },
+    /// A filter order out of range.
+    #[error("a Butterworth low-pass of order {order}: the order must lie between 1 and 12")]
+    FilterOrder {
+        /// The order asked for.
+        order: usize,
+    },
+    /// A cut-off frequency at which a filter cannot be built.
+    #[error(
+        "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must be positive and below half the rate"
+    )]
+    Cutoff {
+        /// The cut-off.
+        cutoff_hz: f64,
+        /// The sampling rate.
+        rate_hz: f64,
+    },
+    /// A preprocessing cut-off at or above half the sampling rate.
+    #[error(
+        "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate_hz:.6} Hz / 2); {remedy}",
+        path = path.display()
+    )]
+    AboveNyquist {
+        /// The recording.
+        path: PathBuf,
+        /// Which filter.
+        which: &'static str,
+        /// Its cut-off.
+        cutoff_hz: f64,
+        /// The sampling rate.
+        rate_hz: f64,
+        /// f_dyn has to stay below this for the filter to exist.
+        f_dyn_below_hz: f64,
+        /// What to do.
+        remedy: String,
+    },
+    /// A series too short for a forward–backward filter.
+    #[error("{samples} samples are too few to filter: the filter needs at least {needed}")]
+    TooShortToFilter {
+        /// Samples there are.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// A recording too short to preprocess.
+    #[error("{path}: {samples} samples{after} are too few: at least {needed} are needed; {remedy}", path = path.display())]
+    TooShort {
+        /// The recording.
+        path: PathBuf,
+        /// Samples there are.
+        samples: usize,
+        /// Samples needed.
+        needed: usize,
+        /// After which step, e.g. " after cutting the rest".
+        after: &'static str,
+        /// What to do.
+        remedy: String,
+    },
+    /// Nothing moves.
+    #[error(
+        "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
+         so nothing is left after cutting the rest; record a motion, or lower rest_velocity_rad_s",
+        path = path.display()
+    )]
+    AtRest {
+        /// The recording.
+        path: PathBuf,
+        /// The threshold.
+        threshold_rad_s: f64,
+        /// The fastest joint, from 0.
+        joint: usize,
+        /// Its highest speed.
+        fastest_rad_s: f64,
+    },
+    /// A clock from which no sampling rate can be told.
+    #[error("{path}: {reason}; {remedy}", path = path.display())]
+    Clock {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+}
+
+/// Names in a row, cut after the twentieth.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 20;
+    if names.is_empty() {
+        return "no named columns".to_owned();
+    }
+    let mut text = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN {
+        text.push_str(&format!(" and {} more", names.len() - SHOWN));
+    }
+    text
+}

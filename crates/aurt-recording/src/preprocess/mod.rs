@@ -1,0 +1,177 @@
+//! From a recording to what calibration needs: a uniform grid, filtered motion, decimated measurement.
+
+mod bank;
+mod bank_kernel;
+mod butterworth;
+mod clock;
+mod complex;
+mod decimate;
+mod differentiate;
+mod modes;
+mod options;
+mod report;
+mod resample;
+mod segment;
+mod spline;
+mod zero_phase;
+
+pub use bank::{DecimatedTile, ZeroPhaseBank};
+pub use butterworth::Section;
+pub use clock::ClockReport;
+pub use decimate::Decimation;
+pub use options::PreprocessOptions;
+pub use report::{DroppedSegment, PreprocessReport, SegmentReport};
+pub use segment::Segment;
+pub use zero_phase::ZeroPhase;
+
+use crate::preprocess::clock::Clock;
+use crate::preprocess::segment::{Plan, Refusal};
+use crate::{Recording, RecordingError};
+
+/// Order of both Butterworth filters, one way (paper, section IV).
+const FILTER_ORDER: usize = 4;
+
+/// A recording made ready for calibration, validation or prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preprocessed {
+    /// Stretches without gaps, in order of time.
+    pub segments: Vec<Segment>,
+    /// What was found and done.
+    pub report: PreprocessReport,
+}
+
+/// Preprocesses a recording as the paper does (section IV), after putting it on a uniform grid where it is not.
+///
+/// 1. Samples that share a stamp are merged; gaps split the recording.
+/// 2. Clock: stamps within 2 % of a period of a uniform grid are used as they are. Otherwise positions are
+///    interpolated by a cubic spline, measurements linearly, onto a grid of `sample_rate_hz`, by default
+///    1/median distance of stamps (the nearest common rate within 5 %).
+/// 3. Instrument: y = (raw − offset) · gain, shifted back by the delay.
+/// 4. q̂: 4th-order Butterworth at 5 f_dyn, forward and backward; velocities by central differences of q̂,
+///    accelerations by the three-point stencil; one sample is lost at either end.
+/// 5. With `trim_rest`, only s … e remain, from the first to the last sample at which any joint moves.
+/// 6. The measurement passes the parallel filter at 2 f_dyn over the whole segment, is cut, and thinned out by
+///    F_DS = 0.8 / (4 f_dyn T_S); the regressor is to pass [`Segment::parallel_filter`] after it was cut.
+///
+/// # Errors
+/// Invalid options, a recording that is inconsistent, too short, at rest, or too slow for the cut-offs; see
+/// [`RecordingError`].
+pub fn preprocess(
+    recording: &Recording,
+    options: &PreprocessOptions,
+) -> Result<Preprocessed, RecordingError> {
+    recording.validate()?;
+    options.validate(recording.joints())?;
+    let (merged, counts) = resample::merge_repeated(recording);
+    let clock = Clock::judge(&merged, options, counts)?;
+    let decimation = Decimation::new(options.f_dyn_hz, 1.0 / clock.rate_hz);
+    let plan = Plan {
+        options,
+        rate_hz: clock.rate_hz,
+        resample: clock.resample,
+        decimation: decimation.factor,
+        position_filter: filter(&merged, options, clock.rate_hz, Which::Position)?,
+        parallel_filter: filter(&merged, options, clock.rate_hz, Which::Parallel)?,
+    };
+
+    let origin = merged.time_s[0];
+    let mut report = PreprocessReport {
+        file: recording.file.clone(),
+        samples: recording.samples(),
+        rate_hz: clock.rate_hz,
+        resampled: clock.resample,
+        max_gap_s: clock.max_gap_s,
+        position_cutoff_hz: plan.position_filter.cutoff_hz(),
+        parallel_cutoff_hz: plan.parallel_filter.cutoff_hz(),
+        decimation,
+        trimmed_rest: options.trim_rest,
+        segments: Vec::new(),
+        dropped_segments: Vec::new(),
+        velocity_scale: vec![None; recording.joints()],
+        clock: clock.report,
+    };
+    let mut segments = Vec::new();
+    let mut refusal: Option<Refusal> = None;
+    let mut agreement = segment::VelocityAgreement::new(recording.joints());
+    for run in clock.runs {
+        let [from_s, to_s] = [merged.time_s[run.start] - origin, merged.time_s[run.end - 1] - origin];
+        match plan.segment(&merged, run, &mut agreement)? {
+            Ok((segment, cut_s)) => {
+                let time = segment.motion.view().time_s();
+                report.segments.push(SegmentReport {
+                    from_s: time[0] - origin,
+                    to_s: time[time.len() - 1] - origin,
+                    samples: time.len(),
+                    rows: segment.rows(),
+                    cut_s,
+                });
+                segments.push(segment);
+            }
+            Err(refused) => {
+                let reason = refused.to_string();
+                report.dropped_segments.push(DroppedSegment { from_s, to_s, reason });
+                refusal = Some(refusal.map_or(refused, |r| r.worse(refused)));
+            }
+        }
+    }
+    if segments.is_empty() {
+        let refusal = refusal.unwrap_or(Refusal::Short { samples: 0, needed: 1, after: "" });
+        return Err(refusal.into_error(recording, options));
+    }
+    report.velocity_scale = agreement.scale(options.rest_velocity_rad_s);
+    Ok(Preprocessed { segments, report })
+}
+
+/// The two filters of preprocessing.
+#[derive(Clone, Copy)]
+enum Which {
+    Position,
+    Parallel,
+}
+
+fn filter(
+    recording: &Recording,
+    options: &PreprocessOptions,
+    rate_hz: f64,
+    which: Which,
+) -> Result<ZeroPhase, RecordingError> {
+    let (name, option, set, cutoff_hz, multiple) = match which {
+        Which::Position => (
+            "position filter's",
+            "position_cutoff_hz",
+            options.position_cutoff_hz.is_some(),
+            options.effective_position_cutoff_hz(),
+            5.0,
+        ),
+        Which::Parallel => (
+            "parallel filter's",
+            "parallel_cutoff_hz",
+            options.parallel_cutoff_hz.is_some(),
+            options.effective_parallel_cutoff_hz(),
+            2.0,
+        ),
+    };
+    if cutoff_hz < rate_hz / 2.0 {
+        return ZeroPhase::butterworth(FILTER_ORDER, cutoff_hz, rate_hz);
+    }
+    // With default cut-offs the position filter is the first to reach the Nyquist frequency.
+    let f_dyn_below_hz = rate_hz / (2.0 * if set { multiple } else { 5.0 });
+    let mut remedy = if set {
+        format!("{option} must stay below {:.6} Hz", rate_hz / 2.0)
+    } else {
+        format!(
+            "it is {multiple} f_dyn, so f_dyn_hz must stay below {f_dyn_below_hz:.6} Hz; or record faster, or set {option}"
+        )
+    };
+    if rate_hz < 5.0 {
+        remedy.push_str(". So low a rate also comes from time stamps that are not in seconds");
+    }
+    Err(RecordingError::AboveNyquist {
+        path: recording.file.clone(),
+        which: name,
+        cutoff_hz,
+        rate_hz,
+        f_dyn_below_hz,
+        remedy,
+    })
+}

@@ -1,0 +1,111 @@
+use serde::Serialize;
+
+use crate::RecordingError;
+
+/// How a recording is preprocessed (paper, section IV).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PreprocessOptions {
+    /// Highest frequency of the robot's dynamics, in Hz; the cut-offs follow from it.
+    pub f_dyn_hz: f64,
+    /// Rate of the uniform grid, in Hz. `None`: the recording's own rate.
+    pub sample_rate_hz: Option<f64>,
+    /// Cut-off of the position filter, in Hz. `None`: 5 f_dyn.
+    pub position_cutoff_hz: Option<f64>,
+    /// Cut-off of the parallel filter of regressor and measurement, in Hz. `None`: 2 f_dyn.
+    pub parallel_cutoff_hz: Option<f64>,
+    /// Cut the rest before the first and after the last motion (calibration does, validation does not).
+    pub trim_rest: bool,
+    /// A joint moves while |q̇| is above this, in rad/s.
+    pub rest_velocity_rad_s: f64,
+    /// Longer gaps between stamps split the recording, in s. `None`: 0.1 s or ten periods, whichever is longer.
+    pub max_gap_s: Option<f64>,
+    /// Per joint, factors of the measurement: y = (raw − offset) · gain. Torque constants in Nm/A turn currents
+    /// into torques. `None`: 1.
+    pub gains: Option<Vec<f64>>,
+    /// Per joint, what the instrument shows at zero, in the raw unit. `None`: 0.
+    pub offsets: Option<Vec<f64>>,
+    /// Per joint, by how much the measurement lags behind the positions, in s; it is shifted back. `None`: 0.
+    pub delay_s: Option<Vec<f64>>,
+}
+
+impl Default for PreprocessOptions {
+    fn default() -> Self {
+        Self {
+            f_dyn_hz: 10.0,
+            sample_rate_hz: None,
+            position_cutoff_hz: None,
+            parallel_cutoff_hz: None,
+            trim_rest: true,
+            rest_velocity_rad_s: 0.03,
+            max_gap_s: None,
+            gains: None,
+            offsets: None,
+            delay_s: None,
+        }
+    }
+}
+
+impl PreprocessOptions {
+    /// The paper's defaults for dynamics up to `f_dyn_hz`.
+    #[must_use]
+    pub fn new(f_dyn_hz: f64) -> Self {
+        Self { f_dyn_hz, ..Self::default() }
+    }
+
+    /// Cut-off of the position filter in use.
+    #[must_use]
+    pub fn effective_position_cutoff_hz(&self) -> f64 {
+        self.position_cutoff_hz.unwrap_or(5.0 * self.f_dyn_hz)
+    }
+
+    /// Cut-off of the parallel filter in use.
+    #[must_use]
+    pub fn effective_parallel_cutoff_hz(&self) -> f64 {
+        self.parallel_cutoff_hz.unwrap_or(2.0 * self.f_dyn_hz)
+    }
+
+    /// Checks every option that can be checked without a recording, and the number of joints.
+    ///
+    /// # Errors
+    /// [`RecordingError::InvalidOption`], [`RecordingError::Count`].
+    pub fn validate(&self, joints: usize) -> Result<(), RecordingError> {
+        let positive = "it must be a positive number";
+        let single = [
+            ("f_dyn_hz", Some(self.f_dyn_hz)),
+            ("sample_rate_hz", self.sample_rate_hz),
+            ("position_cutoff_hz", self.position_cutoff_hz),
+            ("parallel_cutoff_hz", self.parallel_cutoff_hz),
+            ("max_gap_s", self.max_gap_s),
+        ];
+        for (option, value) in single {
+            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+                return Err(RecordingError::InvalidOption { option, value, remedy: positive });
+            }
+        }
+        let value = self.rest_velocity_rad_s;
+        if !(value.is_finite() && value >= 0.0) {
+            let remedy = "it must be zero or a positive number";
+            return Err(RecordingError::InvalidOption { option: "rest_velocity_rad_s", value, remedy });
+        }
+        let per_joint = [("gains", &self.gains), ("offsets", &self.offsets), ("delay_s", &self.delay_s)];
+        for (option, values) in per_joint {
+            let Some(values) = values else { continue };
+            if values.len() != joints {
+                return Err(RecordingError::Count {
+                    what: format!("`{option}`, one for each joint"),
+                    expected: joints,
+                    found: values.len(),
+                });
+            }
+            if let Some(value) = values.iter().copied().find(|v| !v.is_finite()) {
+                let remedy = "it must be a finite number for every joint";
+                return Err(RecordingError::InvalidOption { option, value, remedy });
+            }
+        }
+        if let Some(value) = self.gains.iter().flatten().copied().find(|g| *g == 0.0) {
+            let remedy = "a gain of zero would erase the measurement";
+            return Err(RecordingError::InvalidOption { option: "gains", value, remedy });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,145 @@
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::preprocess::clock::ClockReport;
+use crate::preprocess::decimate::Decimation;
+
+/// Everything that preprocessing found out and did, as numbers; [`Self::notes`] says it in sentences.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PreprocessReport {
+    /// The recording.
+    pub file: PathBuf,
+    /// Samples that came in.
+    pub samples: usize,
+    /// Its time stamps.
+    pub clock: ClockReport,
+    /// Rate of the grid in use, in Hz.
+    pub rate_hz: f64,
+    /// Whether the samples were interpolated onto that grid.
+    pub resampled: bool,
+    /// Gaps longer than this split the recording, in s.
+    pub max_gap_s: f64,
+    /// Cut-off of the position filter, in Hz.
+    pub position_cutoff_hz: f64,
+    /// Cut-off of the parallel filter, in Hz.
+    pub parallel_cutoff_hz: f64,
+    /// The decimation.
+    pub decimation: Decimation,
+    /// Whether rest before and after the motion was cut.
+    pub trimmed_rest: bool,
+    /// What is left.
+    pub segments: Vec<SegmentReport>,
+    /// What was left out.
+    pub dropped_segments: Vec<DroppedSegment>,
+    /// Per joint, the least-squares factor between the measured velocity and the one differentiated from q
+    /// (1 when they agree); `None` for a joint that hardly moves or without measured velocity.
+    pub velocity_scale: Vec<Option<f64>>,
+}
+
+/// A segment that is used.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SegmentReport {
+    /// First sample, in s from the first stamp of the recording.
+    pub from_s: f64,
+    /// Last sample, in s from the first stamp.
+    pub to_s: f64,
+    /// Samples on the grid.
+    pub samples: usize,
+    /// Rows after decimation, per joint.
+    pub rows: usize,
+    /// Rest that was cut before and after, in s.
+    pub cut_s: [f64; 2],
+}
+
+/// A stretch between gaps that cannot be used.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DroppedSegment {
+    /// First sample, in s from the first stamp of the recording.
+    pub from_s: f64,
+    /// Last sample, in s from the first stamp.
+    pub to_s: f64,
+    /// Why it was dropped.
+    pub reason: String,
+}
+
+impl PreprocessReport {
+    /// The report in sentences.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = vec![self.clock_note()];
+        let clock = &self.clock;
+        if clock.repeated > 0 {
+            notes.push(format!("{} samples repeated the one before and were merged with it", clock.repeated));
+        }
+        if clock.conflicting > 0 {
+            notes.push(format!(
+                "{} samples carried the time stamp of the one before with other values; their mean is used",
+                clock.conflicting
+            ));
+        }
+        if !clock.gaps_s.is_empty() {
+            let gaps: Vec<String> =
+                clock.gaps_s.iter().take(5).map(|[at, long]| format!("{long:.3} s at {at:.3} s")).collect();
+            let more = if clock.gaps_s.len() > 5 { " and more" } else { "" };
+            notes.push(format!(
+                "{} gaps longer than {} s split the recording: {}{more}",
+                clock.gaps_s.len(),
+                self.max_gap_s,
+                gaps.join(", ")
+            ));
+        }
+        notes.push(format!(
+            "filters: positions {} Hz, regressor and measurement {} Hz; every {}. row kept (0.8 / (4 f_dyn T_S) = {:.3})",
+            self.position_cutoff_hz, self.parallel_cutoff_hz, self.decimation.factor, self.decimation.exact
+        ));
+        if self.parallel_cutoff_hz * 2.0 * self.decimation.factor as f64 > self.rate_hz {
+            notes.push(format!(
+                "the parallel cut-off lies above half the decimated rate ({:.3} Hz): decimation folds frequencies",
+                self.rate_hz / self.decimation.factor as f64
+            ));
+        }
+        if self.trimmed_rest {
+            let [before, after] =
+                self.segments.iter().fold([0.0, 0.0], |[b, a], s| [b + s.cut_s[0], a + s.cut_s[1]]);
+            notes.push(format!("rest cut: {before:.3} s before and {after:.3} s after the motion"));
+        }
+        for dropped in &self.dropped_segments {
+            notes.push(format!(
+                "the stretch from {:.3} s to {:.3} s is not used: {}",
+                dropped.from_s, dropped.to_s, dropped.reason
+            ));
+        }
+        for (joint, scale) in self.velocity_scale.iter().enumerate() {
+            if let Some(scale) = scale.filter(|s| (s - 1.0).abs() > 0.05) {
+                notes.push(format!(
+                    "the measured velocity of joint {joint} is {scale:.3} times the derivative of its position: \
+                     check columns and units (positions are used, measured velocities are not)"
+                ));
+            }
+        }
+        notes
+    }
+
+    fn clock_note(&self) -> String {
+        let clock = &self.clock;
+        if clock.uniform && !self.resampled {
+            return format!("uniform clock of {:.6} Hz, used as it is", self.rate_hz);
+        }
+        let kind = if clock.uniform { "uniform clock" } else { "irregular clock" };
+        let slower = if self.rate_hz * clock.median_period_s < 0.8 {
+            "; the grid is coarser than the samples, and what lies above its Nyquist frequency folds back"
+        } else {
+            ""
+        };
+        format!(
+            "{kind} (distance of stamps: median {:.6} s, {:.6} to {:.6} s): resampled at {} Hz, positions by a cubic \
+             spline, measurements linearly; {:.2} % of the grid lies in gaps{slower}",
+            clock.median_period_s,
+            clock.min_period_s,
+            clock.max_period_s,
+            self.rate_hz,
+            100.0 * clock.missing_share
+        )
+    }
+}

@@ -1,0 +1,90 @@
+use std::borrow::Cow;
+
+use crate::Recording;
+use crate::preprocess::spline::CubicSpline;
+
+/// The recording with every stamp once: samples that share a stamp become one, with the mean of their values.
+/// Also how many samples repeated the one before, and how many contradicted it.
+pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usize, usize)) {
+    let time = &recording.time_s;
+    if !time.windows(2).any(|w| w[0] == w[1]) {
+        return (Cow::Borrowed(recording), (0, 0));
+    }
+    let mut first_of = Vec::with_capacity(time.len());
+    for k in 0..time.len() {
+        if k == 0 || time[k] != time[k - 1] {
+            first_of.push(k);
+        }
+    }
+    let ends: Vec<usize> = first_of.iter().skip(1).copied().chain([time.len()]).collect();
+    let families: Vec<&Vec<f64>> = recording
+        .position_rad
+        .iter()
+        .chain(recording.velocity_rad_s.iter().flatten())
+        .chain(recording.measurement.iter().flatten())
+        .collect();
+    let (mut repeated, mut conflicting) = (0, 0);
+    for (first, end) in first_of.iter().zip(&ends) {
+        for k in first + 1..*end {
+            if families.iter().all(|s| s[k] == s[k - 1]) {
+                repeated += 1;
+            } else {
+                conflicting += 1;
+            }
+        }
+    }
+    let merge = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        family
+            .iter()
+            .map(|s| {
+                first_of
+                    .iter()
+                    .zip(&ends)
+                    .map(|(first, end)| s[*first..*end].iter().sum::<f64>() / (end - first) as f64)
+                    .collect()
+            })
+            .collect()
+    };
+    let merged = Recording {
+        file: recording.file.clone(),
+        time_s: first_of.iter().map(|k| time[*k]).collect(),
+        position_rad: merge(&recording.position_rad),
+        velocity_rad_s: recording.velocity_rad_s.as_ref().map(merge),
+        measurement: recording.measurement.as_ref().map(merge),
+        unit: recording.unit,
+        report: recording.report.clone(),
+    };
+    (Cow::Owned(merged), (repeated, conflicting))
+}
+
+/// The stamps of a uniform grid from `from_s` to `to_s`. The last one may lie past the end by rounding alone.
+pub(crate) fn grid(from_s: f64, to_s: f64, rate_hz: f64) -> Vec<f64> {
+    let steps = ((to_s - from_s) * rate_hz + 1e-6).floor().max(0.0) as usize;
+    (0..=steps).map(|k| from_s + k as f64 / rate_hz).collect()
+}
+
+/// Values of a smooth series at `times`, by a cubic spline through the samples.
+pub(crate) fn smooth(time: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
+    CubicSpline::new(time, values).sample(times)
+}
+
+/// Values of a noisy series at the increasing `times`, by straight lines between the samples; held at the ends.
+pub(crate) fn linear(time: &[f64], values: &[f64], times: impl Iterator<Item = f64>) -> Vec<f64> {
+    let last = time.len() - 1;
+    let mut k = 0;
+    times
+        .map(|t| {
+            while k + 1 < last && t >= time[k + 1] {
+                k += 1;
+            }
+            if last == 0 || t <= time[k] {
+                return values[k];
+            }
+            if t >= time[k + 1] {
+                return values[k + 1];
+            }
+            let share = (t - time[k]) / (time[k + 1] - time[k]);
+            values[k] + share * (values[k + 1] - values[k])
+        })
+        .collect()
+}

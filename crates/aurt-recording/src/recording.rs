@@ -1,0 +1,190 @@
+use std::path::PathBuf;
+
+use aurt_traits::MeasurementUnit;
+use serde::Serialize;
+
+use crate::RecordingError;
+
+/// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
+/// leave gaps, but they never go backwards.
+///
+/// Every series is `[joint][sample]`, all of one length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Where it came from; error messages name it.
+    pub file: PathBuf,
+    /// Time stamps in s.
+    pub time_s: Vec<f64>,
+    /// Joint angles q in rad.
+    pub position_rad: Vec<Vec<f64>>,
+    /// Joint velocities q̇ in rad/s, if the file has them.
+    pub velocity_rad_s: Option<Vec<Vec<f64>>>,
+    /// Joint torques in Nm or motor currents in A, if the file has them.
+    pub measurement: Option<Vec<Vec<f64>>>,
+    /// Unit of the measurement.
+    pub unit: MeasurementUnit,
+    /// What was found and done while reading.
+    pub report: ReadReport,
+}
+
+/// What was found and done while a recording was read.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ReadReport {
+    /// How the file is written: delimiter, decimal sign, header.
+    pub format: String,
+    /// Rows of data in the file.
+    pub rows: usize,
+    /// Where each quantity was taken from, e.g. `position: actual_q_0 … actual_q_5`.
+    pub columns: Vec<String>,
+    /// Rows that were left out, with the reason.
+    pub dropped: Vec<DroppedRow>,
+    /// Choices and oddities that a person should know, as sentences.
+    pub remarks: Vec<String>,
+}
+
+/// A row that was left out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct DroppedRow {
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Why it was dropped.
+    pub reason: String,
+}
+
+impl ReadReport {
+    /// The report in sentences.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        const SHOWN: usize = 8;
+        let mut notes = vec![format!("{} rows, {}", self.rows, self.format)];
+        if !self.columns.is_empty() {
+            notes.push(self.columns.join("; "));
+        }
+        if !self.dropped.is_empty() {
+            let mut lines: Vec<String> =
+                self.dropped.iter().take(SHOWN).map(|d| format!("line {} ({})", d.line, d.reason)).collect();
+            if self.dropped.len() > SHOWN {
+                lines.push(format!("{} more", self.dropped.len() - SHOWN));
+            }
+            let share = 100.0 * self.dropped.len() as f64 / self.rows.max(1) as f64;
+            notes.push(format!(
+                "dropped {} corrupt rows ({share:.2} %): {}",
+                self.dropped.len(),
+                lines.join(", ")
+            ));
+        }
+        notes.extend(self.remarks.iter().cloned());
+        notes
+    }
+}
+
+impl Recording {
+    /// Number of joints.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.position_rad.len()
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Time from the first to the last stamp, in s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        match (self.time_s.first(), self.time_s.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// The samples from `window_s[0]` to `window_s[1]` seconds after the first stamp, both ends included.
+    /// Stamps stay as they are.
+    ///
+    /// # Errors
+    /// [`RecordingError::Window`] if the window is not finite, ends before it starts, or holds no sample.
+    pub fn window(&self, window_s: [f64; 2]) -> Result<Self, RecordingError> {
+        let [from_s, to_s] = window_s;
+        let refused = |reason| RecordingError::Window {
+            path: self.file.clone(),
+            from_s,
+            to_s,
+            reason,
+            duration_s: self.duration_s(),
+        };
+        if !(from_s.is_finite() && to_s.is_finite()) {
+            return Err(refused("is not finite"));
+        }
+        if from_s >= to_s {
+            return Err(refused("ends before it starts"));
+        }
+        let origin = self.time_s.first().copied().unwrap_or(0.0);
+        let first = self.time_s.partition_point(|t| t - origin < from_s);
+        let end = self.time_s.partition_point(|t| t - origin <= to_s);
+        if first >= end {
+            return Err(refused("holds no samples"));
+        }
+        let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[first..end].to_vec()).collect();
+        Ok(Self {
+            file: self.file.clone(),
+            time_s: self.time_s[first..end].to_vec(),
+            position_rad: cut(&self.position_rad),
+            velocity_rad_s: self.velocity_rad_s.as_ref().map(cut),
+            measurement: self.measurement.as_ref().map(cut),
+            unit: self.unit,
+            report: self.report.clone(),
+        })
+    }
+
+    /// Checks that all series have one length, that stamps and values are finite and stamps do not go back.
+    ///
+    /// [`read_recording`](crate::read_recording) guarantees it; recordings made otherwise are checked before
+    /// they are preprocessed.
+    ///
+    /// # Errors
+    /// [`RecordingError::Count`], [`RecordingError::Sample`] or [`RecordingError::Clock`].
+    pub fn validate(&self) -> Result<(), RecordingError> {
+        let samples = self.samples();
+        let count = |what: &str, expected, found| {
+            if expected == found {
+                return Ok(());
+            }
+            Err(RecordingError::Count { what: format!("{}: {what}", self.file.display()), expected, found })
+        };
+        let families = [
+            ("positions", Some(&self.position_rad)),
+            ("velocities", self.velocity_rad_s.as_ref()),
+            ("measurements", self.measurement.as_ref()),
+        ];
+        for (what, family) in families {
+            let Some(family) = family else { continue };
+            count(&format!("joints with {what}"), self.joints(), family.len())?;
+            for (joint, series) in family.iter().enumerate() {
+                count(&format!("{what} of joint {joint}"), samples, series.len())?;
+                if let Some(k) = series.iter().position(|v| !v.is_finite()) {
+                    return Err(RecordingError::Sample {
+                        path: self.file.clone(),
+                        reason: format!("sample {k} of the {what} of joint {joint} is not finite"),
+                    });
+                }
+            }
+        }
+        let bad = self
+            .time_s
+            .iter()
+            .position(|t| !t.is_finite())
+            .or_else(|| self.time_s.windows(2).position(|w| w[1] < w[0]).map(|k| k + 1));
+        if let Some(k) = bad {
+            return Err(RecordingError::Clock {
+                path: self.file.clone(),
+                reason: format!(
+                    "the time stamp of sample {k} is not finite or lies before the one before it"
+                ),
+                remedy: "sort the samples by time, or cut the recording there".into(),
+            });
+        }
+        Ok(())
+    }
+}
