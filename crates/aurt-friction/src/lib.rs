@@ -1,13 +1,20 @@
 //! Joint friction models and arm terms for AURT, one model a file.
 //!
-//! Equation (6) of Madsen et al. (2022), τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇), has three slots, and a model's folder
-//! is the slot that it fits: [`coulomb`] for f_C, [`hysteresis`] for H, [`viscous`] for f_v. What lacks a slot's
-//! invariants, or acts on several joints, is physics outside that equation and lives in [`arm_terms`].
+//! Equation (6) of Madsen et al. (2022), *AURT: A Tool for Dynamics Calibration of Robot Manipulators*,
+//! τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇), has three slots, and a model's folder is the slot that it fits: [`coulomb`] for
+//! f_C, [`hysteresis`] for H, [`viscous`] for f_v. What lacks a slot's invariants, or acts on several joints, is
+//! physics outside that equation and lives in [`arm_terms`].
 //!
 //! Linking the crate (`use aurt_friction as _;`) registers every model with [`aurt_traits::ModelEntry`] and with
-//! `typetag`, so that experiments and saved models find it by its name.
+//! `typetag`, so that experiments and saved models find it by its name. Each file's documentation holds equation,
+//! parameters, columns, use, source and invariants.
 //!
-//! Adding a model is one file and its `mod` line below.
+//! Adding a model is one file and its `mod` line below; the tests find it by its registration.
+
+pub mod conformance;
+mod path_step;
+mod shape;
+mod stribeck_curve;
 
 pub mod coulomb {
     //! Coulomb levels f_C(τ_J): even in the load torque, strictly positive.
@@ -16,16 +23,43 @@ pub mod coulomb {
     pub mod absolute;
     pub mod none;
     pub mod square;
+    pub mod stribeck;
 }
 
 pub mod hysteresis {
     //! Generalised hysteresis H(z, q̇): bounded by one in magnitude, with or without memory.
 
+    pub mod bouc_wen;
+    pub mod dahl;
+    pub mod gms;
+    pub mod lugre;
+    pub mod maxwell_slip;
     pub mod sign;
+    pub mod tanh;
+    mod thresholds;
 }
 
 pub mod viscous {
     //! Viscous friction f_v(q̇): odd, continuous and of the sign of velocity.
 
     pub mod polynomial;
+    pub mod saturating;
+}
+
+pub mod arm_terms {
+    //! Physics outside equation (6): several joints' rows, loads, and friction that lacks a slot's invariants.
+
+    pub mod base_tilt;
+    pub mod coulomb_asymmetric;
+    pub mod counterbalance;
+    pub mod coupling;
+    pub mod current_offset;
+    pub mod drive_efficiency;
+    pub mod joint_selection;
+    pub mod lugre_damped;
+    pub mod payload;
+    pub mod rotor_inertia;
+    pub mod spring;
+    pub mod torque_ripple;
+    pub mod viscous_asymmetric;
 }

@@ -27,6 +27,8 @@ use aurt_traits::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::shape::verdict;
+
 /// The sign of velocity, zero at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -72,14 +74,7 @@ impl JointModel for Sign {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        if self.rest_velocity_rad_s.is_finite() && self.rest_velocity_rad_s >= 0.0 {
-            return Ok(());
-        }
-        Err(vec![ModelError::InvalidParameter {
-            model: "sign".into(),
-            parameter: "rest_velocity_rad_s".into(),
-            reason: format!("must be zero or positive, is {}", self.rest_velocity_rad_s),
-        }])
+        verdict(rest_complaint("sign", self.rest_velocity_rad_s).into_iter().collect())
     }
 
     fn evaluate(
@@ -99,6 +94,16 @@ impl JointModel for Sign {
 #[inline]
 pub(crate) fn sign_beyond(v: f64, rest: f64) -> f64 {
     if v.abs() > rest { v.signum() } else { 0.0 }
+}
+
+/// The complaint about a rest velocity that is none, in the name of `model`.
+pub(crate) fn rest_complaint(model: &str, rest_velocity_rad_s: f64) -> Option<ModelError> {
+    let sensible = rest_velocity_rad_s.is_finite() && rest_velocity_rad_s >= 0.0;
+    (!sensible).then(|| ModelError::InvalidParameter {
+        model: model.into(),
+        parameter: "rest_velocity_rad_s".into(),
+        reason: format!("must be zero or positive, is {rest_velocity_rad_s}"),
+    })
 }
 
 #[typetag::serde(name = "sign")]

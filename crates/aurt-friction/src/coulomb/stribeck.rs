@@ -1,0 +1,164 @@
+//! `stribeck`: a Coulomb level that is higher near rest.
+//!
+//! # Equation
+//! f_C(τ_J, q̇) = Σ_l (F_C,l + ΔF_S,l e^(−|q̇/v_S|^δ)) |τ_J|^l, where l runs over {0} for `load = "none"`, {0, 1}
+//! for `"absolute"` and {0, 2} for `"square"`.
+//!
+//! # Parameters
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `stribeck_velocity_rad_s` | rad/s | v_S, shape, 0.001–1, searched in logarithms; 0.05 unless given |
+//! | `stribeck_exponent` | 1 | δ, shape, 0.5–3; 2 (Gaussian) unless given |
+//! | `load` | – | `"none"` (default), `"absolute"` or `"square"` |
+//!
+//! # Columns
+//! | name | unit | column |
+//! |---|---|---|
+//! | `F_C0` | Nm | 1 |
+//! | `dF_S0` | Nm | e^(−\|q̇/v_S\|^δ); the coefficient is the excess F_S − F_C of break-away over sliding |
+//! | `F_C1` | 1 or 1/Nm | \|τ_J\| or τ_J², with `load` |
+//! | `dF_S1` | 1 or 1/Nm | their product with the exponential, with `load` |
+//!
+//! # Use when
+//! Friction dips after break-away and the recording holds slow motion (below about 2 v_S) apart from reversals.
+//! Near reversals alone, presliding (`maxwell_slip`) and a sign that the filter smeared look alike.
+//!
+//! # Source
+//! Stribeck (1902); Bo and Pavelescu (1982), *The friction-speed relation and its influence on the critical
+//! velocity of stick-slip motion*, for the exponent; Armstrong-Hélouvry, Dupont, Canudas de Wit (1994), *A survey
+//! of models, analysis tools and compensation methods for the control of machines with friction*.
+//!
+//! # Invariants
+//! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
+
+use aurt_traits::{
+    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    ShapeParameter, register_model,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    shape::{accepted, out_of_bounds, verdict},
+    stribeck_curve::{Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY},
+};
+
+/// How a Stribeck level grows with the load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadDependence {
+    /// Not at all.
+    #[default]
+    None,
+    /// In proportion to |τ_J|.
+    Absolute,
+    /// In proportion to τ_J².
+    Square,
+}
+
+/// A Coulomb level with the Stribeck effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Stribeck {
+    /// Stribeck velocity v_S in rad/s.
+    pub stribeck_velocity_rad_s: f64,
+    /// Exponent δ.
+    pub stribeck_exponent: f64,
+    /// Load dependence of both levels.
+    pub load: LoadDependence,
+}
+
+impl Default for Stribeck {
+    fn default() -> Self {
+        Self { stribeck_velocity_rad_s: 0.05, stribeck_exponent: 2.0, load: LoadDependence::None }
+    }
+}
+
+register_model! {
+    slot: Coulomb,
+    name: "stribeck",
+    summary: "Coulomb level that is higher near rest, optionally with load dependence",
+    equation: "f_C = Σ_l (F_C,l + dF_S,l exp(−|q̇/v_S|^δ)) |τ_J|^l, l = 0 and that of `load`",
+    use_when: "friction dips after break-away and the recording holds slow motion apart from reversals",
+    source: "Stribeck (1902); Bo and Pavelescu (1982); Armstrong-Hélouvry, Dupont, Canudas de Wit (1994)",
+    example: r#"{ model = "stribeck", stribeck_velocity_rad_s = 0.05, stribeck_exponent = 2.0, load = "absolute" }"#,
+}
+
+impl JointModel for Stribeck {
+    fn name(&self) -> &str {
+        "stribeck"
+    }
+
+    fn columns(&self) -> Vec<Parameter> {
+        let mut columns = vec![Parameter::new("F_C0", "Nm"), Parameter::new("dF_S0", "Nm")];
+        let unit = match self.load {
+            LoadDependence::None => return columns,
+            LoadDependence::Absolute => "1",
+            LoadDependence::Square => "1/Nm",
+        };
+        columns.extend([Parameter::new("F_C1", unit), Parameter::new("dF_S1", unit)]);
+        columns
+    }
+
+    fn invariants(&self) -> Invariants {
+        const ALWAYS: [Invariant; 4] = [
+            Invariant::EvenInLoad,
+            Invariant::Positive,
+            Invariant::ContinuousInVelocity,
+            Invariant::Memoryless,
+        ];
+        let bounded = match self.load {
+            LoadDependence::None => Invariants::of(&[Invariant::BoundedByOne]),
+            LoadDependence::Absolute | LoadDependence::Square => Invariants::NONE,
+        };
+        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | bounded.bits())
+    }
+
+    fn shape_parameters(&self) -> Vec<ShapeParameter> {
+        vec![STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s), STRIBECK_EXPONENT.at(self.stribeck_exponent)]
+    }
+
+    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
+        if let [velocity, exponent] = accepted("stribeck", &self.shape_parameters(), values)?[..] {
+            self.stribeck_velocity_rad_s = velocity;
+            self.stribeck_exponent = exponent;
+        }
+        Ok(())
+    }
+
+    fn validate(&self) -> Result<(), Vec<ModelError>> {
+        verdict(out_of_bounds("stribeck", &self.shape_parameters()))
+    }
+
+    fn evaluate(
+        &self,
+        series: &JointSeries<'_>,
+        _state: &mut [f64],
+        out: &mut Columns<'_>,
+    ) -> Result<(), ModelError> {
+        let decay = Decay { velocity_rad_s: self.stribeck_velocity_rad_s, exponent: self.stribeck_exponent };
+        out.column_mut(0).fill(1.0);
+        for (o, v) in out.column_mut(1).iter_mut().zip(series.velocity_rad_s) {
+            *o = decay.at(*v);
+        }
+        let growth = match self.load {
+            LoadDependence::None => return Ok(()),
+            LoadDependence::Absolute => f64::abs,
+            LoadDependence::Square => |load: f64| load * load,
+        };
+        let (samples, (data, stride)) = (out.samples(), out.raw_mut());
+        let (near, far) = data.split_at_mut(2 * stride);
+        let (level, excess) = far.split_at_mut(stride);
+        for n in 0..samples {
+            level[n] = growth(series.load_torque[n]);
+            excess[n] = level[n] * near[stride + n];
+        }
+        Ok(())
+    }
+}
+
+#[typetag::serde(name = "stribeck")]
+impl CoulombModel for Stribeck {
+    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
+        Box::new(*self)
+    }
+}

@@ -1,0 +1,109 @@
+//! `tanh`: the sign of velocity, smoothed.
+//!
+//! # Equation
+//! H = tanh(q̇/v_T)
+//!
+//! # Parameters
+//! | key | unit | meaning |
+//! |---|---|---|
+//! | `velocity_rad_s` | rad/s | v_T, shape, 10⁻⁴–1, searched in logarithms; 0.01 unless given |
+//!
+//! # Use when
+//! A simulation or a controller needs a friction law without a step, or a filter has smeared the sign in the
+//! recording. It is no presliding: at rest it always gives zero, whatever the way there was.
+//!
+//! # Source
+//! Andersson, Söderberg, Björklund (2007), *Friction models for sliding dry, boundary and mixed lubricated
+//! contacts*.
+//!
+//! # Invariants
+//! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
+
+use aurt_traits::{
+    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    ShapeParameter, register_model,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::shape::{Shape, accepted, out_of_bounds, verdict};
+
+const VELOCITY: Shape = Shape::logarithmic("velocity_rad_s", "rad/s", 1e-4, 1.0);
+
+/// A smoothed sign of velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tanh {
+    /// Transition velocity v_T in rad/s.
+    pub velocity_rad_s: f64,
+}
+
+impl Default for Tanh {
+    fn default() -> Self {
+        Self { velocity_rad_s: 0.01 }
+    }
+}
+
+register_model! {
+    slot: Hysteresis,
+    name: "tanh",
+    summary: "the sign of velocity, smoothed over a transition velocity",
+    equation: "H = tanh(q̇/velocity_rad_s)",
+    use_when: "a friction law without a step is needed; it has no memory and so no presliding",
+    source: "Andersson, Söderberg, Björklund (2007)",
+    example: r#"{ model = "tanh", velocity_rad_s = 0.01 }"#,
+}
+
+impl JointModel for Tanh {
+    fn name(&self) -> &str {
+        "tanh"
+    }
+
+    fn columns(&self) -> Vec<Parameter> {
+        vec![Parameter::new("tanh", "1")]
+    }
+
+    fn invariants(&self) -> Invariants {
+        Invariants::of(&[
+            Invariant::BoundedByOne,
+            Invariant::OddInVelocity,
+            Invariant::ContinuousInVelocity,
+            Invariant::SignOfVelocity,
+            Invariant::Passive,
+            Invariant::Memoryless,
+        ])
+    }
+
+    fn shape_parameters(&self) -> Vec<ShapeParameter> {
+        vec![VELOCITY.at(self.velocity_rad_s)]
+    }
+
+    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
+        if let [velocity] = accepted("tanh", &self.shape_parameters(), values)?[..] {
+            self.velocity_rad_s = velocity;
+        }
+        Ok(())
+    }
+
+    fn validate(&self) -> Result<(), Vec<ModelError>> {
+        verdict(out_of_bounds("tanh", &self.shape_parameters()))
+    }
+
+    fn evaluate(
+        &self,
+        series: &JointSeries<'_>,
+        _state: &mut [f64],
+        out: &mut Columns<'_>,
+    ) -> Result<(), ModelError> {
+        for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
+            *o = (v / self.velocity_rad_s).tanh();
+        }
+        Ok(())
+    }
+}
+
+#[typetag::serde(name = "tanh")]
+impl HysteresisModel for Tanh {
+    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
+        Box::new(*self)
+    }
+}
