@@ -1,1 +1,28 @@
-//! Weighted least squares calibration of robot models from recordings.
+//! Weighted least squares calibration of robot models from recordings (paper, section IV), and what belongs to
+//! it: uncertainty, validation, prediction.
+//!
+//! The regressor is streamed: evaluated tile by tile, filtered in parallel with the measurement, decimated and
+//! folded into one triangle per joint ([`JointFactor`]). These triangles answer every further question (OLS,
+//! σ_j, WLS, subsets of columns, sums of recordings) without the samples ([`System`]).
+
+mod calibrated;
+mod error;
+mod factor;
+mod metrics;
+mod stream;
+mod system;
+mod uncertainty;
+mod validate;
+mod wls;
+
+pub use calibrated::{
+    CalibratedParameter, Calibration, CalibrationOptions, Estimator, JointRange, LoadTorqueChoice, Rest,
+};
+pub use error::CalibrationError;
+pub use factor::JointFactor;
+pub use metrics::{JointMetrics, Metrics};
+pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
+pub use system::{Solution, System};
+pub use uncertainty::noise_bandwidth_factor;
+pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};
+pub use wls::{Estimate, NamedRecording, accumulate, calibrate, estimate};

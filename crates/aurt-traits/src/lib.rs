@@ -11,6 +11,7 @@
 //!
 //! Joints count from 0. Units are SI; a model calibrated against motor currents has A in the place of Nm.
 
+pub mod abi;
 mod arm_term;
 mod error;
 mod invariants;

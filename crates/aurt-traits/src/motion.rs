@@ -127,6 +127,23 @@ impl<'a> MotionView<'a> {
         Self { first: self.first + range.start, samples: range.end - range.start, ..*self }
     }
 
+    /// Positions, velocities and accelerations of all joints, joint after joint, and the distance between two joints.
+    pub(crate) fn strided(&self) -> (usize, [&'a [f64]; 3]) {
+        let of = |series: &'a [f64]| &series[self.first.min(series.len())..];
+        (self.stride, [of(self.position_rad), of(self.velocity_rad_s), of(self.acceleration_rad_s2)])
+    }
+
+    /// The reverse of [`Self::strided`].
+    pub(crate) const fn from_strided(
+        joints: usize,
+        stride: usize,
+        time_s: &'a [f64],
+        [position_rad, velocity_rad_s, acceleration_rad_s2]: [&'a [f64]; 3],
+    ) -> Self {
+        let samples = time_s.len();
+        Self { joints, first: 0, samples, stride, time_s, position_rad, velocity_rad_s, acceleration_rad_s2 }
+    }
+
     fn of(&self, series: &'a [f64], joint: usize) -> &'a [f64] {
         let start = joint * self.stride + self.first;
         &series[start..start + self.samples]

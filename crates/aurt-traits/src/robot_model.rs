@@ -80,6 +80,18 @@ impl RobotTile {
         &self.data[slot * self.stride..slot * self.stride + self.samples]
     }
 
+    /// All slots, `stride` apart.
+    #[must_use]
+    pub fn raw(&self) -> &[f64] {
+        &self.data
+    }
+
+    /// Distance between the first samples of two slots in [`Self::raw`].
+    #[must_use]
+    pub const fn stride(&self) -> usize {
+        self.stride
+    }
+
     /// The load torque of a joint over the batch.
     #[must_use]
     pub fn load_torque(&self, joint: usize) -> &[f64] {

@@ -1,0 +1,123 @@
+use aurt_traits::{LoadTorque, MeasurementUnit};
+use serde::{Deserialize, Serialize};
+
+/// Which least-squares weights are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimator {
+    /// Weights 1/σ_j² from a first OLS (paper, equations 13 and 14).
+    #[default]
+    Wls,
+    /// All joints weighted alike.
+    Ols,
+}
+
+/// How the load torque τ_J of load-dependent friction is formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadTorqueChoice {
+    /// From the fitted rigid bodies: a first fit without load dependence supplies them.
+    #[default]
+    Fitted,
+    /// The paper's: the sum of the base regressor's row.
+    Literal,
+}
+
+/// What calibration does with samples at which a joint rests (|q̇_j| at or below the rest velocity), where the
+/// sign of velocity is that of rounding noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rest {
+    /// They count like all others (the paper).
+    #[default]
+    Keep,
+    /// A joint's row is left out of the fit while the joint rests.
+    Exclude,
+}
+
+/// Settings of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CalibrationOptions {
+    /// Least-squares weights.
+    pub estimator: Estimator,
+    /// Load torque of load-dependent friction.
+    pub load_torque: LoadTorqueChoice,
+    /// Treatment of resting samples in the fit.
+    pub rest: Rest,
+    /// At and below this |q̇_j| a joint rests, rad/s; validation reports samples above it as moving.
+    pub rest_velocity_rad_s: f64,
+}
+
+impl Default for CalibrationOptions {
+    fn default() -> Self {
+        Self {
+            estimator: Estimator::default(),
+            load_torque: LoadTorqueChoice::default(),
+            rest: Rest::default(),
+            rest_velocity_rad_s: 0.03,
+        }
+    }
+}
+
+/// A coefficient with what is known of its precision.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedParameter {
+    /// Name, as in the robot model.
+    pub name: String,
+    /// Unit, with A in the place of Nm for a current-measuring robot.
+    pub unit: String,
+    /// Estimate; zero for a parameter that the recordings do not excite.
+    pub value: f64,
+    /// Standard deviation of the estimate; absent if not excited.
+    pub std_dev: Option<f64>,
+    /// |standard deviation / estimate| in percent.
+    pub relative_std_dev_percent: Option<f64>,
+    /// 95 % confidence interval.
+    pub interval_95: Option<[f64; 2]>,
+    /// Whether the recordings determine the parameter at all.
+    pub excited: bool,
+}
+
+/// The range that a joint covered in calibration; predictions beyond it are extrapolations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct JointRange {
+    /// Largest |q̇|, rad/s.
+    pub velocity_rad_s: f64,
+    /// Largest |τ_J| in the unit of the measurement; absent for the literal load torque, which has no unit.
+    pub load_torque: Option<f64>,
+}
+
+/// Everything a calibration found out, beside the structure of the robot model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// What was measured, and so the unit of predictions.
+    pub unit: MeasurementUnit,
+    /// The settings used.
+    pub options: CalibrationOptions,
+    /// Frequency of the robot's dynamics in Hz, from which the filters' cut-offs follow.
+    pub f_dyn_hz: f64,
+    /// The coefficients, in the robot model's order.
+    pub parameters: Vec<CalibratedParameter>,
+    /// Weights of the load torque, to be used in prediction.
+    pub load: LoadTorque,
+    /// σ_j of equation (14), unit of the measurement.
+    pub sigma: Vec<f64>,
+    /// Rows of each joint that entered the fit.
+    pub samples_per_joint: Vec<usize>,
+    /// Condition number of the weighted observation matrix with columns of equal length.
+    pub condition_number: f64,
+    /// Covered ranges, joint by joint.
+    pub ranges: Vec<JointRange>,
+    /// Names of the recordings.
+    pub recordings: Vec<String>,
+    /// What a user should know of this calibration.
+    pub warnings: Vec<String>,
+}
+
+impl Calibration {
+    /// The coefficients' values.
+    #[must_use]
+    pub fn coefficients(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+}

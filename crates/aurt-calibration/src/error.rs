@@ -1,0 +1,63 @@
+use std::path::PathBuf;
+
+use aurt_recording::RecordingError;
+use aurt_traits::ModelError;
+use thiserror::Error;
+
+/// What can go wrong in calibration, validation and prediction.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// A model could not be evaluated.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A recording could not be preprocessed.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The recordings hold too few rows for the number of parameters (the paper asks for M > n_p).
+    #[error(
+        "{rows} samples per joint are left after filtering and decimation, but the model has {parameters} \
+         parameters and needs more samples than that; record longer, raise `f_dyn_hz` (less decimation) or \
+         use a smaller model"
+    )]
+    TooFewSamples {
+        /// Rows per joint.
+        rows: usize,
+        /// Number of parameters n_p.
+        parameters: usize,
+    },
+    /// A recording has no measurement although one is needed.
+    #[error(
+        "{}: no current or torque columns, but calibration and validation compare with a measurement; \
+         name them `current_0 …` or `torque_0 …`, or map them with `columns = {{ measurement = … }}`",
+        file.display()
+    )]
+    NoMeasurement {
+        /// The recording.
+        file: PathBuf,
+    },
+    /// The robot has another number of joints than a recording.
+    #[error("{}: the recording has {found} joints, the model {expected}", file.display())]
+    Joints {
+        /// The recording.
+        file: PathBuf,
+        /// Joints of the model.
+        expected: usize,
+        /// Joints of the recording.
+        found: usize,
+    },
+    /// Two factors over different columns cannot be merged.
+    #[error("factors over {left} and {right} columns cannot be merged")]
+    Columns {
+        /// Columns of the one.
+        left: usize,
+        /// Columns of the other.
+        right: usize,
+    },
+    /// Nothing to calibrate on.
+    #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
+    NothingToCalibrateOn,
+    /// The fit produced a value that is not a number.
+    #[error("the least-squares solution is not finite; the recordings hold values that no robot produces")]
+    NotFinite,
+}

@@ -1,0 +1,89 @@
+use aurt_recording::ZeroPhase;
+use aurt_traits::{MeasurementUnit, RobotModel};
+
+use crate::{calibrated::CalibratedParameter, system::Solution};
+
+/// Two-sided 95 % quantile of the normal distribution; rows are counted in thousands, so Student's differs
+/// in the third digit at most.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// A relative standard deviation above this is worth a warning: the interval then includes zero.
+const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;
+
+/// By how much the variance of low-frequency estimates exceeds what independent rows would give.
+///
+/// Measurement noise that is white at the recording's rate leaves the zero-phase filter |H|² with the power
+/// spectrum |H|⁴. Sampled every `decimation`-th time its rows are not independent: below the cut-off the
+/// spectrum is S(0)/S̄ = 1 / (decimation · mean |H|⁴) times that of white noise of the same variance.
+#[must_use]
+pub fn noise_bandwidth_factor(filter: &ZeroPhase, decimation: usize) -> f64 {
+    const POINTS: usize = 4096;
+    let mean: f64 =
+        (0..POINTS).map(|k| gain(filter, 0.5 * (k as f64 + 0.5) / POINTS as f64).powi(2)).sum::<f64>()
+            / POINTS as f64;
+    (1.0 / (decimation as f64 * mean)).max(1.0)
+}
+
+/// |H|² of the zero-phase filter at a frequency in units of the sampling rate.
+fn gain(filter: &ZeroPhase, frequency: f64) -> f64 {
+    let (sin, cos) = (std::f64::consts::TAU * frequency).sin_cos();
+    let (sin2, cos2) = (2.0 * std::f64::consts::TAU * frequency).sin_cos();
+    let power = |c: [f64; 3]| {
+        let real = c[0] + c[1] * cos + c[2] * cos2;
+        let imaginary = c[1] * sin + c[2] * sin2;
+        real * real + imaginary * imaginary
+    };
+    filter.sections().iter().map(|s| power(s.b) / power([1.0, s.a[0], s.a[1]])).product()
+}
+
+/// The coefficients with their precision.
+pub(crate) fn calibrated_parameters(
+    model: &RobotModel,
+    unit: MeasurementUnit,
+    solution: &Solution,
+    bandwidth_factor: f64,
+) -> Vec<CalibratedParameter> {
+    let n = model.parameters().len();
+    model
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(k, parameter)| {
+            let (value, excited) = (solution.coefficients[k], solution.excited[k]);
+            let std_dev = excited.then(|| (solution.covariance[k * n + k] * bandwidth_factor).sqrt());
+            CalibratedParameter {
+                name: parameter.name.clone(),
+                unit: unit.express(&parameter.unit),
+                value,
+                std_dev,
+                relative_std_dev_percent: std_dev.filter(|_| value != 0.0).map(|s| (100.0 * s / value).abs()),
+                interval_95: std_dev.map(|s| [value - NORMAL_95 * s, value + NORMAL_95 * s]),
+                excited,
+            }
+        })
+        .collect()
+}
+
+/// Warnings about parameters that the recordings determine badly or not at all.
+pub(crate) fn warnings(parameters: &[CalibratedParameter]) -> Vec<String> {
+    let names = |choose: &dyn Fn(&CalibratedParameter) -> bool| -> Vec<&str> {
+        parameters.iter().filter(|p| choose(p)).map(|p| p.name.as_str()).collect()
+    };
+    let mut warnings = Vec::new();
+    let silent = names(&|p| !p.excited);
+    if !silent.is_empty() {
+        warnings.push(format!(
+            "not excited by the calibration recordings and set to zero: {}; the model cannot be trusted for \
+             motions that need them",
+            silent.join(", ")
+        ));
+    }
+    let vague = names(&|p| p.relative_std_dev_percent.is_some_and(|r| r > LARGE_RELATIVE_STD_DEV_PERCENT));
+    if !vague.is_empty() {
+        warnings.push(format!(
+            "badly excited (standard deviation above {LARGE_RELATIVE_STD_DEV_PERCENT} % of the value): {}",
+            vague.join(", ")
+        ));
+    }
+    warnings
+}

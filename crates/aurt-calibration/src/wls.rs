@@ -1,0 +1,216 @@
+use aurt_recording::{Preprocessed, Segment};
+use aurt_traits::{LoadTorque, RobotModel};
+use rayon::prelude::*;
+
+use crate::{
+    CalibrationError, JointFactor, JointRange, System,
+    calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice, Rest},
+    stream::{for_each_row_block, for_each_tile},
+    system::Solution,
+    uncertainty::{calibrated_parameters, noise_bandwidth_factor, warnings},
+};
+
+/// A preprocessed recording with the name under which reports mention it.
+#[derive(Debug, Clone)]
+pub struct NamedRecording {
+    /// Name or path of the recording.
+    pub name: String,
+    /// Its segments.
+    pub data: Preprocessed,
+}
+
+impl NamedRecording {
+    /// Rows per joint over all segments.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.data.segments.iter().map(Segment::rows).sum()
+    }
+}
+
+/// Estimates the model's coefficients from recordings: OLS for σ_j (equation 14), then WLS with weights
+/// 1/σ_j² (equation 13).
+///
+/// With [`LoadTorqueChoice::Fitted`] this happens twice: a first fit with τ_J = 0, in which load-dependent
+/// columns vanish, supplies the rigid bodies that form τ_J for the second.
+///
+/// # Errors
+/// [`CalibrationError::TooFewSamples`] unless M > n_p, [`CalibrationError::NoMeasurement`], and what models
+/// report.
+pub fn calibrate(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    unit: aurt_traits::MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
+    let first = recordings.first().ok_or(CalibrationError::NothingToCalibrateOn)?;
+    check(model, recordings)?;
+    let load = match options.load_torque {
+        LoadTorqueChoice::Literal => LoadTorque::Literal,
+        LoadTorqueChoice::Fitted => {
+            let no_load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
+            let system = accumulate(model, recordings, &no_load, options)?;
+            LoadTorque::Fitted(estimate(&system, options.estimator)?.solution.coefficients)
+        }
+    };
+    let system = accumulate(model, recordings, &load, options)?;
+    let estimate = estimate(&system, options.estimator)?;
+    let bandwidth =
+        first.data.segments.first().map_or(1.0, |s| noise_bandwidth_factor(&s.parallel_filter, s.decimation));
+    let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
+    Ok(Calibration {
+        unit,
+        options: *options,
+        f_dyn_hz,
+        warnings: warnings(&parameters),
+        parameters,
+        sigma: estimate.sigma,
+        samples_per_joint: system.factors().iter().map(JointFactor::rows).collect(),
+        condition_number: estimate.solution.condition_number,
+        ranges: ranges(model, recordings, &load)?,
+        load,
+        recordings: recordings.iter().map(|r| r.name.clone()).collect(),
+    })
+}
+
+/// A solution with the σ_j that weighted it.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// The coefficients and their covariance; for WLS the covariance of equation (13).
+    pub solution: Solution,
+    /// σ_j of equation (14), from the global OLS.
+    pub sigma: Vec<f64>,
+}
+
+/// OLS, σ_j, and, if asked for, WLS from accumulated factors.
+///
+/// # Errors
+/// [`CalibrationError::TooFewSamples`] unless every joint has more rows than there are parameters.
+pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, CalibrationError> {
+    let ones = vec![1.0; system.factors().len()];
+    let ols = system.solve(&ones, |_| true)?;
+    let parameters = ols.excited.iter().filter(|e| **e).count();
+    let sigma: Vec<f64> = system
+        .factors()
+        .iter()
+        .zip(&ols.residual_sum)
+        .map(|(factor, sum)| {
+            if factor.rows() <= parameters {
+                return Err(CalibrationError::TooFewSamples { rows: factor.rows(), parameters });
+            }
+            Ok((sum / (factor.rows() - parameters) as f64).sqrt())
+        })
+        .collect::<Result<_, _>>()?;
+    let mut solution = match estimator {
+        Estimator::Ols => ols,
+        Estimator::Wls => {
+            // A joint that is met exactly would get an infinite weight; the largest residual sets the scale.
+            let floor = sigma.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-12 + f64::MIN_POSITIVE.sqrt();
+            let weights: Vec<f64> = sigma.iter().map(|s| 1.0 / s.max(floor)).collect();
+            system.solve(&weights, |_| true)?
+        }
+    };
+    if estimator == Estimator::Ols {
+        let degrees: usize = system.factors().iter().map(JointFactor::rows).sum::<usize>() - parameters;
+        let variance = solution.residual_sum.iter().sum::<f64>() / degrees as f64;
+        solution.covariance.iter_mut().for_each(|c| *c *= variance);
+    }
+    Ok(Estimate { solution, sigma })
+}
+
+/// Accumulates the factors of all joints over all recordings, segments in parallel, merged in their order (so
+/// that results do not depend on the number of threads).
+///
+/// # Errors
+/// What models report.
+pub fn accumulate(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    load: &LoadTorque,
+    options: &CalibrationOptions,
+) -> Result<System, CalibrationError> {
+    let segments: Vec<&Segment> = recordings.iter().flat_map(|r| &r.data.segments).collect();
+    let systems = segments
+        .par_iter()
+        .map(|segment| accumulate_segment(model, segment, load, options))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut systems = systems.into_iter();
+    let mut total = systems.next().ok_or(CalibrationError::NothingToCalibrateOn)?;
+    systems.try_for_each(|system| total.merge(&system))?;
+    Ok(total)
+}
+
+fn accumulate_segment(
+    model: &RobotModel,
+    segment: &Segment,
+    load: &LoadTorque,
+    options: &CalibrationOptions,
+) -> Result<System, CalibrationError> {
+    let mut factors: Vec<JointFactor> =
+        (0..model.joints()).map(|j| JointFactor::new(model.row_columns(j).to_vec())).collect();
+    if let Some(measurement) = &segment.measurement {
+        for_each_row_block(model, segment, load, |block| {
+            for (joint, factor) in factors.iter_mut().enumerate() {
+                let slots = model.row_slots(joint);
+                factor.push(
+                    |k| block.column(slots.start + k),
+                    block.measurement(&measurement[joint]),
+                    |row| {
+                        options.rest == Rest::Keep
+                            || block.speed(segment, joint, row) > options.rest_velocity_rad_s
+                    },
+                );
+            }
+        })?;
+    }
+    Ok(System::new(model.parameters().len(), factors))
+}
+
+fn ranges(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    load: &LoadTorque,
+) -> Result<Vec<JointRange>, CalibrationError> {
+    let mut velocity = vec![0.0_f64; model.joints()];
+    let mut torque = vec![0.0_f64; model.joints()];
+    for segment in recordings.iter().flat_map(|r| &r.data.segments) {
+        let motion = segment.motion.view();
+        for (joint, largest) in velocity.iter_mut().enumerate() {
+            *largest = motion.velocity_rad_s(joint).iter().fold(*largest, |a, v| a.max(v.abs()));
+        }
+        if matches!(load, LoadTorque::Fitted(_)) {
+            for_each_tile(model, segment, load, |_, tile| {
+                for (joint, largest) in torque.iter_mut().enumerate() {
+                    *largest = tile.load_torque(joint).iter().fold(*largest, |a, v| a.max(v.abs()));
+                }
+            })?;
+        }
+    }
+    Ok(velocity
+        .into_iter()
+        .zip(torque)
+        .map(|(velocity_rad_s, torque)| JointRange {
+            velocity_rad_s,
+            load_torque: matches!(load, LoadTorque::Fitted(_)).then_some(torque),
+        })
+        .collect())
+}
+
+/// Refuses recordings without a measurement or of another robot.
+pub(crate) fn check(model: &RobotModel, recordings: &[NamedRecording]) -> Result<(), CalibrationError> {
+    for recording in recordings {
+        for segment in &recording.data.segments {
+            if segment.motion.joints() != model.joints() {
+                return Err(CalibrationError::Joints {
+                    file: recording.name.clone().into(),
+                    expected: model.joints(),
+                    found: segment.motion.joints(),
+                });
+            }
+            if segment.measurement.is_none() {
+                return Err(CalibrationError::NoMeasurement { file: recording.name.clone().into() });
+            }
+        }
+    }
+    Ok(())
+}
