@@ -1,27 +1,41 @@
 //! From a table `{ model = "…", … }` to a model.
 
-use std::cell::RefCell;
+use std::{cell::RefCell, sync::Arc};
 
 use aurt_traits::{ArmTerm, CoulombModel, HysteresisModel, JointModel, ModelError, Slot, ViscousBasis};
 use serde::{Deserialize, de::value::Error as SerdeError};
+use serde_json::{Map, Value};
 
 use crate::{
     Node, Registry,
     configuration::NodeKind,
+    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryModel},
     error::BuildError,
     place::{self, Place, Tracked},
 };
 
+/// The key under which a saved model of a library says where it is from.
+pub(crate) const PLUGIN_KEY: &str = "plugin";
+
 mod sealed {
+    use std::sync::Arc;
+
     use aurt_traits::ModelError;
     use serde::de::value::Error;
+    use serde_json::{Map, Value};
 
-    use crate::place::Tracked;
+    use crate::{
+        dynamic::{Fault, LibraryModel},
+        place::Tracked,
+    };
 
     /// What building needs of a model trait; private, so that nobody else fills a slot.
     pub trait Construct {
         /// A statically linked model.
         fn from_linked(table: Tracked<'_>) -> Result<Box<Self>, Error>;
+
+        /// A model of a library, from its keys.
+        fn from_library(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Box<Self>, Fault>;
 
         /// What the model's own validation says, without a robot.
         fn complaints(&self) -> Vec<ModelError>;
@@ -36,7 +50,7 @@ pub trait SlotModel: sealed::Construct {
 }
 
 macro_rules! slot_model {
-    ($model:ty, $slot:ident, $complaints:expr) => {
+    ($model:ty, $slot:ident, $adapter:ident, $complaints:expr) => {
         impl SlotModel for $model {
             const SLOT: Slot = Slot::$slot;
         }
@@ -44,6 +58,13 @@ macro_rules! slot_model {
         impl sealed::Construct for $model {
             fn from_linked(table: Tracked<'_>) -> Result<Box<Self>, SerdeError> {
                 Box::<Self>::deserialize(table)
+            }
+
+            fn from_library(
+                model: Arc<LibraryModel>,
+                config: Map<String, Value>,
+            ) -> Result<Box<Self>, Fault> {
+                Ok(Box::new($adapter::create(model, config)?))
             }
 
             fn complaints(&self) -> Vec<ModelError> {
@@ -54,11 +75,17 @@ macro_rules! slot_model {
     };
 }
 
-slot_model!(dyn CoulombModel, Coulomb, |m| JointModel::validate(m).err().unwrap_or_default());
-slot_model!(dyn HysteresisModel, Hysteresis, |m| JointModel::validate(m).err().unwrap_or_default());
-slot_model!(dyn ViscousBasis, Viscous, |m| JointModel::validate(m).err().unwrap_or_default());
+slot_model!(dyn CoulombModel, Coulomb, LibraryJointModel, |m| JointModel::validate(m)
+    .err()
+    .unwrap_or_default());
+slot_model!(dyn HysteresisModel, Hysteresis, LibraryJointModel, |m| JointModel::validate(m)
+    .err()
+    .unwrap_or_default());
+slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |m| JointModel::validate(m)
+    .err()
+    .unwrap_or_default());
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
-slot_model!(dyn ArmTerm, ArmTerm, |_| Vec::new());
+slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |_| Vec::new());
 
 pub(crate) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
@@ -72,12 +99,12 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
         let span = table.get("model").map_or_else(|| table.span.clone(), |n| n.span.clone());
         return Err(vec![BuildError::NoModelKey { slot, known: registry.names(slot), span }]);
     };
-    let listing = registry.locate(slot, name, span).map_err(|e| vec![e])?;
+    let registered = registry.locate(slot, name, span).map_err(|e| vec![e])?;
     let refuse = |place: Place, reason: String| BuildError::Configuration {
         model: name.to_owned(),
         key: place.key,
         reason,
-        example: listing.example.clone(),
+        example: registered.listing.example.clone(),
         span: place.span,
     };
     let not_finite: Vec<BuildError> = table
@@ -89,11 +116,54 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
     if !not_finite.is_empty() {
         return Err(not_finite);
     }
-    let place = RefCell::new(place::whole(table));
-    let model = M::from_linked(Tracked::new(table, &place))
-        .map_err(|e| vec![refuse(place.take(), in_terms_of_keys(&e.to_string()))])?;
+    let model = match &registered.library {
+        Some(library) => {
+            let keys = table.entries().iter().filter(|e| e.key != "model");
+            let config: Map<String, Value> = keys.map(|e| (e.key.clone(), e.value.to_json())).collect();
+            M::from_library(library.clone(), config.clone()).map_err(|fault| {
+                let complaints = fault.complaints(&config).into_iter();
+                let place = |key: Option<&str>, reason: &str| {
+                    key.map_or_else(|| place::of_message(table, reason), |key| place::of_key(table, key))
+                };
+                complaints
+                    .map(|(key, reason)| refuse(place(key.as_deref(), &reason), in_terms_of_keys(&reason)))
+                    .collect::<Vec<_>>()
+            })?
+        }
+        None => {
+            let place = RefCell::new(place::whole(table));
+            M::from_linked(Tracked::new(table, &place))
+                .map_err(|e| vec![refuse(place.take(), in_terms_of_keys(&e.to_string()))])?
+        }
+    };
     let complaints = invalid(table, model.complaints());
     if complaints.is_empty() { Ok(model) } else { Err(complaints) }
+}
+
+/// The model of a saved table, which may say what library it is from.
+pub(crate) fn build_saved<M: SlotModel + ?Sized>(
+    registry: &Registry,
+    table: &Value,
+) -> Result<Box<M>, Vec<BuildError>> {
+    let mut table = table.clone();
+    let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
+    build(registry, &Node::from(&table)).map_err(|errors| {
+        let Some(plugin) = plugin else { return errors };
+        let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
+        errors
+            .into_iter()
+            .map(|error| match error {
+                BuildError::UnknownModel { slot, name, .. } => BuildError::LibraryNotLoaded {
+                    slot,
+                    model: name,
+                    name: said("name"),
+                    version: said("version"),
+                    library: said("library").into(),
+                },
+                other => other,
+            })
+            .collect()
+    })
 }
 
 /// A model's complaints about its configuration, each with the place of the key that it names.

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::{
     Span,
+    dynamic::LibraryProblem,
     experiment::ExperimentErrors,
     model_file::{Step, in_words},
     suggestion,
@@ -35,6 +36,14 @@ pub enum Error {
     /// An experiment is wrong in one or more places.
     #[error(transparent)]
     Experiment(#[from] Box<ExperimentErrors>),
+    /// A dynamic library could not be loaded.
+    #[error("the library {path} {problem}", path = path.display())]
+    Library {
+        /// The path as it was given.
+        path: PathBuf,
+        /// Why.
+        problem: LibraryProblem,
+    },
     /// The rigid bodies cannot be built, or their base parameters not be determined.
     #[error(transparent)]
     RigidBody(#[from] RbdError),
@@ -143,6 +152,23 @@ pub enum BuildError {
         /// Where the culprit stands.
         span: Span,
     },
+    /// A saved model is from a dynamic library that is not loaded.
+    #[error(
+        "the {slot} model `{model}` is from the library {name} {version}, which is not loaded",
+        slot = slot.name()
+    )]
+    LibraryNotLoaded {
+        /// The slot to be filled.
+        slot: Slot,
+        /// The model's name.
+        model: String,
+        /// The library's name.
+        name: String,
+        /// The library's version.
+        version: String,
+        /// Its file, when the model was saved.
+        library: PathBuf,
+    },
     /// The model has its keys but cannot work with a value, or does not fit its slot.
     #[error("{error}")]
     Invalid {
@@ -163,6 +189,8 @@ impl BuildError {
             | Self::UnknownModel { span, .. }
             | Self::Configuration { span, .. }
             | Self::Invalid { span, .. } => span.clone(),
+            // Only files without places say what library a model is from.
+            Self::LibraryNotLoaded { .. } => 0..0,
         }
     }
 
@@ -202,6 +230,10 @@ impl BuildError {
                     |meant| format!("did you mean `{meant}`? a working example: {example}"),
                 ))
             }
+            Self::LibraryNotLoaded { library, .. } => Some(format!(
+                "load it with `--plugin {}`, or under `libraries` of [plugins] in the experiment",
+                library.display()
+            )),
             Self::Invalid { .. } => None,
         }
     }

@@ -1,13 +1,26 @@
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use aurt_traits::{ModelEntry, Slot};
 
-use crate::{Error, Node, Span, build::SlotModel, error::BuildError};
+use crate::{
+    Error, Node, Span,
+    build::{self, SlotModel},
+    dynamic::{self, LibraryListing, LibraryModel},
+    error::BuildError,
+};
 
 /// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
 #[derive(Debug, Clone, Default)]
 pub struct Registry {
-    models: BTreeMap<(Slot, String), ModelListing>,
+    models: BTreeMap<(Slot, String), Registered>,
+    libraries: Vec<LibraryListing>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Registered {
+    pub listing: ModelListing,
+    /// The library's model; linked ones are found by `typetag`.
+    pub library: Option<Arc<LibraryModel>>,
 }
 
 /// What a listing says of a model.
@@ -36,12 +49,17 @@ pub struct ModelListing {
 pub enum Origin {
     /// A crate that is part of this program.
     Crate(&'static str),
+    /// A dynamic library.
+    Library(LibraryListing),
 }
 
 impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Crate(name) => write!(f, "crate {name}"),
+            Self::Library(LibraryListing { name, version, path }) => {
+                write!(f, "library {name} {version} ({})", path.display())
+            }
         }
     }
 }
@@ -72,39 +90,65 @@ impl Registry {
     pub fn linked() -> Result<Self, Error> {
         let mut registry = Self::default();
         for entry in inventory::iter::<ModelEntry> {
-            registry.add(ModelListing::from(entry))?;
+            registry.add(ModelListing::from(entry), None)?;
         }
         Ok(registry)
     }
 
-    /// Adds a model.
-    pub(crate) fn add(&mut self, listing: ModelListing) -> Result<(), Error> {
+    /// Loads a dynamic library and adds its models; all of them or, if one is refused, none. A library that is loaded
+    /// already stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::Library`] if it cannot be loaded or is no plugin, [`Error::DuplicateModel`] if a model of that slot and
+    /// name exists.
+    pub fn load_library(&mut self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        if path.canonicalize().is_ok_and(|file| self.libraries.iter().any(|known| known.path == file)) {
+            return Ok(());
+        }
+        let (library, models) = dynamic::load(path)?;
+        let mut with_library = self.clone();
+        for (listing, model) in models {
+            with_library.add(listing, Some(model))?;
+        }
+        with_library.libraries.push(library);
+        *self = with_library;
+        Ok(())
+    }
+
+    /// The loaded libraries, in the order of loading.
+    #[must_use]
+    pub fn libraries(&self) -> &[LibraryListing] {
+        &self.libraries
+    }
+
+    fn add(&mut self, listing: ModelListing, library: Option<Arc<LibraryModel>>) -> Result<(), Error> {
         let key = (listing.slot, listing.name.clone());
         if let Some(first) = self.models.get(&key) {
             return Err(Error::DuplicateModel {
                 slot: listing.slot.name(),
                 name: listing.name,
-                first: first.origin.to_string(),
+                first: first.listing.origin.to_string(),
                 second: listing.origin.to_string(),
             });
         }
-        self.models.insert(key, listing);
+        self.models.insert(key, Registered { listing, library });
         Ok(())
     }
 
     /// All models, sorted by slot and name.
     pub fn models(&self) -> impl Iterator<Item = &ModelListing> {
-        self.models.values()
+        self.models.values().map(|m| &m.listing)
     }
 
     /// The models of one slot, sorted by name.
     pub fn models_of(&self, slot: Slot) -> impl Iterator<Item = &ModelListing> {
-        self.models.values().filter(move |m| m.slot == slot)
+        self.models().filter(move |m| m.slot == slot)
     }
 
     /// The models of a name, in any slot.
     pub fn named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a ModelListing> {
-        self.models.values().filter(move |m| m.name == name)
+        self.models().filter(move |m| m.name == name)
     }
 
     /// The model of a name in a slot.
@@ -112,10 +156,10 @@ impl Registry {
     /// # Errors
     /// [`BuildError::UnknownModel`] with the known names and the slots that do have that name.
     pub fn model(&self, slot: Slot, name: &str) -> Result<&ModelListing, BuildError> {
-        self.locate(slot, name, 0..0)
+        self.locate(slot, name, 0..0).map(|m| &m.listing)
     }
 
-    pub(crate) fn locate(&self, slot: Slot, name: &str, span: Span) -> Result<&ModelListing, BuildError> {
+    pub(crate) fn locate(&self, slot: Slot, name: &str, span: Span) -> Result<&Registered, BuildError> {
         self.models.get(&(slot, name.to_owned())).ok_or_else(|| BuildError::UnknownModel {
             slot,
             name: name.to_owned(),
@@ -137,17 +181,17 @@ impl Registry {
     /// # Errors
     /// All complaints about the configuration, each with its place in the text.
     pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
-        crate::build::build(self, table)
+        build::build(self, table)
     }
 
     /// The model that a saved table `{"model": "…", …}` describes.
     ///
     /// # Errors
-    /// As [`Self::build`], without places.
+    /// As [`Self::build`], without places; [`BuildError::LibraryNotLoaded`] for a model of a library that is not there.
     pub fn build_from_json<M: SlotModel + ?Sized>(
         &self,
         table: &serde_json::Value,
     ) -> Result<Box<M>, Vec<BuildError>> {
-        self.build(&Node::from(table))
+        build::build_saved(self, table)
     }
 }

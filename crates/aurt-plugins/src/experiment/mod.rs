@@ -134,7 +134,7 @@ fn read_sections(
 ) -> (Option<Experiment>, Option<usize>) {
     let Some(mut top) = Section::new(reader, root, "the experiment") else { return (None, None) };
     read_schema(&mut top);
-    let libraries = read_libraries(&mut top);
+    let libraries = read_libraries(&mut top, registry);
     top.require("robot", "[robot] with `mdh` and `gravity_m_s2`");
     let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
     let dynamics = top.section("joint_dynamics");
@@ -180,13 +180,20 @@ fn read_schema(top: &mut Section<'_, '_>) {
     }
 }
 
-fn read_libraries(top: &mut Section<'_, '_>) -> Vec<PathBuf> {
+/// Loads what `[plugins]` names, so that the models of the other sections are known.
+fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<PathBuf> {
     let Some(mut section) = top.section("plugins") else { return Vec::new() };
     let mut libraries = Vec::new();
     if let Some(node) = section.take("libraries") {
         match &node.kind {
             NodeKind::Array(items) => {
-                libraries.extend(items.iter().filter_map(|item| section.file_of("libraries", item)));
+                for item in items {
+                    let Some(path) = section.file_of("libraries", item) else { continue };
+                    if let Err(error) = registry.load_library(&path) {
+                        section.reader.complain(Complaint::new(item.span.clone(), error.to_string()));
+                    }
+                    libraries.push(path);
+                }
             }
             _ => section.complain(
                 "libraries",

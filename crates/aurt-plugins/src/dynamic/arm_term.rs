@@ -1,0 +1,142 @@
+use std::sync::{Arc, Mutex};
+
+use aurt_traits::{
+    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, ShapeParameter, abi::Series,
+};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value};
+
+use super::{
+    description::Described,
+    instance::{Fault, Instance},
+    joint_model::{evaluate, initial_state, with_shape},
+    library::LibraryModel,
+};
+
+/// An arm term of a library.
+#[derive(Debug, Clone)]
+pub(crate) struct LibraryArmTerm {
+    instance: Arc<Instance>,
+    /// What does not depend on the robot: shape parameters, invariants, whether it is a load.
+    described: Arc<Described>,
+    /// Why the last initial state could not be had; evaluation then reports it.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// Asks for what does not depend on the robot.
+const NO_ROBOT: usize = 0;
+
+impl LibraryArmTerm {
+    pub(crate) fn create(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Self, Fault> {
+        Self::of(Instance::create(model, config)?)
+    }
+
+    fn of(instance: Instance) -> Result<Self, Fault> {
+        let described = instance.describe(NO_ROBOT)?;
+        Ok(Self { instance: Arc::new(instance), described, failure: Arc::default() })
+    }
+
+    /// The description for a robot; none if the term does not fit it, which `validate` reports.
+    fn on(&self, robot_joints: usize) -> Option<Arc<Described>> {
+        self.instance.describe(robot_joints).ok()
+    }
+}
+
+impl Serialize for LibraryArmTerm {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.instance.saved(&self.described.shapes).serialize(serializer)
+    }
+}
+
+impl ArmTerm for LibraryArmTerm {
+    // As for joint models: the name is the library's, so `typetag`'s attribute cannot be used.
+    fn typetag_name(&self) -> &'static str {
+        self.instance.model.name
+    }
+
+    fn typetag_deserialize(&self) {}
+
+    fn name(&self) -> &str {
+        self.instance.model.name
+    }
+
+    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
+        Box::new(self.clone())
+    }
+
+    fn joints(&self, robot_joints: usize) -> Vec<usize> {
+        self.on(robot_joints).map(|d| d.joints.clone()).unwrap_or_default()
+    }
+
+    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
+        self.on(robot_joints).map(|d| d.columns.clone()).unwrap_or_default()
+    }
+
+    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
+        self.on(robot_joints).is_some_and(|d| {
+            d.joints
+                .iter()
+                .position(|j| *j == joint)
+                .is_some_and(|i| d.acts_on.get(i * d.columns.len() + column).copied().unwrap_or(true))
+        })
+    }
+
+    fn invariants(&self) -> Invariants {
+        self.described.invariants
+    }
+
+    fn is_load(&self) -> bool {
+        self.described.is_load
+    }
+
+    fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
+        let name = self.instance.model.name;
+        let described = self.instance.describe(robot_joints).map_err(|fault| {
+            let complaint = |(key, reason): (Option<String>, String)| match key {
+                Some(parameter) => ModelError::InvalidParameter { model: name.to_owned(), parameter, reason },
+                None => self.instance.failed(reason),
+            };
+            fault.complaints(&self.instance.config).into_iter().map(complaint).collect::<Vec<_>>()
+        })?;
+        match described.joints.iter().find(|j| **j >= robot_joints) {
+            Some(beyond) => Err(vec![
+                self.instance.failed(format!("it acts on joint {beyond} of a robot of {robot_joints}")),
+            ]),
+            None => Ok(()),
+        }
+    }
+
+    fn shape_parameters(&self) -> Vec<ShapeParameter> {
+        self.described.shapes.clone()
+    }
+
+    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
+        if let Some(other) = with_shape(&self.instance, &self.described, values)? {
+            *self = Self::of(other).map_err(|Fault(reason)| self.instance.failed(reason))?;
+        }
+        Ok(())
+    }
+
+    fn state_len(&self, robot_joints: usize) -> usize {
+        self.on(robot_joints).map_or(0, |d| d.state_len)
+    }
+
+    fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
+        let Some(described) = self.on(first.motion.joints()) else { return Vec::new() };
+        initial_state(&self.instance, &described, &Series::of_arm(first), &self.failure)
+    }
+
+    fn evaluate(
+        &self,
+        series: &ArmSeries<'_>,
+        state: &mut [f64],
+        out: &mut Columns<'_>,
+    ) -> Result<(), ModelError> {
+        let described = self
+            .instance
+            .describe(series.motion.joints())
+            .map_err(|Fault(reason)| self.instance.failed(reason))?;
+        let columns = described.joints.len() * described.columns.len();
+        evaluate(&self.instance, &described, columns, &Series::of_arm(series), state, out, &self.failure)
+    }
+}

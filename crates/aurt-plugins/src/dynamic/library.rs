@@ -1,0 +1,223 @@
+use std::{
+    ffi::{CStr, c_char},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use aurt_traits::{
+    Slot,
+    abi::{self, Declaration, ModelTable},
+};
+use libloading::Library;
+use thiserror::Error;
+
+use crate::{
+    Error,
+    registry::{ModelListing, Origin},
+};
+
+/// What a listing says of a loaded library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LibraryListing {
+    /// The library's own name.
+    pub name: String,
+    /// The library's own version.
+    pub version: String,
+    /// Its file.
+    pub path: PathBuf,
+}
+
+/// Why a library could not be loaded.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LibraryProblem {
+    /// There is no such file.
+    #[error(
+        "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
+    )]
+    Missing,
+    /// The system does not load it.
+    #[error("is not a library that this system can load: {0}")]
+    NotALibrary(String),
+    /// It does not export the ABI's entry.
+    #[error(
+        "is a library, but no plugin: it does not export `{entry}`; a Rust crate exports it with \
+         `aurt_traits::export_plugin!()`, a C file defines it",
+        entry = abi::ENTRY
+    )]
+    NotAPlugin,
+    /// It exports a function of that name that does not return a declaration.
+    #[error("exports `{entry}`, but that does not return a plugin's declaration", entry = abi::ENTRY)]
+    NoDeclaration,
+    /// It was built for another version of the ABI.
+    #[error(
+        "was built for version {major}.{minor} of the plugin interface, this program has version \
+         {ours}.{our_minor}; build it again with this program's `aurt-traits` or `aurt_plugin.h`",
+        ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
+    )]
+    OtherVersion {
+        /// Its major version.
+        major: u32,
+        /// Its minor version.
+        minor: u32,
+    },
+    /// Its declaration contradicts the ABI.
+    #[error("has a faulty declaration: {0}")]
+    Faulty(String),
+}
+
+/// A model of a loaded library.
+#[derive(Debug)]
+pub struct LibraryModel {
+    pub table: ModelTable,
+    pub slot: Slot,
+    /// Lives in the library, and so as long as the process.
+    pub name: &'static str,
+    pub library: LibraryListing,
+    /// Bytes that `describe` may write.
+    pub description_size: usize,
+    /// The table's place in the library, which `create` gets back.
+    pub address: *const ModelTable,
+}
+
+// SAFETY: tables and the texts behind them are constant, and their functions may be called from any thread, as the
+// ABI demands.
+unsafe impl Send for LibraryModel {}
+// SAFETY: as above.
+unsafe impl Sync for LibraryModel {}
+
+/// A model's listing and the model.
+type Listed = (ModelListing, Arc<LibraryModel>);
+
+/// Opens a library and lists its models.
+pub(crate) fn load(path: &Path) -> Result<(LibraryListing, Vec<Listed>), Error> {
+    let fail = |problem| Error::Library { path: path.to_owned(), problem };
+    let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
+    // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
+    // that runs with the user's rights, like a linked crate.
+    let library = unsafe { Library::new(&file) }.map_err(|e| {
+        fail(LibraryProblem::NotALibrary(e.to_string().replace(&format!("{}: ", file.display()), "")))
+    })?;
+    let declaration = {
+        // SAFETY: a function of this name is the ABI's entry; what it returns is checked before it is believed.
+        let entry = unsafe { library.get::<unsafe extern "C" fn() -> *const Declaration>(abi::ENTRY) }
+            .map_err(|_| fail(LibraryProblem::NotAPlugin))?;
+        // SAFETY: as above.
+        unsafe { entry() }
+    };
+    // Code and constants of the library will be in use until the process ends.
+    std::mem::forget(library);
+    // SAFETY: the entry returns the library's declaration, which lives as long as the library.
+    let declared = unsafe { read_declaration(declaration) };
+    let (name, version, models) = declared.map_err(fail)?;
+    let listing = LibraryListing { name, version, path: file };
+    let models = models
+        .into_iter()
+        // SAFETY: `read_declaration` found these tables within the declared ones.
+        .map(|(address, size)| unsafe { read_model(address, size, &listing) }.map_err(fail))
+        .collect::<Result<Vec<_>, Error>>()?;
+    Ok((listing, models))
+}
+
+type Tables = Vec<(*const ModelTable, usize)>;
+
+/// # Safety
+/// `declaration` is NULL, or what a library's entry returned.
+unsafe fn read_declaration(
+    declaration: *const Declaration,
+) -> Result<(String, String, Tables), LibraryProblem> {
+    if declaration.is_null() || !declaration.is_aligned() {
+        return Err(LibraryProblem::NoDeclaration);
+    }
+    // SAFETY: magic and versions come first in every version of the declaration, so these may be read before anything
+    // else is known of it.
+    let (magic, major, minor) =
+        unsafe { ((*declaration).magic, (*declaration).abi_major, (*declaration).abi_minor) };
+    if magic != abi::MAGIC {
+        return Err(LibraryProblem::NoDeclaration);
+    }
+    if major != abi::ABI_MAJOR {
+        return Err(LibraryProblem::OtherVersion { major, minor });
+    }
+    // SAFETY: within a major version the declaration begins with our fields.
+    let d = unsafe { &*declaration };
+    for (what, found, least) in [
+        ("declaration", d.declaration_size, size_of::<Declaration>()),
+        ("model table", d.model_size, size_of::<ModelTable>()),
+        ("description", d.description_size, size_of::<abi::Description>()),
+        ("series", d.series_size, size_of::<abi::Series>()),
+    ] {
+        if (found as usize) < least || !(found as usize).is_multiple_of(8) {
+            let reason = format!("its {what} has {found} bytes, version {major}.{minor} has {least}");
+            return Err(LibraryProblem::Faulty(reason));
+        }
+    }
+    if d.model_count > 0 && (d.models.is_null() || !d.models.is_aligned()) {
+        return Err(LibraryProblem::Faulty("its list of models is missing".to_owned()));
+    }
+    // SAFETY: the texts of a declaration are NULL or end with NUL.
+    let (name, version) =
+        unsafe { (text(d.name, "name of the library"), text(d.version, "version of the library")) };
+    let tables = (0..d.model_count)
+        // SAFETY: the library declares `model_count` tables, `model_size` bytes apart.
+        .map(|i| unsafe { d.models.byte_add(i * d.model_size as usize) })
+        .map(|table| (table, d.description_size as usize))
+        .collect();
+    Ok((name?.to_owned(), version?.to_owned(), tables))
+}
+
+/// # Safety
+/// `address` is a table of a loaded library whose declaration was accepted.
+unsafe fn read_model(
+    address: *const ModelTable,
+    description_size: usize,
+    library: &LibraryListing,
+) -> Result<Listed, LibraryProblem> {
+    // SAFETY: the caller promises it.
+    let table = unsafe { *address };
+    // SAFETY: the texts of a table are NULL or end with NUL.
+    let named = |t, what| unsafe { text(t, what) };
+    let name = named(table.name, "name of a model")?;
+    let faulty = |what: &str| LibraryProblem::Faulty(format!("model `{name}` {what}"));
+    let slot = match table.slot {
+        abi::COULOMB => Slot::Coulomb,
+        abi::HYSTERESIS => Slot::Hysteresis,
+        abi::VISCOUS => Slot::Viscous,
+        abi::ARM_TERM => Slot::ArmTerm,
+        other => return Err(faulty(&format!("is for slot {other}, which does not exist"))),
+    };
+    for (function, there) in [
+        ("create", table.create.is_some()),
+        ("destroy", table.destroy.is_some()),
+        ("describe", table.describe.is_some()),
+        ("evaluate", table.evaluate.is_some()),
+    ] {
+        if !there {
+            return Err(faulty(&format!("has no function `{function}`")));
+        }
+    }
+    let listing = ModelListing {
+        slot,
+        name: name.to_owned(),
+        summary: named(table.summary, "summary of a model")?.to_owned(),
+        equation: named(table.equation, "equation of a model")?.to_owned(),
+        use_when: named(table.use_when, "use of a model")?.to_owned(),
+        source: named(table.source, "source of a model")?.to_owned(),
+        example: named(table.example, "example of a model")?.to_owned(),
+        origin: Origin::Library(library.clone()),
+    };
+    let model = LibraryModel { table, slot, name, library: library.clone(), description_size, address };
+    Ok((listing, Arc::new(model)))
+}
+
+/// # Safety
+/// `text` is NULL, or a text of a loaded library that ends with NUL.
+unsafe fn text(text: *const c_char, what: &str) -> Result<&'static str, LibraryProblem> {
+    if text.is_null() {
+        return Err(LibraryProblem::Faulty(format!("the {what} is missing")));
+    }
+    // SAFETY: the caller promises it; libraries are never unloaded.
+    unsafe { CStr::from_ptr(text) }
+        .to_str()
+        .map_err(|_| LibraryProblem::Faulty(format!("the {what} is not UTF-8")))
+}

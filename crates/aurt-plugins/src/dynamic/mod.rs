@@ -1,0 +1,19 @@
+//! Models of dynamic libraries, by the C ABI of [`aurt_traits::abi`].
+//!
+//! [`load`] opens a library and checks that it is one of ours; its models then stand in the registry beside the linked
+//! ones, and what is built from them implements the same traits. Libraries stay loaded until the process ends: code
+//! and constants of a library may be in use anywhere.
+
+mod arm_term;
+mod description;
+mod instance;
+mod joint_model;
+mod library;
+
+pub use self::library::{LibraryListing, LibraryProblem};
+pub(crate) use self::{
+    arm_term::LibraryArmTerm,
+    instance::Fault,
+    joint_model::LibraryJointModel,
+    library::{LibraryModel, load},
+};
