@@ -1,82 +1,75 @@
-use aurt_traits::RegressorTile;
-
 use super::lanes::Lanes;
-use super::motion::{LinkMotion, Twist, Vector, cross, dot};
+use super::motion::{LinkMotion, Twist};
+use super::turn::dot;
 
-/// Where the ten entries of one (joint, link) block go.
-pub(super) struct Destination<'a> {
-    /// Destinations of the block's ten entries.
-    pub of: &'a [u32],
-    /// Distance between two columns.
-    pub stride: usize,
-    /// First sample of this batch of lanes.
-    pub first: usize,
-    /// Number of lanes that hold samples.
-    pub valid: usize,
-    /// The tile's values.
-    pub data: &'a mut [f64],
-}
+/// The offset of an entry that is not wanted.
+pub(super) const UNWANTED: usize = usize::MAX;
 
-impl Destination<'_> {
-    /// Writes entry `k` if it is wanted; the value is not computed otherwise.
-    #[inline(always)]
-    fn write<T: Lanes>(&mut self, k: usize, value: impl FnOnce() -> T) {
-        let column = self.of[k];
-        if column == RegressorTile::UNWANTED {
-            return;
+/// Writes entry `$k` if it is wanted; its value is not computed otherwise. A macro rather than a closure, which
+/// would be compiled for the baseline instruction set where it is not inlined.
+macro_rules! write_entry {
+    ($offsets:ident, $data:ident, $first:ident, $k:expr, $value:expr) => {
+        if $offsets[$k] != UNWANTED {
+            $value.store(&mut $data[$offsets[$k] + $first..]);
         }
-        let start = column as usize * self.stride + self.first;
-        let value = value();
-        if self.valid == T::LANES {
-            value.store(&mut self.data[start..]);
-        } else {
-            let mut padded = [0.0; 8];
-            value.store(&mut padded);
-            self.data[start..start + self.valid].copy_from_slice(&padded[..self.valid]);
-        }
-    }
+    };
 }
 
 /// The block of a joint and a later link: the link's wrench regressor projected on the joint's unit twist.
 ///
 /// With ω, ω̇ and the origin's acceleration a of the link, a link of inertia I about the origin, first moment
 /// h and mass m needs the force m a + B h and the moment I ω̇ + ω × I ω + h × a.
+///
+/// `offsets` are those of the block's ten columns in `data`, `first` is the sample of the first lane.
 #[inline(always)]
-pub(super) fn other_block<T: Lanes>(link: &LinkMotion<T>, twist: &Twist<T>, to: &mut Destination<'_>) {
-    let s = &twist.omega;
+pub(super) fn other_block<T: Lanes>(
+    link: &LinkMotion<T>,
+    twist: &Twist<T>,
+    offsets: &[usize; 10],
+    first: usize,
+    data: &mut [f64],
+) {
+    let [sx, sy, sz] = twist.omega;
     let v = &twist.velocity;
-    let b = &link.b;
-    let [ax, ay, az] = link.omega_dot;
-    let [wx, wy, wz] = link.omega;
-    let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
-    to.write(0, || dot(s, &[ax, xz, -xy]));
-    to.write(1, || dot(s, &[-b[2][0], b[2][1], b[0][0] - b[1][1]]));
-    to.write(2, || dot(s, &[b[1][0], b[2][2] - b[0][0], -b[1][2]]));
-    to.write(3, || dot(s, &[-yz, ay, xy]));
-    to.write(4, || dot(s, &[b[1][1] - b[2][2], -b[0][1], b[0][2]]));
-    to.write(5, || dot(s, &[yz, -xz, az]));
-    let moment: Vector<T> = cross(&link.accel, s);
-    for c in 0..3 {
-        to.write(6 + c, || b[2][c].mul_add(v[2], b[1][c].mul_add(v[1], b[0][c].mul_add(v[0], moment[c]))));
-    }
-    to.write(9, || dot(v, &link.accel));
+    let [dx, dy, dz] = link.omega_dot;
+    let [[b00, b01, b02], [b10, b11, b12], [b20, b21, b22]] = link.b;
+    let (bx, by, bz) = ([b00, b10, b20], [b01, b11, b21], [b02, b12, b22]);
+    let [xy, xz, yz] = link.products;
+    let [xx_yy, zz_xx, yy_zz] = link.differences;
+    write_entry!(offsets, data, first, 0, sz.neg_mul_add(xy, sy.mul_add(xz, sx * dx)));
+    write_entry!(offsets, data, first, 1, sx.neg_mul_add(b20, sy.mul_add(b21, sz * xx_yy)));
+    write_entry!(offsets, data, first, 2, sz.neg_mul_add(b12, sx.mul_add(b10, sy * zz_xx)));
+    write_entry!(offsets, data, first, 3, sx.neg_mul_add(yz, sz.mul_add(xy, sy * dy)));
+    write_entry!(offsets, data, first, 4, sy.neg_mul_add(b01, sz.mul_add(b02, sx * yy_zz)));
+    write_entry!(offsets, data, first, 5, sy.neg_mul_add(xz, sx.mul_add(yz, sz * dz)));
+    let [ax, ay, az] = link.accel;
+    write_entry!(offsets, data, first, 6, ay.mul_add(sz, az.neg_mul_add(sy, dot(&bx, v))));
+    write_entry!(offsets, data, first, 7, az.mul_add(sx, ax.neg_mul_add(sz, dot(&by, v))));
+    write_entry!(offsets, data, first, 8, ax.mul_add(sy, ay.neg_mul_add(sx, dot(&bz, v))));
+    write_entry!(offsets, data, first, 9, dot(v, &link.accel));
 }
 
 /// The block of a joint and its own link: the z component of the moment. The entries of mZ and m are zero
-/// by construction and not written; on a fixed base (`first`), so are those of all inertias but ZZ.
+/// by construction and not written; on a fixed base (`on_base`), so are those of all inertias but ZZ.
 #[inline(always)]
-pub(super) fn own_block<T: Lanes>(link: &LinkMotion<T>, sign: f64, first: bool, to: &mut Destination<'_>) {
+pub(super) fn own_block<T: Lanes>(
+    link: &LinkMotion<T>,
+    sign: f64,
+    on_base: bool,
+    offsets: &[usize; 10],
+    first: usize,
+    data: &mut [f64],
+) {
     let sign = T::splat(sign);
-    let b = &link.b;
-    let [wx, wy, _] = link.omega;
-    if !first {
-        to.write(0, || -(wx * wy) * sign);
-        to.write(1, || (b[0][0] - b[1][1]) * sign);
-        to.write(2, || -b[1][2] * sign);
-        to.write(3, || wx * wy * sign);
-        to.write(4, || b[0][2] * sign);
+    let [xy, ..] = link.products;
+    if !on_base {
+        write_entry!(offsets, data, first, 0, -(xy * sign));
+        write_entry!(offsets, data, first, 1, (link.differences[0] * sign));
+        write_entry!(offsets, data, first, 2, -(link.b[1][2] * sign));
+        write_entry!(offsets, data, first, 3, (xy * sign));
+        write_entry!(offsets, data, first, 4, (link.b[0][2] * sign));
     }
-    to.write(5, || link.omega_dot[2] * sign);
-    to.write(6, || link.accel[1] * sign);
-    to.write(7, || -link.accel[0] * sign);
+    write_entry!(offsets, data, first, 5, (link.omega_dot[2] * sign));
+    write_entry!(offsets, data, first, 6, (link.accel[1] * sign));
+    write_entry!(offsets, data, first, 7, -(link.accel[0] * sign));
 }

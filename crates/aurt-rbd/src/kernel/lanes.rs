@@ -1,10 +1,13 @@
-use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Several samples side by side, one lane each.
 ///
-/// Every method is `#[inline(always)]`, so that the code takes on the instruction set of the function that
-/// it is inlined into.
+/// Every method is `#[inline(always)]`, so that its instructions end up in the kernel function that was
+/// compiled for their instruction set. Processor intrinsics rather than loops over arrays: whether the
+/// compiler turns such loops into vector instructions depends on the size of the function around them, and
+/// in the kernel it did not.
+///
+/// An implementation may only be used where its instruction set has been detected.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
@@ -21,105 +24,93 @@ pub(crate) trait Lanes:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// c − self · b, rounded once if the instruction set can.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// The bits of each lane, worked on by `f` together with those of `other`.
-    fn with_bits(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self;
+    /// The bits of self where bit 0 of `selector` is 0, those of `other` where it is 1.
+    fn select_odd(self, other: Self, selector: Self) -> Self;
+    /// Changes the sign where bit 1 of `selector` (plus `offset`, as integers) is 1.
+    fn flip_by_bit_one(self, selector: Self, offset: i64) -> Self;
 }
 
-macro_rules! lanes {
-    ($(#[$doc:meta])* $name:ident, $lanes:literal, $bytes:literal, |$a:ident, $b:ident, $c:ident| $fused:expr) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy)]
-        #[repr(C, align($bytes))]
-        pub(crate) struct $name([f64; $lanes]);
+/// An array of lanes, for processors without an implementation of their own.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "the tests compare with it"))]
+pub(crate) struct Array2([f64; 2]);
 
-        impl Lanes for $name {
-            const LANES: usize = $lanes;
+impl Lanes for Array2 {
+    const LANES: usize = 2;
 
-            #[inline(always)]
-            fn splat(value: f64) -> Self {
-                Self([value; $lanes])
-            }
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; 2])
+    }
 
-            #[inline(always)]
-            fn load(from: &[f64]) -> Self {
-                let from = &from[..$lanes];
-                Self(from_fn(|l| from[l]))
-            }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        Self([from[0], from[1]])
+    }
 
-            #[inline(always)]
-            fn store(self, to: &mut [f64]) {
-                to[..$lanes].copy_from_slice(&self.0);
-            }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[..2].copy_from_slice(&self.0);
+    }
 
-            #[inline(always)]
-            fn mul_add(self, b: Self, c: Self) -> Self {
-                Self(from_fn(|l| {
-                    let ($a, $b, $c) = (self.0[l], b.0[l], c.0[l]);
-                    $fused
-                }))
-            }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
 
-            #[inline(always)]
-            fn neg_mul_add(self, b: Self, c: Self) -> Self {
-                Self(from_fn(|l| {
-                    let ($a, $b, $c) = (-self.0[l], b.0[l], c.0[l]);
-                    $fused
-                }))
-            }
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
 
-            #[inline(always)]
-            fn with_bits(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-                Self(from_fn(|l| f64::from_bits(f(self.0[l].to_bits(), other.0[l].to_bits()))))
-            }
-        }
+    #[inline(always)]
+    fn select_odd(self, other: Self, selector: Self) -> Self {
+        let select = |l: usize| if selector.0[l].to_bits() & 1 == 0 { self.0[l] } else { other.0[l] };
+        Self([select(0), select(1)])
+    }
 
-        impl Add for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn add(self, other: Self) -> Self {
-                Self(from_fn(|l| self.0[l] + other.0[l]))
-            }
-        }
-
-        impl Sub for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn sub(self, other: Self) -> Self {
-                Self(from_fn(|l| self.0[l] - other.0[l]))
-            }
-        }
-
-        impl Mul for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn mul(self, other: Self) -> Self {
-                Self(from_fn(|l| self.0[l] * other.0[l]))
-            }
-        }
-
-        impl Neg for $name {
-            type Output = Self;
-
-            #[inline(always)]
-            fn neg(self) -> Self {
-                Self(from_fn(|l| -self.0[l]))
-            }
-        }
-    };
+    #[inline(always)]
+    fn flip_by_bit_one(self, selector: Self, offset: i64) -> Self {
+        let flip = |l: usize| {
+            let sign = (selector.0[l].to_bits().wrapping_add_signed(offset) & 2) << 62;
+            f64::from_bits(self.0[l].to_bits() ^ sign)
+        };
+        Self([flip(0), flip(1)])
+    }
 }
 
-lanes!(
-    /// Two lanes without fused operations: SSE2 and NEON registers, and the same bits on every machine.
-    Plain2, 2, 16, |a, b, c| a * b + c
-);
-lanes!(
-    /// Four lanes with fused multiply-add: AVX2 registers.
-    Fused4, 4, 32, |a, b, c| a.mul_add(b, c)
-);
-lanes!(
-    /// Eight lanes with fused multiply-add: AVX-512 registers.
-    Fused8, 8, 64, |a, b, c| a.mul_add(b, c)
-);
+impl Add for Array2 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+}
+
+impl Sub for Array2 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
+}
+
+impl Mul for Array2 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self([self.0[0] * other.0[0], self.0[1] * other.0[1]])
+    }
+}
+
+impl Neg for Array2 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self([-self.0[0], -self.0[1]])
+    }
+}
