@@ -1,0 +1,226 @@
+use std::path::PathBuf;
+
+use aurt_rbd::RbdError;
+use thiserror::Error;
+
+/// Why a simulation, a plan or a score was refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// A value that no robot, sensor or trajectory can have.
+    #[error("{what} is {value}: {reason}")]
+    Value {
+        /// The quantity, with the joint or link it belongs to.
+        what: String,
+        /// The value that was asked for.
+        value: f64,
+        /// What it has to be, as a sentence.
+        reason: String,
+    },
+    /// A joint or link that the robot does not have.
+    #[error("{what} names {part} {index}, but {robot} has {available} (they count from 0)")]
+    NoSuchPart {
+        /// Who names it.
+        what: String,
+        /// `joint` or `link`.
+        part: &'static str,
+        /// The index that was asked for.
+        index: usize,
+        /// The robot.
+        robot: String,
+        /// How many there are.
+        available: usize,
+    },
+    /// Things that must be equally many are not.
+    #[error("{what}: expected {expected}, got {found}")]
+    Count {
+        /// What was counted.
+        what: String,
+        /// The number that is right.
+        expected: usize,
+        /// The number that was found.
+        found: usize,
+    },
+    /// A link's inertial parameters are those of no body.
+    #[error("{robot}: {reason}; every link needs a positive mass and an inertia of a real body")]
+    Body {
+        /// The robot.
+        robot: String,
+        /// Which link, and what is wrong.
+        reason: String,
+    },
+    /// A trajectory leaves what the robot can do.
+    #[error(
+        "the trajectory asks joint {joint} for {value:.4} {unit} of {quantity} at {time_s:.3} s, its limit is \
+         {limit:.4} {unit}; make it slower or smaller"
+    )]
+    BeyondLimit {
+        /// The joint.
+        joint: usize,
+        /// `position`, `velocity`, `acceleration` or `torque`.
+        quantity: &'static str,
+        /// Unit of value and limit.
+        unit: &'static str,
+        /// The value that is asked for.
+        value: f64,
+        /// The limit that it exceeds.
+        limit: f64,
+        /// When.
+        time_s: f64,
+    },
+    /// Two effects that cannot be in one simulation.
+    #[error("effects {first} and {second} cannot act together on joint {joint}: {reason}")]
+    Conflict {
+        /// One identifier.
+        first: String,
+        /// The other.
+        second: String,
+        /// Where they meet.
+        joint: usize,
+        /// Why.
+        reason: String,
+    },
+    /// An effect identifier that is not known.
+    #[error("unknown effect `{name}`{}; known are {}", meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", "))]
+    UnknownEffect {
+        /// The name as written.
+        name: String,
+        /// What was probably meant.
+        meant: Option<String>,
+        /// All names.
+        known: Vec<String>,
+    },
+    /// A robot name that is not known.
+    #[error("unknown robot `{name}`; known are {}", known.join(", "))]
+    UnknownRobot {
+        /// The name as written.
+        name: String,
+        /// All names.
+        known: Vec<String>,
+    },
+    /// The plant has a mode faster than the smallest integration step can follow.
+    #[error(
+        "{what} has a rate of {rate_per_s:.0} 1/s, which needs steps of {needed_s:.1e} s; the smallest is \
+         {smallest_s:.1e} s. Soften it or give the joint more inertia"
+    )]
+    TooStiff {
+        /// What is stiff.
+        what: String,
+        /// Its rate.
+        rate_per_s: f64,
+        /// The step it would need.
+        needed_s: f64,
+        /// The smallest step allowed.
+        smallest_s: f64,
+    },
+    /// The motion went away from its command or stopped being finite.
+    #[error("the simulated motion of joint {joint} left its command at {time_s:.3} s: {reason}")]
+    Diverged {
+        /// The joint.
+        joint: usize,
+        /// When.
+        time_s: f64,
+        /// How.
+        reason: String,
+    },
+    /// An iteration did not settle.
+    #[error("{what} did not settle within {iterations} iterations at {time_s:.3} s (change {change:.1e})")]
+    NotSettled {
+        /// Which iteration.
+        what: &'static str,
+        /// How many iterations there were.
+        iterations: usize,
+        /// The last change.
+        change: f64,
+        /// When.
+        time_s: f64,
+    },
+    /// A plan, verdict or truth that cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A file or folder that cannot be written or read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The rigid bodies refused.
+    #[error(transparent)]
+    RigidBody(#[from] RbdError),
+    /// A model refused.
+    #[error(transparent)]
+    Model(#[from] aurt_traits::ModelError),
+    /// Several things are wrong.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<SimulationError>),
+}
+
+impl SimulationError {
+    pub(crate) fn value(what: impl Into<String>, value: f64, reason: impl Into<String>) -> Self {
+        Self::Value { what: what.into(), value, reason: reason.into() }
+    }
+
+    /// Nothing for no errors, the error for one, all of them for several.
+    pub(crate) fn all(mut errors: Vec<Self>) -> Result<(), Self> {
+        match errors.len() {
+            0 => Ok(()),
+            1 => Err(errors.remove(0)),
+            _ => Err(Self::Several(errors)),
+        }
+    }
+}
+
+/// Complaints about values, collected.
+#[derive(Debug, Default)]
+pub(crate) struct Complaints(pub Vec<SimulationError>);
+
+impl Complaints {
+    /// Complains unless `value` is finite and > 0.
+    pub fn positive(&mut self, what: impl Into<String>, value: f64) {
+        if !(value.is_finite() && value > 0.0) {
+            self.0.push(SimulationError::value(what, value, "it must be positive"));
+        }
+    }
+
+    /// Complains unless `value` is finite and ≥ 0.
+    pub fn not_negative(&mut self, what: impl Into<String>, value: f64) {
+        if !(value.is_finite() && value >= 0.0) {
+            self.0.push(SimulationError::value(what, value, "it must not be negative"));
+        }
+    }
+
+    /// Complains unless `value` is finite and within [low, high].
+    pub fn within(&mut self, what: impl Into<String>, value: f64, low: f64, high: f64) {
+        if !(value.is_finite() && value >= low && value <= high) {
+            let reason = format!("it must be between {low} and {high}");
+            self.0.push(SimulationError::value(what, value, reason));
+        }
+    }
+
+    /// Complains unless `joint` is one of the robot's.
+    pub fn joint(&mut self, what: impl Into<String>, joint: usize, robot: &str, available: usize) {
+        if joint >= available {
+            let (what, robot) = (what.into(), robot.to_owned());
+            self.0.push(SimulationError::NoSuchPart { what, part: "joint", index: joint, robot, available });
+        }
+    }
+
+    /// Complains unless `link` is one of the robot's.
+    pub fn link(&mut self, what: impl Into<String>, link: usize, robot: &str, available: usize) {
+        if link >= available {
+            let (what, robot) = (what.into(), robot.to_owned());
+            self.0.push(SimulationError::NoSuchPart { what, part: "link", index: link, robot, available });
+        }
+    }
+
+    pub fn finish(self) -> Result<(), SimulationError> {
+        SimulationError::all(self.0)
+    }
+}

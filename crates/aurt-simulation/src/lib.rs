@@ -1,0 +1,18 @@
+//! Recordings of simulated robot manipulators with known, concealable physics.
+
+pub mod effects;
+mod error;
+pub mod plant;
+mod random;
+pub mod robots;
+mod scenario;
+pub mod sensors;
+pub mod trajectory;
+
+pub use error::SimulationError;
+pub use plant::{Controller, Traces};
+pub use random::Random;
+pub use robots::{Drive, Robot, Rotors};
+pub use scenario::{Scenario, simulate, simulate_with_traces, trace};
+pub use sensors::{Logger, SimulatedRecording};
+pub use trajectory::{Motion, Trajectory};

@@ -1,0 +1,248 @@
+//! The robots that simulations and proofs use.
+//!
+//! Geometry is that of the public tables; inertial parameters, friction and sensors are plausible values with
+//! their sources beside them. They describe *a* robot of that kind, not any one machine.
+
+mod panda;
+mod two_link;
+mod tx40;
+mod ur10e;
+mod ur5e;
+
+pub use panda::panda;
+pub use two_link::two_link;
+pub use tx40::tx40;
+pub use ur5e::ur5e;
+pub use ur10e::ur10e;
+
+use aurt_rbd::{LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
+use aurt_traits::MeasurementUnit;
+use serde::{Deserialize, Serialize};
+
+use crate::SimulationError;
+use crate::error::Complaints;
+
+/// A robot as it is built: geometry, bodies, drives and what its limits and sensors are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// Name, as plans spell it.
+    pub name: String,
+    /// Modified Denavit–Hartenberg rows in the reading [`MdhRows::Next`].
+    pub mdh: Vec<MdhRow>,
+    /// Gravitational acceleration in the base frame, m/s².
+    pub gravity_m_s2: [f64; 3],
+    /// The links, without the rotors of their drives.
+    pub links: Vec<LinkBody>,
+    /// The drives, one per joint.
+    pub drives: Vec<Drive>,
+    /// What the robot's logger writes: motor currents, or joint torques.
+    pub unit: MeasurementUnit,
+}
+
+/// A joint's motor, gear, friction, limits and sensors; torques and speeds on the joint's side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Motor revolutions per joint revolution.
+    pub gear_ratio: f64,
+    /// Rotor inertia as the joint feels it, kg m².
+    pub rotor_inertia_kg_m2: f64,
+    /// Joint torque per motor current, Nm/A.
+    pub torque_constant_nm_per_a: f64,
+    /// Coulomb friction, Nm.
+    pub coulomb_nm: f64,
+    /// Viscous friction, Nm s/rad.
+    pub viscous_nm_s: f64,
+    /// Dry friction per transmitted torque, Nm/Nm.
+    pub load_coefficient: f64,
+    /// Stiffness of the gear, Nm/rad; a simulation is rigid unless an effect makes it elastic.
+    pub gear_stiffness_nm_rad: f64,
+    /// Smallest and largest joint angle, rad.
+    pub position_limit_rad: [f64; 2],
+    /// Largest speed, rad/s.
+    pub velocity_limit_rad_s: f64,
+    /// Largest acceleration, rad/s².
+    pub acceleration_limit_rad_s2: f64,
+    /// Largest drive torque, Nm.
+    pub torque_limit_nm: f64,
+    /// Largest rate of the drive torque, Nm/s.
+    pub torque_rate_limit_nm_s: f64,
+    /// Angle around which trajectories are laid, rad.
+    pub home_rad: f64,
+    /// Encoder step, rad.
+    pub encoder_resolution_rad: f64,
+    /// Standard deviation of the encoder's noise, rad.
+    pub encoder_noise_rad: f64,
+    /// Standard deviation of the noise of the measured torque, Nm (a current's noise times its constant).
+    pub torque_noise_nm: f64,
+}
+
+/// Where the inertia of the rotors acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rotors {
+    /// As rotor inertia I_a q̈ of geared motors. An experiment needs the arm term `rotor_inertia` to fit it.
+    Geared,
+    /// As discs that turn with their links (drives without gears): part of the links' inertial parameters,
+    /// so that rigid bodies and friction alone describe the robot.
+    InLinks,
+}
+
+impl Robot {
+    /// The robot of a name.
+    ///
+    /// # Errors
+    /// [`SimulationError::UnknownRobot`].
+    pub fn named(name: &str) -> Result<Self, SimulationError> {
+        Self::all().into_iter().find(|robot| robot.name == name).ok_or_else(|| {
+            SimulationError::UnknownRobot {
+                name: name.to_owned(),
+                known: Self::all().into_iter().map(|robot| robot.name).collect(),
+            }
+        })
+    }
+
+    /// All robots of this crate, smallest first.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        vec![two_link(), ur5e(), ur10e(), tx40(), panda()]
+    }
+
+    /// Number of joints N.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.drives.len()
+    }
+
+    /// The kinematic chain under the robot's gravity.
+    ///
+    /// # Errors
+    /// Whatever [`SerialChain::from_mdh`] says.
+    pub fn chain(&self) -> Result<SerialChain, SimulationError> {
+        let table = MdhTable { rows: self.mdh.clone(), reading: MdhRows::Next };
+        Ok(SerialChain::from_mdh(&table, self.gravity_m_s2)?)
+    }
+
+    /// The links' 10 N standard inertial parameters {XX XY XZ YY YZ ZZ mX mY mZ m}.
+    #[must_use]
+    pub fn standard_parameters(&self) -> Vec<f64> {
+        self.links.iter().flat_map(LinkBody::standard_parameters).collect()
+    }
+
+    /// The robot with its rotors geared, or as discs of its links: a thin disc about the joint's axis at
+    /// the link's centre of mass, of inertia (I/2, I/2, I), and no rotor inertia.
+    #[must_use]
+    pub fn with_rotors(mut self, rotors: Rotors) -> Self {
+        if rotors == Rotors::InLinks {
+            for (link, drive) in self.links.iter_mut().zip(&mut self.drives) {
+                let disc = std::mem::take(&mut drive.rotor_inertia_kg_m2);
+                link.inertia_at_com_kg_m2[0] += 0.5 * disc;
+                link.inertia_at_com_kg_m2[3] += 0.5 * disc;
+                link.inertia_at_com_kg_m2[5] += disc;
+            }
+        }
+        self
+    }
+
+    /// The geometry as `mdh.csv`: header `alpha,a,d`, row j with the alpha and a that lead on to joint j + 1.
+    #[must_use]
+    pub fn mdh_csv(&self) -> String {
+        let mut text = String::from("alpha,a,d\n");
+        for row in &self.mdh {
+            let quarter = row.alpha_rad / std::f64::consts::FRAC_PI_2;
+            let alpha = match quarter {
+                0.0 => "0".to_owned(),
+                1.0 => "pi/2".to_owned(),
+                -1.0 => "-pi/2".to_owned(),
+                _ => row.alpha_rad.to_string(),
+            };
+            text.push_str(&format!("{alpha},{},{}\n", row.a_m, row.d_m));
+        }
+        text
+    }
+
+    /// Checks that everything is as a real robot's can be.
+    ///
+    /// # Errors
+    /// Every complaint: counts, bodies that cannot exist, negative friction, noise or limits.
+    pub fn validate(&self) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        for (what, found) in [("links", self.links.len()), ("rows of geometry", self.mdh.len())] {
+            if found != self.joints() {
+                let what = format!("{}: {what}", self.name);
+                complaints.0.push(SimulationError::Count { what, expected: self.joints(), found });
+            }
+        }
+        for complaint in inconsistencies(&self.standard_parameters()) {
+            let robot = self.name.clone();
+            complaints.0.push(SimulationError::Body { robot, reason: complaint.to_string() });
+        }
+        for (j, drive) in self.drives.iter().enumerate() {
+            let name = |what: &str| format!("{what} of joint {j}");
+            complaints.positive(name("gear ratio"), drive.gear_ratio);
+            complaints.positive(name("torque constant"), drive.torque_constant_nm_per_a);
+            complaints.positive(name("gear stiffness"), drive.gear_stiffness_nm_rad);
+            complaints.not_negative(name("rotor inertia"), drive.rotor_inertia_kg_m2);
+            complaints.not_negative(name("Coulomb friction"), drive.coulomb_nm);
+            complaints.not_negative(name("viscous friction"), drive.viscous_nm_s);
+            complaints.within(name("load coefficient"), drive.load_coefficient, 0.0, 0.9);
+            complaints.positive(name("velocity limit"), drive.velocity_limit_rad_s);
+            complaints.positive(name("acceleration limit"), drive.acceleration_limit_rad_s2);
+            complaints.positive(name("torque limit"), drive.torque_limit_nm);
+            complaints.positive(name("torque rate limit"), drive.torque_rate_limit_nm_s);
+            complaints.not_negative(name("encoder resolution"), drive.encoder_resolution_rad);
+            complaints.not_negative(name("encoder noise"), drive.encoder_noise_rad);
+            complaints.not_negative(name("torque noise"), drive.torque_noise_nm);
+            let [low, high] = drive.position_limit_rad;
+            complaints.within(name("home angle"), drive.home_rad, low, high);
+        }
+        complaints.finish()
+    }
+}
+
+/// A row of geometry without offset of the joint angle.
+fn row(alpha_rad: f64, a_m: f64, d_m: f64) -> MdhRow {
+    MdhRow { alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
+}
+
+/// A body from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.
+fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
+    LinkBody { mass_kg, com_m, inertia_at_com_kg_m2 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_robot_is_one() {
+        for robot in Robot::all() {
+            robot.validate().unwrap();
+            let in_links = robot.clone().with_rotors(Rotors::InLinks);
+            in_links.validate().unwrap();
+            assert!(in_links.drives.iter().all(|d| d.rotor_inertia_kg_m2 == 0.0));
+            assert_eq!(Robot::named(&robot.name).unwrap(), robot);
+        }
+        assert!(Robot::named("ur11").unwrap_err().to_string().contains("ur10e"));
+    }
+
+    #[test]
+    fn geometry_survives_its_file() {
+        for robot in Robot::all() {
+            let table = MdhTable::parse(&robot.mdh_csv(), "mdh.csv", MdhRows::Next).unwrap();
+            assert_eq!(table.rows, robot.mdh);
+        }
+    }
+
+    #[test]
+    fn impossible_robots_are_refused_with_reasons() {
+        let mut robot = ur10e();
+        robot.links[2].mass_kg = -1.0;
+        robot.drives[1].coulomb_nm = -3.0;
+        robot.drives[4].torque_noise_nm = f64::NAN;
+        let text = robot.validate().unwrap_err().to_string();
+        for part in ["link 2", "Coulomb friction of joint 1", "torque noise of joint 4"] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+}

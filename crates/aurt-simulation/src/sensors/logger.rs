@@ -1,0 +1,287 @@
+use aurt_traits::MeasurementUnit;
+use serde::{Deserialize, Serialize};
+
+use super::csv::push_decimal;
+use super::faults::{ClockFaults, Fate};
+use super::instrument::Instrument;
+use crate::SimulationError;
+use crate::error::Complaints;
+use crate::plant::{TRACE_STEP_S, Traces};
+use crate::random::Random;
+
+/// How a logger names its columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ColumnNames {
+    /// `timestamp, actual_q_0, …, actual_current_0, …` (torques: `torque_0`).
+    #[default]
+    Actual,
+    /// `time, q_0, …, current_0, …` (torques: `tau_0`).
+    Short,
+}
+
+/// The rate, clock, resolution and columns of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Logger {
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// Standard deviation of the instants of sampling around the regular ones, s. Stamps tell the real ones.
+    pub clock_jitter_s: f64,
+    /// Decimals of time stamps.
+    pub time_decimals: usize,
+    /// Decimals of angles in rad and velocities in rad/s.
+    pub position_decimals: usize,
+    /// Decimals of currents or torques.
+    pub measurement_decimals: usize,
+    /// Whether velocities are written too, as the controller sees them (with noise of 1e-3 rad/s).
+    pub velocity: bool,
+    /// Names of the columns.
+    pub names: ColumnNames,
+    /// What goes wrong with rows.
+    pub faults: ClockFaults,
+}
+
+impl Default for Logger {
+    fn default() -> Self {
+        Self {
+            rate_hz: 500.0,
+            clock_jitter_s: 0.0,
+            time_decimals: 4,
+            position_decimals: 7,
+            measurement_decimals: 5,
+            velocity: false,
+            names: ColumnNames::Actual,
+            faults: ClockFaults::default(),
+        }
+    }
+}
+
+/// Standard deviation of the noise of logged velocities, rad/s.
+const VELOCITY_NOISE_RAD_S: f64 = 1e-3;
+
+/// A recording as a logger wrote it: row after row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedRecording {
+    /// Number of joints N.
+    pub joints: usize,
+    /// Unit of the measurement.
+    pub unit: MeasurementUnit,
+    /// Time stamps, s.
+    pub time_s: Vec<f64>,
+    /// Angles, N a row, rad.
+    pub position_rad: Vec<f64>,
+    /// Velocities, N a row, rad/s; empty if they are not logged.
+    pub velocity_rad_s: Vec<f64>,
+    /// Currents in A or torques in Nm, N a row.
+    pub measurement: Vec<f64>,
+    /// How it was logged.
+    pub logger: Logger,
+}
+
+impl Logger {
+    /// Checks that such a logger can exist.
+    ///
+    /// # Errors
+    /// Every complaint.
+    pub fn validate(&self) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        complaints.within("rate of the logger in Hz", self.rate_hz, 1.0, 1.0 / TRACE_STEP_S);
+        complaints.within("clock jitter in s", self.clock_jitter_s, 0.0, 0.2 / self.rate_hz.max(1e-9));
+        for decimals in [self.time_decimals, self.position_decimals, self.measurement_decimals] {
+            complaints.within("number of decimals", decimals as f64, 0.0, 12.0);
+        }
+        self.faults.validate(&mut complaints);
+        complaints.finish()
+    }
+
+    /// Records what happened.
+    ///
+    /// # Errors
+    /// As [`Self::validate`] and [`Instrument::validate`].
+    pub fn record(
+        &self,
+        traces: &Traces,
+        instrument: &Instrument,
+        unit: MeasurementUnit,
+        seed: u64,
+    ) -> Result<SimulatedRecording, SimulationError> {
+        self.validate()?;
+        instrument.validate()?;
+        let n = traces.joints;
+        if instrument.channels.len() != n {
+            let what = "sensor channels".into();
+            return Err(SimulationError::Count { what, expected: n, found: instrument.channels.len() });
+        }
+        let end_s = (traces.samples - 1) as f64 * TRACE_STEP_S;
+        let rows = (end_s * self.rate_hz + 1e-9) as usize + 1;
+        let mut clock = Random::labelled(seed, "clock");
+        let mut encoders = Random::labelled(seed, "encoders");
+        let mut currents = Random::labelled(seed, "currents");
+        let fates = self.faults.fates(rows, 2 * n, &mut Random::labelled(seed, "faults"));
+        let mut recording = SimulatedRecording {
+            joints: n,
+            unit,
+            time_s: Vec::with_capacity(rows),
+            position_rad: Vec::with_capacity(rows * n),
+            velocity_rad_s: Vec::new(),
+            measurement: Vec::with_capacity(rows * n),
+            logger: *self,
+        };
+        let mut row = Row { position: vec![0.0; n], velocity: vec![0.0; n], measurement: vec![0.0; n] };
+        for (k, fate) in fates.iter().enumerate() {
+            let shake = self.clock_jitter_s * clock.normal().clamp(-3.0, 3.0);
+            let time_s = (k as f64 / self.rate_hz + shake).clamp(0.0, end_s);
+            let before = row.clone();
+            for (j, channel) in instrument.channels.iter().enumerate() {
+                let noise = channel.encoder_noise_rad * encoders.normal();
+                let angle = position_at(traces, time_s, j) + noise;
+                let step = channel.encoder_resolution_rad;
+                row.position[j] = if step > 0.0 { (angle / step).round() * step } else { angle };
+                let velocity_noise = if channel.encoder_noise_rad > 0.0 {
+                    VELOCITY_NOISE_RAD_S * encoders.normal()
+                } else {
+                    0.0
+                };
+                row.velocity[j] = linear_at(&traces.velocity_rad_s, traces, time_s, j) + velocity_noise;
+                let torque = linear_at(&traces.torque_nm, traces, time_s - instrument.torque_delay_s, j);
+                let noise = channel.torque_noise_nm * currents.normal();
+                let limit = channel.saturation_nm;
+                let measured =
+                    ((torque + noise) / (1.0 + channel.gain_error) + channel.offset_nm).clamp(-limit, limit);
+                row.measurement[j] = match unit {
+                    MeasurementUnit::NewtonMetre => measured,
+                    MeasurementUnit::Ampere => measured / channel.torque_constant_nm_per_a,
+                };
+            }
+            if self.faults.is_none() {
+                recording.push(time_s, &row);
+                continue;
+            }
+            match *fate {
+                Fate::Written => recording.push(time_s, &row),
+                Fate::Missing => {}
+                Fate::Repeated => {
+                    recording.push(time_s, &row);
+                    recording.push(time_s, &row);
+                }
+                Fate::Held => {
+                    row = before;
+                    recording.push(time_s, &row);
+                }
+                Fate::Corrupt(channel) => {
+                    let mut wrong = row.clone();
+                    if channel < n {
+                        wrong.position[channel] += 40.0;
+                    } else {
+                        wrong.measurement[channel - n] = 3.2e4;
+                    }
+                    recording.push(time_s, &wrong);
+                }
+            }
+        }
+        Ok(recording)
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Row {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    measurement: Vec<f64>,
+}
+
+/// Sample before `time_s` and the share of the way to the next.
+fn place(traces: &Traces, time_s: f64) -> (usize, f64) {
+    let position = (time_s / TRACE_STEP_S).max(0.0);
+    // Instants that fall on a sample up to rounding are on it.
+    let nearest = position.round();
+    let position = if (position - nearest).abs() < 1e-6 { nearest } else { position };
+    let sample = (position as usize).min(traces.samples - 2);
+    (sample, (position - sample as f64).clamp(0.0, 1.0))
+}
+
+/// A joint's angle between samples, from angles and velocities at both sides.
+fn position_at(traces: &Traces, time_s: f64, joint: usize) -> f64 {
+    let (sample, x) = place(traces, time_s);
+    let (here, next) = (sample * traces.joints + joint, (sample + 1) * traces.joints + joint);
+    let (q0, q1) = (traces.position_rad[here], traces.position_rad[next]);
+    let (v0, v1) = (traces.velocity_rad_s[here], traces.velocity_rad_s[next]);
+    let y = 1.0 - x;
+    q0 + (q1 - q0) * x * x * (3.0 - 2.0 * x) + TRACE_STEP_S * (v0 * x * y * y - v1 * x * x * y)
+}
+
+fn linear_at(series: &[f64], traces: &Traces, time_s: f64, joint: usize) -> f64 {
+    let (sample, x) = place(traces, time_s);
+    let (here, next) = (sample * traces.joints + joint, (sample + 1) * traces.joints + joint);
+    series[here] + x * (series[next] - series[here])
+}
+
+impl SimulatedRecording {
+    fn push(&mut self, time_s: f64, row: &Row) {
+        self.time_s.push(time_s);
+        self.position_rad.extend_from_slice(&row.position);
+        if self.logger.velocity {
+            self.velocity_rad_s.extend_from_slice(&row.velocity);
+        }
+        self.measurement.extend_from_slice(&row.measurement);
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// The names of the columns, in order.
+    #[must_use]
+    pub fn header(&self) -> Vec<String> {
+        let (time, position, velocity, measurement) = match (self.logger.names, self.unit) {
+            (ColumnNames::Actual, MeasurementUnit::Ampere) => {
+                ("timestamp", "actual_q", "actual_qd", "actual_current")
+            }
+            (ColumnNames::Actual, MeasurementUnit::NewtonMetre) => {
+                ("timestamp", "actual_q", "actual_qd", "torque")
+            }
+            (ColumnNames::Short, MeasurementUnit::Ampere) => ("time", "q", "qd", "current"),
+            (ColumnNames::Short, MeasurementUnit::NewtonMetre) => ("time", "q", "qd", "tau"),
+        };
+        let mut names = vec![time.to_owned()];
+        for family in [Some(position), self.logger.velocity.then_some(velocity), Some(measurement)] {
+            names.extend(family.into_iter().flat_map(|f| (0..self.joints).map(move |j| format!("{f}_{j}"))));
+        }
+        names
+    }
+
+    /// The recording as the text of a CSV file.
+    #[must_use]
+    pub fn csv(&self) -> Vec<u8> {
+        let mut text = Vec::with_capacity(self.rows() * (3 * self.joints + 1) * 11);
+        text.extend_from_slice(self.header().join(",").as_bytes());
+        text.push(b'\n');
+        let n = self.joints;
+        for (k, time_s) in self.time_s.iter().enumerate() {
+            push_decimal(&mut text, *time_s, self.logger.time_decimals);
+            let mut block = |series: &[f64], decimals: usize| {
+                for value in series.get(k * n..(k + 1) * n).unwrap_or_default() {
+                    text.push(b',');
+                    push_decimal(&mut text, *value, decimals);
+                }
+            };
+            block(&self.position_rad, self.logger.position_decimals);
+            block(&self.velocity_rad_s, self.logger.position_decimals);
+            block(&self.measurement, self.logger.measurement_decimals);
+            text.push(b'\n');
+        }
+        text
+    }
+
+    /// Writes [`Self::csv`] to a file.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`].
+    pub fn write_csv(&self, path: impl AsRef<std::path::Path>) -> Result<(), SimulationError> {
+        let path = path.as_ref();
+        std::fs::write(path, self.csv()).map_err(|source| SimulationError::Io { path: path.into(), source })
+    }
+}
