@@ -55,11 +55,13 @@ pub mod arm_terms {
     pub mod coupling;
     pub mod current_offset;
     pub mod drive_efficiency;
+    pub mod joint_friction;
     pub mod joint_selection;
     pub mod lugre_damped;
     pub mod payload;
     pub mod rotor_inertia;
     pub mod spring;
+    pub mod temperature;
     pub mod torque_ripple;
     pub mod viscous_asymmetric;
 }

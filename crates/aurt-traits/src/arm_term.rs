@@ -1,6 +1,9 @@
 use std::fmt::Debug;
 
-use crate::{Columns, Invariants, ModelError, MotionView, Parameter, RigidBodyRegressor, ShapeParameter};
+use crate::{
+    BaseParameters, Columns, Invariants, ModelError, MotionView, Parameter, RigidBodyRegressor,
+    ShapeParameter,
+};
 
 /// What an [`ArmTerm`] receives: the motion of all joints and what loads them.
 #[derive(Debug, Clone, Copy)]
@@ -82,6 +85,12 @@ pub trait ArmTerm: Debug + Send + Sync {
             expected: 0,
             found: values.len(),
         })
+    }
+
+    /// Takes note of fitted base inertial parameters, one value for each of `base`: for terms that are linear
+    /// only around known bodies, such as a tilt of the base. Other terms have no use for them.
+    fn linearise_at(&mut self, base: &BaseParameters, values: &[f64]) {
+        let _ = (base, values);
     }
 
     /// Number of state variables for a robot of `robot_joints` joints.

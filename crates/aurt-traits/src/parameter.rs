@@ -38,13 +38,15 @@ impl MeasurementUnit {
     /// assert_eq!(NewtonMetre.express("kg m^2"), "kg m^2");
     /// assert_eq!(Ampere.express("Nm s/rad"), "A s/rad");
     /// assert_eq!(Ampere.express("kg m^2"), "A/Nm kg m^2");
+    /// assert_eq!(Ampere.express("rad"), "rad");
     /// ```
     #[must_use]
     pub fn express(self, unit: &str) -> String {
         match self {
             Self::NewtonMetre => unit.to_owned(),
             Self::Ampere if unit.contains("Nm") => unit.replace("Nm", "A"),
-            Self::Ampere if unit == "1" => unit.to_owned(),
+            // A ratio and an angle scale nothing that is measured.
+            Self::Ampere if matches!(unit, "1" | "rad") => unit.to_owned(),
             Self::Ampere => format!("A/Nm {unit}"),
         }
     }

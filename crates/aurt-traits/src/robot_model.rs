@@ -276,6 +276,17 @@ impl RobotModel {
         Ok(model)
     }
 
+    /// The same model with its arm terms told the base inertial parameters of a fit, the first of
+    /// `coefficients`; see [`ArmTerm::linearise_at`].
+    #[must_use]
+    pub fn linearised_at(&self, coefficients: &[f64]) -> Self {
+        let mut model = self.clone();
+        for term in &mut model.arm_terms {
+            term.linearise_at(&self.base, &coefficients[..self.base.len().min(coefficients.len())]);
+        }
+        model
+    }
+
     /// Writes the regressor's entries for every sample of `motion` into `tile` and moves `state` on.
     ///
     /// `state` starts as [`RobotState::default`] at the beginning of a recording; consecutive views of the

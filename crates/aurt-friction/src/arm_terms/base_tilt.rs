@@ -10,8 +10,8 @@
 //! # Linear only around known bodies
 //! Angle times inertial parameter is no linear term. The inertial values π_p are therefore configuration: those of
 //! a fit, as standard-parameter indices and values (base parameters at the indices of their kept columns serve as
-//! well as standard ones; torques are the same). [`BaseTilt::around`] takes them from a fit. Without them both
-//! columns are zero, and a calibration reports roll and pitch as not excited.
+//! well as standard ones; torques are the same). [`BaseTilt::around`] and [`ArmTerm::linearise_at`] take them from a
+//! fit. Without them both columns are zero, and a calibration reports roll and pitch as not excited.
 //!
 //! Base parameters found under a gravity along the first axis lack the first moments about that axis, which a tilt
 //! makes visible on joint 0; `first_axis` adds them as two free columns.
@@ -146,6 +146,10 @@ impl ArmTerm for BaseTilt {
 
     fn is_load(&self) -> bool {
         true
+    }
+
+    fn linearise_at(&mut self, base: &BaseParameters, values: &[f64]) {
+        *self = Self::around(base, values, self.first_axis);
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {

@@ -25,14 +25,14 @@
 //! Those that all three models share.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, Invariants, JointSeries, JointStack, ModelError,
-    Parameter, ViscousBasis, register_model,
+    ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, Invariants, JointSeries, JointStack,
+    ModelError, Parameter, ViscousBasis, register_model,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    arm_terms::joint_selection::JointSelection, coulomb::none::Constant, hysteresis::sign::Sign, shape::verdict,
-    viscous::polynomial::Polynomial,
+    arm_terms::joint_selection::JointSelection, coulomb::none::Constant, hysteresis::sign::Sign,
+    shape::verdict, viscous::polynomial::Polynomial,
 };
 
 /// A second stack on joints.
@@ -133,8 +133,9 @@ impl ArmTerm for JointFriction {
     }
 
     fn invariants(&self) -> Invariants {
-        let common =
-            self.coulomb.invariants().bits() & self.hysteresis.invariants().bits() & self.viscous.invariants().bits();
+        let common = self.coulomb.invariants().bits()
+            & self.hysteresis.invariants().bits()
+            & self.viscous.invariants().bits();
         Invariants::from_bits(common)
     }
 

@@ -4,7 +4,7 @@ use aurt_traits::{ArmTerm, Columns, Invariant, RigidBodyRegressor};
 
 use super::{
     AGREEMENT, Violation, first_difference,
-    joint::{largest_jump, not_shrinking, work},
+    joint::{largest_jump, not_shrinking, step_at_rest, work},
     recording::{Draw, Recording},
 };
 
@@ -173,12 +173,16 @@ fn check_invariant(
             first_difference(whole, &other, AGREEMENT)
         }
         Invariant::SignOfVelocity => any(&|joint, n, x| x * recording.joint(joint).velocity_rad_s[n] < 0.0),
+        Invariant::ContinuousInVelocity if term.invariants().contains(Invariant::Memoryless) => {
+            let beside_rest = |v| over(&recording.clone().with_velocity(v));
+            step_at_rest(whole, &beside_rest(-1e-12)?, &beside_rest(1e-12)?)
+        }
         Invariant::ContinuousInVelocity => {
             let jump = |samples| {
                 let fine = Recording::closed(seed, joints, samples, 1, 0.3, 2.0);
                 over(&fine).map(|columns| columns.iter().map(|c| largest_jump(c)).collect::<Vec<f64>>())
             };
-            not_shrinking(&jump(1_000)?, &jump(20_000)?)
+            not_shrinking(&jump(2_000)?, &jump(100_000)?)
         }
         Invariant::Passive => {
             let mut found = None;

@@ -173,6 +173,10 @@ fn check_invariant(
             first_sample(whole, |n, x| x * velocity[n] < 0.0 || (velocity[n] == 0.0 && x != 0.0))
                 .map(|(k, n, x)| format!("column {k}, sample {n}: {x} at {} rad/s", velocity[n]))
         }
+        Invariant::ContinuousInVelocity if model.invariants().contains(Invariant::Memoryless) => {
+            let beside_rest = |v| over(&recording.clone().with_velocity(v));
+            step_at_rest(whole, &beside_rest(-1e-12)?, &beside_rest(1e-12)?)
+        }
         Invariant::ContinuousInVelocity => {
             let jump = |samples| {
                 let fine = Recording::closed(seed, 1, samples, 1, 0.3, 2.0);
@@ -238,6 +242,15 @@ fn first_sample(columns: &[Vec<f64>], is: impl Fn(usize, f64) -> bool) -> Option
 /// The largest difference between neighbouring samples.
 pub(crate) fn largest_jump(column: &[f64]) -> f64 {
     column.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max)
+}
+
+/// A column that differs on the two sides of rest by more than 10⁻⁶ of its size.
+pub(crate) fn step_at_rest(whole: &[Vec<f64>], before: &[Vec<f64>], after: &[Vec<f64>]) -> Option<String> {
+    let size = |column: &[f64]| column.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    whole.iter().zip(before.iter().zip(after)).enumerate().find_map(|(k, (all, (b, a)))| {
+        let step = b.iter().zip(a).map(|(b, a)| (a - b).abs()).fold(0.0, f64::max);
+        (step > 1e-6 * size(all)).then(|| format!("column {k} steps by {step} at rest"))
+    })
 }
 
 /// A column whose largest jump does not shrink with the distance between samples has a step.

@@ -61,7 +61,8 @@ pub(crate) const AGREEMENT: f64 = 1e-12;
 pub(crate) fn first_difference(a: &[Vec<f64>], b: &[Vec<f64>], tolerance: f64) -> Option<String> {
     for (k, (left, right)) in a.iter().zip(b).enumerate() {
         for (n, (x, y)) in left.iter().zip(right).enumerate() {
-            if !((x - y).abs() <= tolerance * x.abs().max(1.0)) {
+            let agree = (x - y).abs() <= tolerance * x.abs().max(1.0);
+            if !agree {
                 return Some(format!("column {k}, sample {n}: {x:e} against {y:e}"));
             }
         }
@@ -88,6 +89,7 @@ pub(crate) fn check_shape<M: Debug>(
         if present[..k].iter().any(|other| other.name == p.name) {
             return Err(broken(format!("two shape parameters are called `{}`", p.name)));
         }
+        let mut matters = false;
         for bound in [p.lower, p.upper] {
             let mut wanted = values.clone();
             wanted[k] = bound;
@@ -103,9 +105,10 @@ pub(crate) fn check_shape<M: Debug>(
             {
                 return Err(broken(format!("with `{}` = {bound} column {c} is not finite", p.name)));
             }
-            if bound != p.value && first_difference(&before, &after, 1e-9).is_none() {
-                return Err(broken(format!("shape parameter `{}` changes nothing", p.name)));
-            }
+            matters |= first_difference(&before, &after, 1e-9).is_some();
+        }
+        if !matters {
+            return Err(broken(format!("shape parameter `{}` changes nothing", p.name)));
         }
         for outside in [p.lower - 0.01 * p.lower.abs() - 1e-3 * (p.upper - p.lower), f64::NAN] {
             let mut wanted = values.clone();

@@ -178,6 +178,13 @@ impl Recording {
         self
     }
 
+    /// The same with one velocity everywhere, and nothing else changed.
+    #[must_use]
+    pub fn with_velocity(mut self, velocity_rad_s: f64) -> Self {
+        self.velocity_rad_s.fill(velocity_rad_s);
+        self
+    }
+
     /// The same motion mirrored: positions, velocities and accelerations reversed.
     #[must_use]
     pub fn mirrored(mut self) -> Self {

@@ -19,7 +19,7 @@
 //! | `thresholds_rad` or `elements`, `smallest_rad`, `largest_rad` | rad, – | the Δ_i, as for `maxwell_slip` |
 //! | `stribeck_velocity_rad_s` | rad/s | v_S, shape, 0.001–1, searched in logarithms; 0.05 unless given |
 //! | `coulomb_ratio` | 1 | r, shape, 0.05–1; 0.8 unless given |
-//! | `attraction_per_s` | 1/s | C, shape, 1–10⁴, searched in logarithms; 100 unless given |
+//! | `attraction_per_s` | 1/s | C, shape, 1–1000, searched in logarithms; 100 unless given |
 //! | `stribeck_exponent` | 1 | δ, 0.5–3, not searched for; 2 unless given |
 //!
 //! # Columns
@@ -61,7 +61,7 @@ use crate::{
     stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
 };
 
-const ATTRACTION: Shape = Shape::logarithmic("attraction_per_s", "1/s", 1.0, 1e4);
+const ATTRACTION: Shape = Shape::logarithmic("attraction_per_s", "1/s", 1.0, 1e3);
 
 /// Generalised Maxwell-slip elements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
