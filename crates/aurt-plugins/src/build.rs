@@ -122,11 +122,14 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
             let config: Map<String, Value> = keys.map(|e| (e.key.clone(), e.value.to_json())).collect();
             M::from_library(library.clone(), config.clone()).map_err(|fault| {
                 let complaints = fault.complaints(&config).into_iter();
-                let place = |key: Option<&str>, reason: &str| {
-                    key.map_or_else(|| place::of_message(table, reason), |key| place::of_key(table, key))
+                let place = |key: Option<&str>, reason: &str| match key {
+                    Some(key) if reason.starts_with("unknown key") => place::of_name(table, key),
+                    Some(key) => place::of_key(table, key),
+                    None => place::of_message(table, reason),
                 };
                 complaints
-                    .map(|(key, reason)| refuse(place(key.as_deref(), &reason), in_terms_of_keys(&reason)))
+                    .map(|(key, reason)| (key, in_terms_of_keys(&reason)))
+                    .map(|(key, reason)| refuse(place(key.as_deref(), &reason), reason))
                     .collect::<Vec<_>>()
             })?
         }

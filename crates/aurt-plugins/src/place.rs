@@ -169,12 +169,21 @@ pub(crate) fn of_key(table: &Node, key: &str) -> Place {
         .map_or_else(|| whole(table), |value| Place { span: value.span.clone(), key: Some(key.to_owned()) })
 }
 
+/// The place of a complaint about a key of a model's table itself, not its value.
+pub(crate) fn of_name(table: &Node, key: &str) -> Place {
+    table.entry(key).map_or_else(
+        || whole(table),
+        |entry| Place { span: entry.key_span.clone(), key: Some(key.to_owned()) },
+    )
+}
+
 /// The place of a complaint in words, from the first of the table's keys that it names in backticks.
 pub(crate) fn of_message(table: &Node, message: &str) -> Place {
-    message
-        .split('`')
-        .skip(1)
-        .step_by(2)
-        .find(|word| *word != "model" && table.entry(word).is_some())
-        .map_or_else(|| whole(table), |word| of_key(table, word))
+    let key =
+        message.split('`').skip(1).step_by(2).find(|word| *word != "model" && table.entry(word).is_some());
+    match key {
+        Some(key) if message.starts_with("unknown key") => of_name(table, key),
+        Some(key) => of_key(table, key),
+        None => whole(table),
+    }
 }

@@ -72,6 +72,10 @@ pub const LINEAR: u32 = 0;
 /// [`ShapeDescription::scale`]: steps are factors.
 pub const LOGARITHMIC: u32 = 1;
 
+/// The number of joints by which [`ModelTable::describe`] asks an arm term only for what does not depend on the robot:
+/// shape parameters, invariants, whether it is a load.
+pub const NO_ROBOT: usize = 0;
+
 /// What a library is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -125,7 +129,8 @@ pub struct ModelTable {
     pub create: Option<Create>,
     /// Ends an instance.
     pub destroy: Option<Destroy>,
-    /// Tells what the instance is, for a robot of `robot_joints` joints (joint models do not depend on them).
+    /// Tells what the instance is, for a robot of `robot_joints` joints, or [`NO_ROBOT`] (joint models do not depend on
+    /// them). An arm term that does not fit the robot fails.
     pub describe: Option<Describe>,
     /// Sets all shape parameters, in the order of the description. May be absent if there are none.
     pub set_shape: Option<SetShape>,

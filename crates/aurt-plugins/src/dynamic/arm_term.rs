@@ -1,7 +1,8 @@
 use std::sync::{Arc, Mutex};
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, ShapeParameter, abi::Series,
+    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, ShapeParameter,
+    abi::{NO_ROBOT, Series},
 };
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -22,9 +23,6 @@ pub(crate) struct LibraryArmTerm {
     /// Why the last initial state could not be had; evaluation then reports it.
     failure: Arc<Mutex<Option<String>>>,
 }
-
-/// Asks for what does not depend on the robot.
-const NO_ROBOT: usize = 0;
 
 impl LibraryArmTerm {
     pub(crate) fn create(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Self, Fault> {

@@ -2,7 +2,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use aurt_traits::{
     Columns, CoulombModel, HysteresisModel, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, ViscousBasis, abi::Series,
+    ShapeParameter, ViscousBasis,
+    abi::{NO_ROBOT, Series},
 };
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
@@ -23,16 +24,13 @@ pub(crate) struct LibraryJointModel {
     failure: Arc<Mutex<Option<String>>>,
 }
 
-/// Joint models do not depend on the robot.
-const ANY_ROBOT: usize = 0;
-
 impl LibraryJointModel {
     pub(crate) fn create(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Self, Fault> {
         Self::of(Instance::create(model, config)?)
     }
 
     fn of(instance: Instance) -> Result<Self, Fault> {
-        let described = instance.describe(ANY_ROBOT)?;
+        let described = instance.describe(NO_ROBOT)?;
         Ok(Self { instance: Arc::new(instance), described, failure: Arc::default() })
     }
 }

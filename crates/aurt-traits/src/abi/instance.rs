@@ -9,8 +9,8 @@ use std::{
 use serde_json::{Map, Value};
 
 use super::{
-    ARM_TERM, COULOMB, ColumnDescription, Description, HYSTERESIS, LINEAR, LOGARITHMIC, ModelTable, Series,
-    ShapeDescription, VISCOUS, configuration::Keyed, export::c_string, no_bodies::NoBodies,
+    ARM_TERM, COULOMB, ColumnDescription, Description, HYSTERESIS, LINEAR, LOGARITHMIC, ModelTable, NO_ROBOT,
+    Series, ShapeDescription, VISCOUS, configuration::Keyed, export::c_string, no_bodies::NoBodies,
 };
 use crate::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, ModelError, Parameter, Scale,
@@ -92,7 +92,11 @@ impl Instance {
         *described = Described::default();
         let d = &mut *described;
         let mut description = d.of_columns_and_shapes(
-            &self.model.kind().map_or_else(|t| t.columns(robot_joints), JointModel::columns),
+            &match self.model.kind() {
+                Ok(model) => model.columns(),
+                Err(_) if robot_joints == NO_ROBOT => Vec::new(),
+                Err(term) => term.columns(robot_joints),
+            },
             &self.model.kind().map_or_else(ArmTerm::shape_parameters, JointModel::shape_parameters),
         );
         match self.model.kind() {
@@ -101,10 +105,13 @@ impl Instance {
                 description.invariants = model.invariants().bits();
             }
             Err(term) => {
-                term.validate(robot_joints).map_err(|complaints| lines(&complaints))?;
-                description.state_len = term.state_len(robot_joints);
                 description.invariants = term.invariants().bits();
                 description.is_load = u32::from(term.is_load());
+                if robot_joints == NO_ROBOT {
+                    return Ok(description);
+                }
+                term.validate(robot_joints).map_err(|complaints| lines(&complaints))?;
+                description.state_len = term.state_len(robot_joints);
                 d.joints = term.joints(robot_joints);
                 d.acts_on = d
                     .joints

@@ -1,0 +1,63 @@
+//! The libraries that the tests load.
+
+use std::{
+    collections::HashMap,
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
+    path::{Path, PathBuf},
+    process::Command,
+    sync::Mutex,
+};
+
+use aurt_plugins::Registry;
+
+/// The Rust example, which cargo has built as a library because this test depends on it.
+pub fn rust_example() -> PathBuf {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
+    let file = folder.join(format!("{DLL_PREFIX}aurt_plugin_example{DLL_SUFFIX}"));
+    assert!(file.exists(), "{} was not built", file.display());
+    file
+}
+
+/// The C example; nothing, with a reason printed, where there is no C compiler.
+pub fn c_example() -> Option<PathBuf> {
+    compile("stop_c", Path::new("../../examples/plugin-c/stop.c"), &[])
+}
+
+/// `fixtures/faulty.c` with one fault.
+pub fn faulty(fault: &str) -> Option<PathBuf> {
+    compile(&format!("faulty_{fault}"), Path::new("tests/fixtures/faulty.c"), &[&format!("-D{fault}")])
+}
+
+/// Compiles a library once, though several tests ask for it at the same time.
+fn compile(name: &str, source: &Path, arguments: &[&str]) -> Option<PathBuf> {
+    static COMPILED: Mutex<Option<HashMap<String, Option<PathBuf>>>> = Mutex::new(None);
+    let mut compiled = COMPILED.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let compiled = compiled.get_or_insert_default();
+    compiled.entry(name.to_owned()).or_insert_with(|| compile_now(name, source, arguments)).clone()
+}
+
+fn compile_now(name: &str, source: &Path, arguments: &[&str]) -> Option<PathBuf> {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let library = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"));
+    let compiler = Command::new("cc")
+        .args(["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-I"])
+        .arg(here.join("../aurt-traits/include"))
+        .args(arguments)
+        .arg(here.join(source))
+        .arg("-o")
+        .arg(&library)
+        .output();
+    let Ok(output) = compiler else {
+        println!("skipped: there is no C compiler `cc`");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(library)
+}
+
+/// The linked models and those of a library.
+pub fn with(library: &Path) -> Registry {
+    let mut registry = Registry::linked().unwrap();
+    registry.load_library(library).unwrap();
+    registry
+}

@@ -1,0 +1,83 @@
+//! Saved models remember their library.
+
+use std::fs;
+
+use aurt_plugins::{Experiment, Registry, model_file};
+use aurt_traits::{HysteresisModel, ViscousBasis};
+use serde_json::json;
+
+use crate::built;
+
+const EXPERIMENT: &str = r#"
+schema = 1
+robot = { mdh = "mdh.csv", gravity_m_s2 = [0.0, -9.81, 0.0] }
+plugins.libraries = ["LIBRARY"]
+joint_dynamics.viscous = { model = "eyring", transition_velocity_rad_s = 0.5 }
+arm_terms = [{ model = "dress_pack", joints = [0, 1] }]
+recordings.calibration = "a.csv"
+"#;
+
+fn experiment(folder: &std::path::Path, registry: &mut Registry) -> Experiment {
+    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0.5,0\n0,0.4,0\n").unwrap();
+    fs::write(folder.join("a.csv"), "").unwrap();
+    let text = EXPERIMENT.replace("LIBRARY", &built::rust_example().to_string_lossy());
+    Experiment::parse(&text, &folder.join("e.toml"), registry).unwrap()
+}
+
+#[test]
+fn an_experiment_loads_its_libraries_and_the_model_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut registry = Registry::linked().unwrap();
+    let model = experiment(folder.path(), &mut registry).robot_model().unwrap();
+    let path = folder.path().join("rd.json");
+    model_file::write_robot_model(&path, &model).unwrap();
+    let read = model_file::read_robot_model(&path, &registry).unwrap();
+    assert_eq!(read.parameters(), model.parameters());
+    assert_eq!(
+        model_file::robot_model_to_json(&read).unwrap(),
+        model_file::robot_model_to_json(&model).unwrap()
+    );
+}
+
+#[test]
+fn a_model_of_a_library_asks_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = experiment(folder.path(), &mut Registry::linked().unwrap()).robot_model().unwrap();
+    let path = folder.path().join("rd.json");
+    model_file::write_robot_model(&path, &model).unwrap();
+    let error = model_file::read_robot_model(&path, &Registry::linked().unwrap()).unwrap_err().to_string();
+    let library = built::rust_example().canonicalize().unwrap();
+    let expected = format!(
+        "`joint_dynamics[0].viscous` does not describe a model of its slot: the viscous model `eyring` is from the \
+         library aurt-plugin-example 0.1.0, which is not loaded; load it with `--plugin {}`, or under `libraries` of \
+         [plugins] in the experiment",
+        library.display()
+    );
+    assert!(error.starts_with(&format!("{}:", path.display())) && error.ends_with(&expected), "{error}");
+}
+
+#[test]
+fn shape_parameters_are_saved_as_they_are_now() {
+    let registry = built::with(&built::rust_example());
+    let config = json!({ "model": "stop", "distance_rad": 0.3 });
+    let mut model = registry.build_from_json::<dyn HysteresisModel>(&config).unwrap();
+    model.set_shape(&[0.07]).unwrap();
+    let saved = serde_json::to_value(&*model).unwrap();
+    assert_eq!((&saved["model"], &saved["distance_rad"]), (&json!("stop"), &json!(0.07)));
+    assert_eq!(saved["plugin"]["name"], "aurt-plugin-example");
+    let again = registry.build_from_json::<dyn HysteresisModel>(&saved).unwrap();
+    assert_eq!(again.shape_parameters(), model.shape_parameters());
+}
+
+#[test]
+fn numbers_booleans_strings_and_lists_arrive() {
+    let registry = built::with(&built::rust_example());
+    let config = json!({ "model": "dress_pack", "joints": [1, 0], "opposed": true, "label": "cable" });
+    let term = registry.build_from_json::<dyn aurt_traits::ArmTerm>(&config).unwrap();
+    assert_eq!(term.columns(2)[0].name, "cable_damping");
+    let saved = serde_json::to_value(&*term).unwrap();
+    assert_eq!((&saved["joints"], &saved["opposed"]), (&json!([1, 0]), &json!(true)));
+    let viscous = json!({ "model": "eyring", "transition_velocity_rad_s": 0.5 });
+    let viscous = registry.build_from_json::<dyn ViscousBasis>(&viscous).unwrap();
+    assert_eq!(viscous.name(), "eyring");
+}
