@@ -1,0 +1,376 @@
+use std::{collections::BTreeMap, sync::Arc};
+
+use aurt_plugins::Registry;
+use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
+use serde_json::Value;
+
+use crate::{
+    DiagnosisError, Layout, Question, RecordingRows, Role,
+    baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
+    effects::{self, Addition, Context, Effect, Presence, Proposal},
+    floor::noise_floor,
+    gram::BlockMoments,
+    partition::Partition,
+    problem::{Problem, Switch},
+    rows::{Fit, independent_share},
+    selection::{Group, Selection, Selector},
+};
+
+/// A proposal of an effect, with its place among the columns.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Identifier of the effect.
+    pub effect: &'static str,
+    /// What it proposes.
+    pub proposal: Proposal,
+    /// Its columns.
+    pub columns: Vec<usize>,
+    /// Names of its coefficients, without the joint.
+    pub names: Vec<String>,
+}
+
+/// Everything that a diagnosis has worked out, from which the verdict is written.
+#[derive(Debug)]
+pub struct Investigation {
+    /// The model with the terms of every candidate.
+    pub model: RobotModel,
+    /// The baseline.
+    pub baseline: Baseline,
+    /// The rows of all recordings.
+    pub rows: Vec<RecordingRows>,
+    /// Which of them fit and which judge.
+    pub partition: Partition,
+    /// Columns.
+    pub layout: Layout,
+    /// Second moments.
+    pub problem: Problem,
+    /// Candidates.
+    pub candidates: Vec<Candidate>,
+    /// Hypotheses.
+    pub groups: Vec<Group>,
+    /// Coefficients that are always in the model.
+    pub base_switches: Vec<Switch>,
+    /// Noise floor, mean square, `[recording][joint]`.
+    pub floors: Vec<Vec<f64>>,
+    /// Noise floor over the fitted rows, joint by joint.
+    pub floor: Vec<f64>,
+    /// What selection found.
+    pub selection: Selection,
+    /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
+    pub free: Vec<[f64; 2]>,
+}
+
+/// Investigates a question: baseline, candidates, selection.
+///
+/// # Errors
+/// What evaluation reports; [`DiagnosisError::NothingToDiagnose`].
+pub fn investigate(
+    question: &Question<'_>,
+    registry: &Registry,
+    mut progress: impl FnMut(&str),
+) -> Result<Investigation, DiagnosisError> {
+    if question.recordings.iter().all(|r| r.role == Role::Validation) {
+        return Err(DiagnosisError::NothingToDiagnose);
+    }
+    progress("fitting the model in question");
+    let baseline = Baseline::new(question)?;
+    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let mut own_rows = evaluate_all(question, question.model, &fit)?;
+    prepare(question, &baseline, question.model, &mut own_rows);
+    let floors = question
+        .recordings
+        .iter()
+        .map(|r| noise_floor(&r.raw, &r.data.data, &r.options, &fit))
+        .collect::<Result<Vec<_>, _>>()?;
+
+    progress("making candidates");
+    let residual: Vec<Vec<Vec<f64>>> = own_rows
+        .iter()
+        .map(|r| {
+            r.joints
+                .iter()
+                .enumerate()
+                .map(|(j, joint)| {
+                    let columns = question.model.row_columns(j);
+                    joint.residual(
+                        columns.iter().map(|c| if baseline.frozen { 0.0 } else { baseline.coefficients[*c] }),
+                    )
+                })
+                .collect()
+        })
+        .collect();
+    let inertial: Vec<(usize, f64)> =
+        question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
+    let fitted: Vec<usize> = (0..own_rows.len()).filter(|r| own_rows[*r].role != Role::Validation).collect();
+    let context_rows: Vec<RecordingRows> = fitted.iter().map(|r| own_rows[*r].clone()).collect();
+    let context_residual: Vec<Vec<Vec<f64>>> = fitted.iter().map(|r| residual[*r].clone()).collect();
+    let context = Context {
+        joints: question.model.joints(),
+        recordings: &context_rows,
+        residual: &context_residual,
+        inertial: &inertial,
+    };
+    let (model, candidates) = candidates(question, registry, &context)?;
+    drop(context_rows);
+
+    progress("evaluating candidates");
+    let load = extended_load(&baseline, question.model, &model);
+    let mut rows = Vec::new();
+    for recording in question.recordings {
+        let own = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+        rows.push(RecordingRows::evaluate(
+            &recording.data.name,
+            recording.role,
+            &recording.data.data,
+            &model,
+            &load,
+            &own,
+        )?);
+    }
+    prepare(question, &baseline, &model, &mut rows);
+    let partition = partition(&rows, question.f_dyn_hz);
+    let layout = Layout::new(&model);
+    let problem = Problem::new(&layout, BlockMoments::accumulate(&rows, &partition));
+    let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
+    let floor = mean_floor(&rows, &partition, &floors);
+    let (_, weights) = weighted_fit(&problem, &base_switches, &floor);
+    let (groups, free) = groups(&candidates, &problem, &base_switches, &weights, question);
+
+    progress("selecting");
+    let shares = |switches: &[Switch], coefficients: &[f64]| {
+        shares(&rows, &partition, &layout, switches, coefficients)
+    };
+    let selector = Selector {
+        problem: &problem,
+        baseline: &base_switches,
+        groups: &groups,
+        floor: &floor,
+        independent_share: &shares,
+        options: &question.selection,
+    };
+    let selection = selector.run(&mut progress);
+    Ok(Investigation {
+        model,
+        baseline,
+        rows,
+        partition,
+        layout,
+        problem,
+        candidates,
+        groups,
+        base_switches,
+        floors,
+        floor,
+        selection,
+        free,
+    })
+}
+
+/// Turns rows into what is asked about: what a frozen model or another simulator leaves, in targets.
+fn prepare(question: &Question<'_>, baseline: &Baseline, model: &RobotModel, rows: &mut [RecordingRows]) {
+    if !baseline.frozen {
+        return;
+    }
+    for (recording, rows) in question.recordings.iter().zip(rows) {
+        if rows.role == Role::Calibration {
+            rows.role = Role::Target;
+        }
+        for j in 0..rows.joints.len() {
+            let left = match &recording.simulated {
+                Some(simulated) => crate::simulated::rows_left(recording, rows, simulated, j),
+                None => {
+                    let own = question.model.parameters().len();
+                    let columns = model.row_columns(j);
+                    rows.joints[j].residual(
+                        columns.iter().map(|c| if *c < own { baseline.coefficients[*c] } else { 0.0 }),
+                    )
+                }
+            };
+            rows.joints[j].measurement = left;
+        }
+    }
+}
+
+/// The baseline's load torque over the columns of the extended model: those of the own model come first.
+fn extended_load(baseline: &Baseline, own: &RobotModel, extended: &RobotModel) -> aurt_traits::LoadTorque {
+    match &baseline.load {
+        aurt_traits::LoadTorque::Literal => aurt_traits::LoadTorque::Literal,
+        aurt_traits::LoadTorque::Fitted(weights) => {
+            let mut weights = weights[..own.parameters().len()].to_vec();
+            weights.resize(extended.parameters().len(), 0.0);
+            aurt_traits::LoadTorque::Fitted(weights)
+        }
+    }
+}
+
+/// Asks every effect for proposals and adds their terms to the model.
+fn candidates(
+    question: &Question<'_>,
+    registry: &Registry,
+    context: &Context<'_>,
+) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
+    let own = question.model;
+    let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
+    let mut proposed: Vec<(&'static str, Proposal, Option<usize>)> = Vec::new();
+    for effect in effects::all().into_iter().filter(|e| !question.without.iter().any(|w| w == e.id())) {
+        for proposal in effect.proposals(context) {
+            let term = match &proposal.addition {
+                Addition::Term(configuration) => {
+                    let term = build_term(registry, effect, configuration)?;
+                    terms.push(term);
+                    Some(terms.len() - 1)
+                }
+                Addition::Instrument(..) => None,
+            };
+            proposed.push((effect.id(), proposal, term));
+        }
+    }
+    let model =
+        RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
+            .map_err(|errors| DiagnosisError::Candidate {
+                effect: "candidates",
+                reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+            })?;
+    let layout = Layout::new(&model);
+    let candidates = proposed
+        .into_iter()
+        .map(|(effect, proposal, term)| {
+            let (columns, names) = match (&proposal.addition, term) {
+                (Addition::Instrument(joint, which), _) => {
+                    (vec![layout.instrument(*joint, *which)], vec![String::new()])
+                }
+                (Addition::Term(_), Some(k)) => {
+                    let columns: Vec<usize> = model.group(ColumnGroup::ArmTerm(k)).collect();
+                    let names =
+                        model.arm_terms()[k].columns(model.joints()).into_iter().map(|p| p.name).collect();
+                    (columns, names)
+                }
+                (Addition::Term(_), None) => (Vec::new(), Vec::new()),
+            };
+            Candidate { effect, proposal, columns, names }
+        })
+        .collect();
+    Ok((model, candidates))
+}
+
+fn build_term(
+    registry: &Registry,
+    effect: &dyn Effect,
+    configuration: &Value,
+) -> Result<Box<dyn ArmTerm>, DiagnosisError> {
+    registry.build_from_json::<dyn ArmTerm>(configuration).map_err(|errors| DiagnosisError::Candidate {
+        effect: effect.id(),
+        reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+    })
+}
+
+/// Below this share of its torque a column counts as absorbed by the baseline and is left out of its group.
+const ABSORBED: f64 = 1e-3;
+
+/// Hypotheses from candidates: each in all recordings and in targets alone, without what the baseline absorbs.
+fn groups(
+    candidates: &[Candidate],
+    problem: &Problem,
+    base: &[Switch],
+    weights: &[f64],
+    question: &Question<'_>,
+) -> (Vec<Group>, Vec<[f64; 2]>) {
+    let mut groups = Vec::new();
+    let mut free = vec![[0.0; 2]; candidates.len()];
+    let target = problem.has_target();
+    let reference = problem.has_reference();
+    for (index, candidate) in candidates.iter().enumerate() {
+        for target_only in [false, true] {
+            let wanted =
+                if target_only { target } else { reference && candidate.proposal.presence == Presence::Any };
+            if !wanted {
+                continue;
+            }
+            let switches: Vec<Switch> = candidate
+                .columns
+                .iter()
+                .enumerate()
+                .map(|(k, column)| Switch {
+                    column: *column,
+                    target_only,
+                    nonnegative: candidate.proposal.nonnegative.get(k).copied().unwrap_or(false),
+                })
+                .collect();
+            let share = problem.free_share(base, &switches, weights);
+            free[index][usize::from(target_only)] = share.iter().copied().fold(0.0, f64::max);
+            if free[index][usize::from(target_only)] < question.selection.free_share {
+                continue;
+            }
+            let switches: Vec<Switch> =
+                switches.into_iter().zip(&share).filter(|(_, s)| **s > ABSORBED).map(|(s, _)| s).collect();
+            groups.push(Group {
+                effect: candidate.effect,
+                joints: candidate.proposal.joints.clone(),
+                candidate: index,
+                switches,
+            });
+        }
+    }
+    (groups, free)
+}
+
+/// Mean noise floor over the fitted rows.
+fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
+    let joints = rows.first().map_or(0, |r| r.joints.len());
+    let mut sum = vec![0.0; joints];
+    let mut count = 0.0;
+    for (r, start, end) in partition.fitted() {
+        for (s, floor) in sum.iter_mut().zip(&floors[r]) {
+            *s += floor * (end - start) as f64;
+        }
+        count += (end - start) as f64;
+    }
+    sum.iter().map(|s| s / f64::max(count, 1.0)).collect()
+}
+
+/// Residuals of a fit over one part of a recording, joint by joint.
+#[must_use]
+pub fn residuals(
+    recording: &RecordingRows,
+    layout: &Layout,
+    switches: &[Switch],
+    coefficients: &[f64],
+) -> Vec<Vec<f64>> {
+    let target = recording.role != Role::Calibration;
+    let mut dense: BTreeMap<usize, f64> = BTreeMap::new();
+    for (switch, value) in switches.iter().zip(coefficients) {
+        if target || !switch.target_only {
+            *dense.entry(switch.column).or_default() += value;
+        }
+    }
+    recording
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| joint.residual(layout.rows[j].iter().map(|c| dense.get(c).copied().unwrap_or(0.0))))
+        .collect()
+}
+
+/// Lags over which a residual's memory is followed, in rows.
+const LONGEST_MEMORY: usize = 400;
+
+fn shares(
+    rows: &[RecordingRows],
+    partition: &Partition,
+    layout: &Layout,
+    switches: &[Switch],
+    coefficients: &[f64],
+) -> Vec<f64> {
+    let joints = layout.rows.len();
+    let mut sum = vec![0.0; joints];
+    let mut count = 0.0;
+    for (r, recording) in rows.iter().enumerate().filter(|(_, r)| r.role != Role::Validation) {
+        let end = partition.fitted().filter(|p| p.0 == r).map(|p| p.2).max().unwrap_or(0);
+        let residual = residuals(recording, layout, switches, coefficients);
+        for (s, series) in sum.iter_mut().zip(&residual) {
+            *s += independent_share(&series[..end], LONGEST_MEMORY) * end as f64;
+        }
+        count += end as f64;
+    }
+    sum.iter().map(|s| s / f64::max(count, 1.0)).collect()
+}

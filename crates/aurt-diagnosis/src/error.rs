@@ -1,0 +1,60 @@
+use aurt_calibration::CalibrationError;
+use aurt_recording::RecordingError;
+use aurt_traits::ModelError;
+use thiserror::Error;
+
+/// What can go wrong in a diagnosis.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DiagnosisError {
+    /// A recording has nothing to compare with.
+    #[error("{recording}: no current or torque columns; a diagnosis compares a model with a measurement")]
+    NoMeasurement {
+        /// The recording.
+        recording: String,
+    },
+    /// No recording takes part.
+    #[error(
+        "there is nothing to diagnose: list recordings under `[recordings] calibration`, and under `target` \
+         those that show what the model lacks"
+    )]
+    NothingToDiagnose,
+    /// A simulator's prediction does not belong to a recording.
+    #[error("{file}: {reason}")]
+    Simulated {
+        /// The prediction file.
+        file: String,
+        /// What does not fit.
+        reason: String,
+    },
+    /// A recording is too short for cross-validation over blocks of time.
+    #[error(
+        "{recording}: {rows} rows are left after filtering and decimation, too few to divide into {blocks} \
+         blocks of time; record longer or raise `f_dyn_hz`"
+    )]
+    TooShort {
+        /// The recording.
+        recording: String,
+        /// Its rows.
+        rows: usize,
+        /// Blocks needed.
+        blocks: usize,
+    },
+    /// A candidate term does not fit the robot.
+    #[error("candidate of effect `{effect}`: {reason}")]
+    Candidate {
+        /// The effect.
+        effect: &'static str,
+        /// What was said of it.
+        reason: String,
+    },
+    /// Calibration failed.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// Preprocessing failed.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A model failed.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}

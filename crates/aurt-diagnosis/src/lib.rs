@@ -1,0 +1,32 @@
+//! Locating the mismatch between a robot model and recordings, and naming the physics left out.
+//!
+//! Data flow: [`Question`] → [`investigate`] (baseline, candidates of all [`effects`], selection by
+//! cross-validation over blocks of time) → [`Verdict`].
+
+mod baseline;
+mod diagnose;
+pub mod effects;
+mod error;
+mod floor;
+mod gram;
+mod linear;
+mod partition;
+mod periodogram;
+mod problem;
+mod question;
+mod rows;
+mod selection;
+mod simulated;
+mod verdict;
+
+pub use baseline::Baseline;
+pub use diagnose::{Candidate, Investigation, investigate};
+pub use error::DiagnosisError;
+pub use partition::Partition;
+pub use problem::{Problem, Switch};
+pub use question::{Question, QuestionedRecording};
+pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
+pub use selection::{Chosen, Group, Selection, SelectionOptions};
+pub use verdict::{
+    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict,
+};

@@ -1,0 +1,333 @@
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::problem::{NestedFit, Problem, Switch};
+
+/// A hypothesis: coefficients that enter or leave the model together.
+#[derive(Debug, Clone)]
+pub struct Group {
+    /// Identifier of the effect.
+    pub effect: &'static str,
+    /// Joints whose physics it is.
+    pub joints: Vec<usize>,
+    /// Index of the candidate that it comes from.
+    pub candidate: usize,
+    /// Its coefficients.
+    pub switches: Vec<Switch>,
+}
+
+impl Group {
+    /// Whether the effect is taken to act in the target recordings only.
+    #[must_use]
+    pub fn target_only(&self) -> bool {
+        self.switches.first().is_some_and(|s| s.target_only)
+    }
+}
+
+/// What an effect must bring to be accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SelectionOptions {
+    /// Least score Σ_j ½ n_eff log(MSE_before / MSE_after), cross-validated.
+    pub score: f64,
+    /// Least share by which the effect lowers the held-out mean squared error of some joint.
+    pub reduction: f64,
+    /// Least share of a joint's whole log-MSE gain that is lost without the effect.
+    pub share: f64,
+    /// The same for a further effect of the same kind on the same joint.
+    pub share_same_kind: f64,
+    /// Largest number of effects.
+    pub most: usize,
+    /// Candidates whose score is within this factor of the best (or within 2) compete by parameter count.
+    pub tie: f64,
+    /// A group of which the baseline absorbs all but this share of torque is not decidable.
+    pub free_share: f64,
+}
+
+impl Default for SelectionOptions {
+    fn default() -> Self {
+        Self {
+            score: 8.0,
+            reduction: 0.05,
+            share: 0.12,
+            share_same_kind: 0.25,
+            most: 24,
+            tie: 0.03,
+            free_share: 0.02,
+        }
+    }
+}
+
+/// A group that was accepted.
+#[derive(Debug, Clone)]
+pub struct Chosen {
+    /// Index of the group.
+    pub group: usize,
+    /// Score lost when it is left out of the final model.
+    pub score: f64,
+    /// Log-MSE that each joint loses without it.
+    pub joint_loss: Vec<f64>,
+    /// Other groups that would do as well in its place, best first, with their scores.
+    pub rivals: Vec<(usize, f64)>,
+}
+
+/// What selection found.
+#[derive(Debug, Clone)]
+pub struct Selection {
+    /// The accepted groups, strongest first.
+    pub chosen: Vec<Chosen>,
+    /// Held-out squared error per row before, of the rows in question, joint by joint.
+    pub before: Vec<f64>,
+    /// The same with the chosen groups.
+    pub after: Vec<f64>,
+}
+
+/// A nested fit with the shares of independent rows of its residual.
+struct Weighed {
+    nested: NestedFit,
+    shares: Vec<f64>,
+}
+
+/// Forward selection with replacement and removal, by cross-validation over blocks of time.
+pub struct Selector<'a> {
+    /// The moments.
+    pub problem: &'a Problem,
+    /// Baseline coefficients, always in the model.
+    pub baseline: &'a [Switch],
+    /// The hypotheses.
+    pub groups: &'a [Group],
+    /// Mean squared error of each joint that noise alone leaves; improvements below it do not count.
+    pub floor: &'a [f64],
+    /// Share of independent rows of each joint, from the autocorrelation of a residual with the given
+    /// switches and coefficients.
+    pub independent_share: &'a (dyn Fn(&[Switch], &[f64]) -> Vec<f64> + Sync),
+    /// Thresholds.
+    pub options: &'a SelectionOptions,
+}
+
+impl Selector<'_> {
+    /// Selects groups: forward until nothing helps, then replacement and removal, and forward again.
+    #[must_use]
+    pub fn run(&self, mut progress: impl FnMut(&str)) -> Selection {
+        let before = self.mse(&self.fit(&[]), &[]);
+        let mut chosen: Vec<usize> = Vec::new();
+        let mut barred: Vec<usize> = Vec::new();
+        for _ in 0..ROUNDS {
+            let start = chosen.clone();
+            self.forward(&mut chosen, &barred, &mut progress);
+            self.replace(&mut chosen);
+            barred.extend(self.remove(&mut chosen, &before));
+            if chosen == start {
+                break;
+            }
+        }
+        self.finish(chosen, before)
+    }
+
+    fn forward(&self, chosen: &mut Vec<usize>, barred: &[usize], progress: &mut impl FnMut(&str)) {
+        while chosen.len() < self.options.most {
+            let fit = self.fit(chosen);
+            let now = self.mse(&fit, &[]);
+            let ranked = self.rank(&fit, &now, |g| !chosen.contains(&g) && !barred.contains(&g));
+            let Some(best) = self.frugal(&ranked) else { break };
+            if !self.enough(&now, &self.mse(&fit, &self.groups[best].switches)) {
+                break;
+            }
+            chosen.push(best);
+            progress(&format!("found: {} on {:?}", self.groups[best].effect, self.groups[best].joints));
+        }
+    }
+
+    fn switches(&self, chosen: &[usize]) -> Vec<Switch> {
+        let mut all = self.baseline.to_vec();
+        for group in chosen {
+            for switch in &self.groups[*group].switches {
+                if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
+                    all.push(*switch);
+                }
+            }
+        }
+        all
+    }
+
+    fn fit(&self, chosen: &[usize]) -> Weighed {
+        let switches = self.switches(chosen);
+        let plain = vec![1.0; self.problem.joints()];
+        let first = self.problem.fit(&switches, &plain);
+        let weights: Vec<f64> = (0..self.problem.joints())
+            .map(|j| {
+                let rows = self.problem.rows(j, false).max(1.0);
+                let variance = (first.squared_errors[0][j] + first.squared_errors[1][j]) / rows;
+                1.0 / variance.max(self.floor[j]).max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        let shares = (self.independent_share)(&switches, &first.coefficients);
+        Weighed { nested: self.problem.nest(&switches, &weights), shares }
+    }
+
+    /// Held-out mean squared error of each joint over all rows.
+    fn mse(&self, fit: &Weighed, group: &[Switch]) -> Vec<f64> {
+        let [calibration, target] = self.problem.held_out(&fit.nested, group);
+        (0..self.problem.joints())
+            .map(|j| (calibration[j] + target[j]) / self.problem.rows(j, false).max(1.0))
+            .collect()
+    }
+
+    /// Σ_j ½ n_eff log(before / after), both not below the floor.
+    fn score(&self, fit: &Weighed, before: &[f64], after: &[f64]) -> f64 {
+        (0..self.problem.joints())
+            .map(|j| {
+                let effective = fit.shares[j] * self.problem.rows(j, false);
+                0.5 * effective * self.log_ratio(j, before[j], after[j])
+            })
+            .sum()
+    }
+
+    fn log_ratio(&self, joint: usize, before: f64, after: f64) -> f64 {
+        let floor = self.floor[joint].max(f64::MIN_POSITIVE);
+        (before.max(floor) / after.max(floor)).ln()
+    }
+
+    fn rank(&self, fit: &Weighed, now: &[f64], eligible: impl Fn(usize) -> bool + Sync) -> Vec<(usize, f64)> {
+        let mut ranked: Vec<(usize, f64)> = (0..self.groups.len())
+            .into_par_iter()
+            .filter(|g| eligible(*g))
+            .map(|g| (g, self.score(fit, now, &self.mse(fit, &self.groups[g].switches))))
+            .filter(|(_, score)| score.is_finite() && *score > self.options.score)
+            .collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        ranked
+    }
+
+    /// Among the best and those as good, the one of fewest coefficients.
+    fn frugal(&self, ranked: &[(usize, f64)]) -> Option<usize> {
+        let best = ranked.first()?.1;
+        let near = best - (self.options.tie * best).max(2.0);
+        ranked
+            .iter()
+            .filter(|(_, score)| *score >= near)
+            .min_by_key(|(g, _)| self.groups[*g].switches.len())
+            .map(|(g, _)| *g)
+    }
+
+    fn enough(&self, before: &[f64], after: &[f64]) -> bool {
+        let least = -(1.0 - self.options.reduction).ln();
+        (0..before.len()).any(|j| self.log_ratio(j, before[j], after[j]) > least)
+    }
+
+    /// Tries for each chosen group whether another on its joints does better in its place.
+    fn replace(&self, chosen: &mut [usize]) {
+        for i in 0..chosen.len() {
+            let rest = without(chosen, i);
+            let fit = self.fit(&rest);
+            let now = self.mse(&fit, &[]);
+            let ranked = self.rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]));
+            if let Some(best) = self.frugal(&ranked) {
+                chosen[i] = best;
+            }
+        }
+    }
+
+    /// Whether two groups concern a common joint.
+    fn meet(&self, a: usize, b: usize) -> bool {
+        self.groups[a].joints.iter().any(|j| self.groups[b].joints.contains(j))
+    }
+
+    /// Removes groups that bring too little to the whole, the weakest first; those removed.
+    fn remove(&self, chosen: &mut Vec<usize>, before: &[f64]) -> Vec<usize> {
+        let mut removed = Vec::new();
+        loop {
+            let full = self.mse(&self.fit(chosen), &[]);
+            let weakest = (0..chosen.len())
+                .into_par_iter()
+                .filter_map(|i| {
+                    let (score, joint_loss) = self.loss(chosen, i, &full);
+                    (!self.earns_its_place(chosen, i, before, &full, score, &joint_loss)).then_some((i, score))
+                })
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match weakest {
+                Some((i, _)) => removed.push(chosen.remove(i)),
+                None => return removed,
+            }
+        }
+    }
+
+    fn loss(&self, chosen: &[usize], i: usize, full: &[f64]) -> (f64, Vec<f64>) {
+        let fit = self.fit(&without(chosen, i));
+        let without = self.mse(&fit, &[]);
+        let joint_loss = (0..full.len()).map(|j| self.log_ratio(j, without[j], full[j])).collect();
+        (self.score(&fit, &without, full), joint_loss)
+    }
+
+    fn earns_its_place(
+        &self,
+        chosen: &[usize],
+        i: usize,
+        before: &[f64],
+        full: &[f64],
+        score: f64,
+        joint_loss: &[f64],
+    ) -> bool {
+        let own = &self.groups[chosen[i]];
+        let twin = chosen.iter().enumerate().any(|(k, g)| {
+            k != i && self.groups[*g].joints == own.joints && kind(self.groups[*g].effect) == kind(own.effect)
+        });
+        let share = if twin { self.options.share_same_kind } else { self.options.share };
+        score > self.options.score
+            && joint_loss.iter().enumerate().any(|(j, loss)| {
+                let gain = self.log_ratio(j, before[j], full[j]);
+                *loss > share * gain && *loss > -(1.0 - self.options.reduction).ln()
+            })
+    }
+
+    fn finish(&self, chosen: Vec<usize>, before: Vec<f64>) -> Selection {
+        let full = self.mse(&self.fit(&chosen), &[]);
+        let mut found: Vec<Chosen> = (0..chosen.len())
+            .map(|i| {
+                let (score, joint_loss) = self.loss(&chosen, i, &full);
+                let rest = without(&chosen, i);
+                let fit = self.fit(&rest);
+                let now = self.mse(&fit, &[]);
+                let own = &self.groups[chosen[i]];
+                let rivals = self
+                    .rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]))
+                    .into_iter()
+                    .filter(|(g, s)| {
+                        self.groups[*g].effect != own.effect
+                            && *s >= score - (self.options.tie * score).max(2.0)
+                    })
+                    .collect();
+                Chosen { group: chosen[i], score, joint_loss, rivals }
+            })
+            .collect();
+        found.sort_by(|a, b| b.score.total_cmp(&a.score));
+        Selection { chosen: found, before, after: full }
+    }
+}
+
+/// Rounds of forward selection, replacement and removal.
+const ROUNDS: usize = 3;
+
+/// All but the i-th.
+fn without(chosen: &[usize], i: usize) -> Vec<usize> {
+    chosen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect()
+}
+
+/// Effects that describe the same force at the same place: a second one needs stronger evidence.
+fn kind(effect: &str) -> &'static str {
+    match effect {
+        "coulomb"
+        | "stribeck"
+        | "coulomb_asymmetry"
+        | "presliding_hysteresis"
+        | "friction_level_changed"
+        | "viscous"
+        | "viscous_nonlinear"
+        | "viscous_asymmetry"
+        | "temperature_dependent_friction" => "friction",
+        "load_dependent_friction" | "drive_efficiency" | "torque_constant" => "load",
+        "rotor_inertia" | "joint_elasticity" | "time_delay" => "acceleration",
+        "spring" | "torque_ripple" | "base_tilt" => "position",
+        _ => "other",
+    }
+}
