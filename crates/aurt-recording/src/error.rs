@@ -207,7 +207,7 @@ pub enum RecordingError {
         duration_s: f64,
     },
     /// An option outside its range.
-    #[error("`{option}` = {value}: {remedy}")]
+    #[error("`{option}` = {value:?}: {remedy}")]
     InvalidOption {
         /// Name of the option.
         option: &'static str,
@@ -234,7 +234,7 @@ pub enum RecordingError {
     },
     /// A cut-off frequency at which a filter cannot be built.
     #[error(
-        "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must be positive and below half the rate"
+        "a low-pass cut-off of {cutoff_hz} Hz at a sampling rate of {rate_hz} Hz: it must lie between 0.0001 and 0.9999 of half the rate"
     )]
     Cutoff {
         /// The cut-off.
@@ -256,8 +256,8 @@ pub enum RecordingError {
         cutoff_hz: f64,
         /// The sampling rate.
         rate_hz: f64,
-        /// f_dyn has to stay below this for the filter to exist.
-        f_dyn_below_hz: f64,
+        /// The largest f_dyn that works.
+        largest_f_dyn_hz: f64,
         /// What to do.
         remedy: String,
     },
@@ -311,13 +311,15 @@ pub enum RecordingError {
     },
 }
 
-/// Names in a row, cut after the twentieth.
+/// Names in a row, the list and each name shortened.
 fn list(names: &[String]) -> String {
     const SHOWN: usize = 20;
+    const LENGTH: usize = 40;
     if names.is_empty() {
         return "no named columns".to_owned();
     }
-    let mut text = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let short = |name: &String| name.chars().take(LENGTH).collect::<String>();
+    let mut text = names.iter().take(SHOWN).map(short).collect::<Vec<_>>().join(", ");
     if names.len() > SHOWN {
         text.push_str(&format!(" and {} more", names.len() - SHOWN));
     }

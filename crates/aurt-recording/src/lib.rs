@@ -5,6 +5,33 @@
 //! measurement filtered and thinned out. [`ZeroPhaseBank`] is the filter for the regressor's columns, which are
 //! never held in memory as a whole.
 //!
+//! ```
+//! use aurt_recording::{PreprocessOptions, ReadOptions, ZeroPhaseBank, preprocess, read_recording};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("motion.csv");
+//! # let rows = (0..2000).map(|k| 0.002 * f64::from(k)).map(|t| format!("{t:.3},{:.6},{:.6}\n", (3.0 * t).sin(), (3.0 * t).cos()));
+//! # let text = String::from("time,q_0,torque_0\n") + &rows.collect::<String>();
+//! # std::fs::write(&path, text)?;
+//! let recording = read_recording(&path, &ReadOptions::default())?;
+//! let prepared = preprocess(&recording, &PreprocessOptions::new(10.0))?;
+//! for segment in &prepared.segments {
+//!     // The regressor of a single inertia has one column: the acceleration. It passes the measurement's filter.
+//!     let column = segment.motion.view().acceleration_rad_s2(0);
+//!     let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, 1, segment.decimation);
+//!     let mut rows = Vec::new();
+//!     let mut collect = |tile: aurt_recording::DecimatedTile<'_>| rows.extend_from_slice(tile.column(0));
+//!     for tile in column.chunks(256) {
+//!         bank.push(tile, tile.len(), tile.len(), &mut collect);
+//!     }
+//!     bank.finish(&mut collect)?;
+//!     assert!(rows.len() >= segment.rows());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! Joints count from 0. Units are SI.
 
 mod csv;

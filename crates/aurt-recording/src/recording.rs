@@ -36,8 +36,10 @@ pub struct ReadReport {
     pub rows: usize,
     /// Where each quantity was taken from, e.g. `position: actual_q_0 … actual_q_5`.
     pub columns: Vec<String>,
-    /// Rows that were left out, with the reason.
+    /// Rows that were left out, with the reason; of very many the first ten thousand.
     pub dropped: Vec<DroppedRow>,
+    /// Number of rows that were left out.
+    pub dropped_rows: usize,
     /// Choices and oddities that a person should know, as sentences.
     pub remarks: Vec<String>,
 }
@@ -60,16 +62,16 @@ impl ReadReport {
         if !self.columns.is_empty() {
             notes.push(self.columns.join("; "));
         }
-        if !self.dropped.is_empty() {
+        if self.dropped_rows > 0 {
             let mut lines: Vec<String> =
                 self.dropped.iter().take(SHOWN).map(|d| format!("line {} ({})", d.line, d.reason)).collect();
-            if self.dropped.len() > SHOWN {
-                lines.push(format!("{} more", self.dropped.len() - SHOWN));
+            if self.dropped_rows > lines.len() {
+                lines.push(format!("{} more", self.dropped_rows - lines.len()));
             }
-            let share = 100.0 * self.dropped.len() as f64 / self.rows.max(1) as f64;
+            let share = 100.0 * self.dropped_rows as f64 / self.rows.max(1) as f64;
             notes.push(format!(
                 "dropped {} corrupt rows ({share:.2} %): {}",
-                self.dropped.len(),
+                self.dropped_rows,
                 lines.join(", ")
             ));
         }

@@ -1,6 +1,8 @@
 //! Filters, splines and derivatives against numpy and scipy (`reference/make_reference.py`), and the blockwise
 //! bank against the filter over whole series.
 
+#![expect(clippy::unwrap_used, reason = "the helpers of these tests may fail like the tests themselves")]
+
 use aurt_recording::{RecordingError, ZeroPhase, ZeroPhaseBank};
 use proptest::prelude::*;
 use serde_json::Value;

@@ -65,6 +65,8 @@ fn irregular_recordings_are_put_on_the_grid_that_the_robot_ran_at() {
             println!("    {note}");
         }
         assert_eq!(recording.joints(), joints, "{file}");
+        assert_eq!(recording.report.dropped_rows, 0, "{file}");
+        assert_eq!(recording.report.remarks, Vec::<String>::new(), "{file}");
         assert_eq!(done.report.resampled, resampled, "{file}");
         assert!((done.report.rate_hz / rate_hz - 1.0).abs() < 1e-9, "{file}: {} Hz", done.report.rate_hz);
         assert_eq!(done.segments.len(), 1, "{file}");

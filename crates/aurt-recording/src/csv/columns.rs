@@ -90,23 +90,24 @@ impl Search<'_> {
         }
         let time = match &selection.time {
             Some(column) => self.column(column, "the time stamps")?,
-            None => self.find_time()?,
+            None => self.find_time(&families)?,
         };
         let position = match &selection.position {
             Some(columns) => self.columns(columns, "joint positions", &families)?,
             None => match self.find(&families, "joint positions", &families::POSITION, &mut remarks)? {
-                Some((_, columns)) => columns,
+                Some(columns) => columns,
                 None => return Err(self.missing("joint positions", None, &families::POSITION, "position")),
             },
         };
         let joints = self.options.joints.unwrap_or(position.len());
         let velocity = match &selection.velocity {
             Some(columns) => Some(self.columns(columns, "joint velocities", &families)?),
-            None => self
-                .find(&families, "joint velocities", &families::VELOCITY, &mut remarks)?
-                .map(|(_, columns)| columns),
+            None => {
+                let found = self.find(&families, "joint velocities", &families::VELOCITY, &mut remarks);
+                self.optional("joint velocities", joints, found, &mut remarks)
+            }
         };
-        let (measurement, unit) = self.measurement(&families, &mut remarks)?;
+        let (measurement, unit) = self.measurement(&families, joints, &mut remarks)?;
         let selected = Selected { time, position, velocity, measurement, unit, remarks };
         let counts = [
             ("joint positions", Some(&selected.position)),
@@ -121,6 +122,7 @@ impl Search<'_> {
                 ));
             }
         }
+        self.check_units(&selected)?;
         let mut all = selected.all();
         all.sort_unstable();
         if let Some(twice) = all.windows(2).find(|w| w[0] == w[1]) {
@@ -136,93 +138,64 @@ impl Search<'_> {
         Ok(selected)
     }
 
-    /// The measurement's columns and unit.
-    fn measurement(
+    /// Columns that nobody asked for: if they are unusable, a remark says so.
+    pub(super) fn optional(
         &self,
-        families: &Families,
+        what: &str,
+        joints: usize,
+        found: Result<Option<Vec<usize>>, RecordingError>,
         remarks: &mut Vec<String>,
-    ) -> Result<(Option<Vec<usize>>, MeasurementUnit), RecordingError> {
-        let declared = self.options.unit;
-        if let Some(columns) = &self.options.columns.measurement {
-            let columns = self.columns(columns, "the measurement", families)?;
-            let named = columns.first().and_then(|c| {
-                self.header.names.get(*c).and_then(|name| families::unit_of(&families::split_number(name).0))
-            });
-            let Some(unit) = declared.or(named) else {
-                return Err(RecordingError::Unit {
-                    path: self.path.to_owned(),
-                    reason: "the names of the measurement's columns do not tell its unit".into(),
-                    remedy: "state it: unit = \"Nm\" (joint torque) or unit = \"A\" (motor current)".into(),
-                });
-            };
-            return Ok((Some(columns), unit));
-        }
-        let currents = self.find_quietly(families, &families::CURRENT)?;
-        let torques = self.find_quietly(families, &families::TORQUE)?;
-        let (found, other, unit) = match (declared, currents, torques) {
-            (None, Some(current), Some(torque)) => {
-                let reason =
-                    format!("the file has motor currents ({}) and joint torques ({})", current.0, torque.0);
-                let remedy = "state which to use: unit = \"A\" or unit = \"Nm\"".to_owned();
-                if self.options.needs_measurement {
-                    return Err(RecordingError::Unit { path: self.path.to_owned(), reason, remedy });
-                }
-                remarks.push(format!("{reason}, and no unit was stated: neither was read"));
-                return Ok((None, MeasurementUnit::default()));
+    ) -> Option<Vec<usize>> {
+        let problem = match found {
+            Ok(Some(columns)) if columns.len() == joints => return Some(columns),
+            Ok(None) => return None,
+            Ok(Some(columns)) => {
+                format!("{} columns ({}) for {joints} joints", columns.len(), self.header.span(&columns))
             }
-            (Some(MeasurementUnit::Ampere), Some(current), other) => {
-                (Some(current), other, MeasurementUnit::Ampere)
-            }
-            (Some(MeasurementUnit::NewtonMetre), other, Some(torque)) => {
-                (Some(torque), other, MeasurementUnit::NewtonMetre)
-            }
-            (None, Some(current), None) => (Some(current), None, MeasurementUnit::Ampere),
-            (None, None, Some(torque)) => (Some(torque), None, MeasurementUnit::NewtonMetre),
-            (Some(unit), current, torque) => {
-                let found = current.or(torque);
-                if let Some((prefix, _)) = &found {
-                    remarks.push(format!(
-                        "the columns `{prefix}` are taken to be in {}, as was stated",
-                        unit.symbol()
-                    ));
-                }
-                (found, None, unit)
-            }
-            (None, None, None) => (None, None, MeasurementUnit::default()),
+            Err(RecordingError::Columns { reason, .. } | RecordingError::Unit { reason, .. }) => reason,
+            Err(error) => error.to_string(),
         };
-        if let (Some((prefix, _)), Some((unused, _))) = (&found, &other) {
-            remarks.push(format!(
-                "the file has `{prefix}` and `{unused}`: `{prefix}` is read, as unit {} was stated",
-                unit.symbol()
-            ));
-        }
-        if let Some((_, columns)) = found {
-            return Ok((Some(columns), unit));
-        }
-        if self.options.needs_measurement {
-            let mut names = families::CURRENT.to_vec();
-            names.extend(families::TORQUE);
-            return Err(self.missing(
-                "the measurement (motor currents or joint torques)",
-                None,
-                &names,
-                "measurement",
-            ));
-        }
-        Ok((None, unit))
+        remarks.push(format!("{what} were not read: {problem}"));
+        None
     }
 
-    fn find_time(&self) -> Result<usize, RecordingError> {
+    /// Refuses columns whose names say that they are in another unit than they are read in.
+    fn check_units(&self, selected: &Selected) -> Result<(), RecordingError> {
+        let measurement: &[&str] = match selected.unit {
+            MeasurementUnit::Ampere => &families::CURRENT_UNITS,
+            MeasurementUnit::NewtonMetre => &families::TORQUE_UNITS,
+        };
+        let quantities: [(&str, &[usize], &[&str]); 4] = [
+            ("time stamps", &[selected.time], &families::TIME_UNITS),
+            ("positions", &selected.position, &families::POSITION_UNITS),
+            ("velocities", selected.velocity.as_deref().unwrap_or(&[]), &families::VELOCITY_UNITS),
+            ("measurements", selected.measurement.as_deref().unwrap_or(&[]), measurement),
+        ];
+        for (what, columns, units) in quantities {
+            for name in columns.iter().filter_map(|c| self.header.names.get(*c)) {
+                let unit = families::NameParts::of(name).unit;
+                if let Some(unit) = unit.filter(|u| !units.contains(&u.as_str())) {
+                    return Err(self.wrong(
+                        format!("column `{name}` is in `{unit}`, but {what} are read in {}", units[0]),
+                        "convert the column, or rename it if its name is wrong".into(),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn find_time(&self, families: &Families) -> Result<usize, RecordingError> {
         for name in families::TIME {
-            let mut named = self.header.named(name);
-            if let Some(column) = named.next() {
-                if named.next().is_some() {
+            match families.unnumbered(name).as_slice() {
+                [] => {}
+                [column] => return Ok(*column),
+                _ => {
                     return Err(self.wrong(
                         format!("there are two columns named `{name}`"),
                         "rename one, or select the time column by its number".into(),
                     ));
                 }
-                return Ok(column);
             }
         }
         Err(self.missing("the time stamps", None, &families::TIME, "time"))
@@ -232,42 +205,48 @@ impl Search<'_> {
     fn find(
         &self,
         families: &Families,
-        what: &str,
+        what: &'static str,
         prefixes: &[&'static str],
         remarks: &mut Vec<String>,
-    ) -> Result<Option<(&'static str, Vec<usize>)>, RecordingError> {
-        let found = self.find_quietly(families, prefixes)?;
-        if let Some((prefix, _)) = &found {
-            let mut others: Vec<&str> =
-                families.present(prefixes).into_iter().filter(|p| p != prefix).collect();
-            let commanded = families.present(&families::COMMANDED);
-            let like: Vec<&str> =
-                commanded.into_iter().filter(|c| c.rsplit('_').next() == prefix.rsplit('_').next()).collect();
-            others.extend(like);
-            if !others.is_empty() {
-                remarks.push(format!("{what}: `{prefix}` is read, not `{}`", others.join("`, `")));
-            }
+    ) -> Result<Option<Vec<usize>>, RecordingError> {
+        let Some(prefix) = families.present(prefixes).first().copied() else { return Ok(None) };
+        let columns = self.family(families, prefix, what)?;
+        let last_word = |name: &str| name.rsplit('_').next().map(str::to_owned);
+        let others: Vec<&str> = families
+            .present(prefixes)
+            .into_iter()
+            .filter(|p| *p != prefix)
+            .chain(
+                families
+                    .present(&families::COMMANDED)
+                    .into_iter()
+                    .filter(|c| last_word(c) == last_word(prefix)),
+            )
+            .collect();
+        if !others.is_empty() {
+            remarks.push(format!("{what}: `{prefix}` is read, not `{}`", others.join("`, `")));
         }
-        Ok(found)
+        Ok(Some(columns))
     }
 
-    fn find_quietly(
+    /// The columns of a prefix.
+    pub(super) fn family(
         &self,
         families: &Families,
-        prefixes: &[&'static str],
-    ) -> Result<Option<(&'static str, Vec<usize>)>, RecordingError> {
-        let Some(prefix) = families.present(prefixes).first().copied() else { return Ok(None) };
+        prefix: &str,
+        what: &'static str,
+    ) -> Result<Vec<usize>, RecordingError> {
         match families.columns(prefix) {
-            Some(Ok(columns)) => Ok(Some((prefix, columns))),
+            Some(Ok(columns)) => Ok(columns),
             Some(Err(reason)) => {
-                Err(self.wrong(reason, "rename the columns, or select them explicitly".into()))
+                Err(self.wrong(reason, "rename the columns, or select them one by one".into()))
             }
-            None => Ok(None),
+            None => Err(self.missing(what, Some(prefix), &[prefix], "position")),
         }
     }
 
     /// The columns that a selection means.
-    fn columns(
+    pub(super) fn columns(
         &self,
         columns: &ColumnsRef,
         what: &'static str,
@@ -289,13 +268,7 @@ impl Search<'_> {
                     .wrong(format!("no columns were listed for {what}"), "list one for each joint".into()))
             }
             ColumnsRef::List(list) => list.iter().map(|c| self.column(c, what)).collect(),
-            ColumnsRef::Prefix(prefix) => match families.columns(prefix) {
-                Some(Ok(columns)) => Ok(columns),
-                Some(Err(reason)) => {
-                    Err(self.wrong(reason, "rename the columns, or list them one by one".into()))
-                }
-                None => Err(self.missing(what, Some(prefix), &[prefix], "position")),
-            },
+            ColumnsRef::Prefix(prefix) => self.family(families, prefix, what),
         }
     }
 
@@ -323,19 +296,30 @@ impl Search<'_> {
         }
     }
 
-    fn missing(&self, what: &'static str, wanted: Option<&str>, names: &[&str], key: &str) -> RecordingError {
-        let likely = wanted
-            .and_then(|w| self.header.most_similar(w))
-            .map(|name| format!("did you mean `{name}`?"))
-            .unwrap_or_else(|| {
-                let usual = names.iter().take(4).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
-                match wanted {
-                    Some(_) => "names are compared without regard to case".to_owned(),
-                    None => format!(
-                        "usual names are {usual} …; select other columns with columns = {{ {key} = … }}"
-                    ),
-                }
-            });
+    pub(super) fn missing(
+        &self,
+        what: &'static str,
+        wanted: Option<&str>,
+        names: &[&str],
+        key: &str,
+    ) -> RecordingError {
+        let commanded = Families::of(&self.header.names).present(&families::COMMANDED);
+        let likely = match wanted {
+            Some(wanted) => match self.header.most_similar(wanted) {
+                Some(name) => format!("did you mean `{name}`?"),
+                None => "names are compared without regard to case".to_owned(),
+            },
+            None if !commanded.is_empty() && key != "time" => format!(
+                "`{}` is what was commanded, not what was measured; to use it all the same, select it with \
+                 columns = {{ {key} = … }}",
+                commanded[0]
+            ),
+            None => {
+                let usual: Vec<String> = names.iter().take(4).map(|n| format!("`{n}`")).collect();
+                let usual = usual.join(", ");
+                format!("usual names are {usual} …; select other columns with columns = {{ {key} = … }}")
+            }
+        };
         RecordingError::MissingColumn {
             path: self.path.to_owned(),
             line: self.header.line,
@@ -346,7 +330,7 @@ impl Search<'_> {
         }
     }
 
-    fn wrong(&self, reason: String, remedy: String) -> RecordingError {
+    pub(super) fn wrong(&self, reason: String, remedy: String) -> RecordingError {
         RecordingError::Columns { path: self.path.to_owned(), line: self.header.line, reason, remedy }
     }
 

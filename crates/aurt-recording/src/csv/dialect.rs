@@ -42,17 +42,18 @@ pub(super) struct Dialect {
 impl Dialect {
     /// The dialect of some lines of data, the header among them if there is one.
     ///
-    /// A delimiter is one that the first line has and that most lines have as often as the first; of equals a tab
-    /// goes before a semicolon and that before a comma, which may be a decimal comma. A comma is one where another
-    /// delimiter separates the cells and no cell has a point.
+    /// A delimiter is one that the first line has and that most lines have as often as the first; of equals the one
+    /// that leaves the most cells readable as numbers, then in the order below. A comma is a decimal comma where another
+    /// delimiter separates the cells and no number has a point.
     pub(super) fn detect(lines: &[&[u8]]) -> Self {
         let mut delimiter = Delimiter::Spaces;
-        let mut most = 0;
-        for candidate in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma] {
+        let mut best = (0, 0.0);
+        for candidate in [Delimiter::Tab, Delimiter::Semicolon, Delimiter::Comma, Delimiter::Spaces] {
             let Some(first) = lines.first().map(|l| count(l, candidate)).filter(|c| *c > 0) else { continue };
             let alike = lines.iter().filter(|l| count(l, candidate) == first).count();
-            if alike > most {
-                most = alike;
+            let score = (alike, readable_share(lines, candidate));
+            if score > best {
+                best = score;
                 delimiter = candidate;
             }
         }
@@ -87,8 +88,19 @@ impl Dialect {
     }
 }
 
+/// Share of the cells that are numbers.
+fn readable_share(lines: &[&[u8]], delimiter: Delimiter) -> f64 {
+    let dialect = Dialect { delimiter, decimal_comma: false };
+    let is_number = |cell: &&[u8]| number::parse(cell, b'.').or_else(|| number::parse(cell, b',')).is_some();
+    let cells = || lines.iter().flat_map(|line| dialect.cells(line));
+    cells().filter(is_number).count() as f64 / cells().count().max(1) as f64
+}
+
 /// How often a delimiter stands in a line outside quotes.
 fn count(line: &[u8], delimiter: Delimiter) -> usize {
+    if delimiter == Delimiter::Spaces {
+        return Cells { delimiter, rest: Some(line) }.count().saturating_sub(1);
+    }
     let mut quoted = false;
     let mut count = 0;
     for byte in line {

@@ -41,8 +41,8 @@ impl Families {
     pub(super) fn of(names: &[String]) -> Self {
         let mut groups: BTreeMap<String, Vec<(Option<usize>, usize)>> = BTreeMap::new();
         for (column, name) in names.iter().enumerate() {
-            let (prefix, number) = split_number(name);
-            groups.entry(prefix).or_default().push((number, column));
+            let parts = NameParts::of(name);
+            groups.entry(parts.prefix).or_default().push((parts.number, column));
         }
         Self { groups }
     }
@@ -52,10 +52,16 @@ impl Families {
         prefixes.iter().filter(|p| self.groups.contains_key(**p)).copied().collect()
     }
 
+    /// The columns of that name that have no joint number.
+    pub(super) fn unnumbered(&self, name: &str) -> Vec<usize> {
+        let group = self.groups.get(name).into_iter().flatten();
+        group.filter(|(number, _)| number.is_none()).map(|(_, column)| *column).collect()
+    }
+
     /// The columns of a prefix in the order of their joints, or what is wrong with their numbering.
     /// Numbers start at 0 or at 1 and have no holes; a name without number is a single joint's.
     pub(super) fn columns(&self, prefix: &str) -> Option<Result<Vec<usize>, String>> {
-        let group = self.groups.get(&prefix.to_lowercase())?;
+        let group = self.groups.get(&prefix.trim().to_lowercase())?;
         let mut numbered: Vec<(usize, usize)> =
             group.iter().filter_map(|(n, c)| n.map(|n| (n, *c))).collect();
         if numbered.is_empty() {
@@ -84,32 +90,70 @@ impl Families {
     }
 }
 
-/// The unit that a measurement of this prefix has.
-pub(super) fn unit_of(prefix: &str) -> Option<MeasurementUnit> {
-    if CURRENT.contains(&prefix) {
+/// The unit of a measurement column: the one written after its name, or the one that its name implies.
+pub(super) fn unit_of(name: &str) -> Option<MeasurementUnit> {
+    let parts = NameParts::of(name);
+    match parts.unit.as_deref() {
+        Some(unit) if TORQUE_UNITS.contains(&unit) => return Some(MeasurementUnit::NewtonMetre),
+        Some(unit) if CURRENT_UNITS.contains(&unit) => return Some(MeasurementUnit::Ampere),
+        _ => {}
+    }
+    if CURRENT.contains(&parts.prefix.as_str()) {
         return Some(MeasurementUnit::Ampere);
     }
-    TORQUE.contains(&prefix).then_some(MeasurementUnit::NewtonMetre)
+    TORQUE.contains(&parts.prefix.as_str()).then_some(MeasurementUnit::NewtonMetre)
 }
 
-/// A column name in lower case without its joint number, and the number: `q_3`, `q[3]`, `q_[3]`, `q(3)` and `q3`
-/// are all ("q", 3). A unit in brackets after the name is left out.
-pub(super) fn split_number(name: &str) -> (String, Option<usize>) {
-    let mut name = name.trim().to_lowercase();
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        let Some(inner) = name.strip_suffix(close) else { continue };
-        let Some((before, inside)) = inner.rsplit_once(open) else { continue };
-        let before = before.trim_end().trim_end_matches('_').to_owned();
-        if let Ok(number) = inside.trim().parse() {
-            return (before, Some(number));
+/// Ways to write the unit of time.
+pub(super) const TIME_UNITS: [&str; 3] = ["s", "sec", "seconds"];
+/// Ways to write the unit of position.
+pub(super) const POSITION_UNITS: [&str; 2] = ["rad", "radians"];
+/// Ways to write the unit of velocity.
+pub(super) const VELOCITY_UNITS: [&str; 4] = ["rad/s", "rad/sec", "rad s^-1", "rad*s^-1"];
+/// Ways to write the unit of torque.
+pub(super) const TORQUE_UNITS: [&str; 5] = ["nm", "n m", "n*m", "n·m", "n.m"];
+/// Ways to write the unit of current.
+pub(super) const CURRENT_UNITS: [&str; 3] = ["a", "amp", "ampere"];
+
+/// A column name taken apart, in lower case.
+pub(super) struct NameParts {
+    /// The name without joint number and unit.
+    pub(super) prefix: String,
+    /// The joint number: `q_3`, `q[3]`, `q_[3]`, `q(3)` and `q3` all have 3.
+    pub(super) number: Option<usize>,
+    /// What stands in brackets at the end and is no number, as in `q_3 [rad]`.
+    pub(super) unit: Option<String>,
+}
+
+impl NameParts {
+    pub(super) fn of(name: &str) -> Self {
+        let mut name = name.trim().to_lowercase();
+        let mut unit = None;
+        if let Some((before, inside)) = bracketed(&name) {
+            if let Ok(number) = inside.trim().parse() {
+                return Self { prefix: stem(before), number: Some(number), unit: None };
+            }
+            unit = Some(inside.trim().to_owned()).filter(|u| !u.is_empty());
+            name = before.trim_end().to_owned();
         }
-        name = before;
-        break;
+        if let Some((before, Ok(number))) = bracketed(&name).map(|(b, i)| (b, i.trim().parse())) {
+            return Self { prefix: stem(before), number: Some(number), unit };
+        }
+        let without = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        match name[without.len()..].parse() {
+            Ok(number) if !without.is_empty() => Self { prefix: stem(without), number: Some(number), unit },
+            _ => Self { prefix: name, number: None, unit },
+        }
     }
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    let number = name[stem.len()..].parse().ok();
-    if number.is_none() || stem.is_empty() {
-        return (name, None);
-    }
-    (stem.trim_end_matches('_').to_owned(), number)
+}
+
+/// What stands before and in a pair of brackets that ends the name.
+fn bracketed(name: &str) -> Option<(&str, &str)> {
+    [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| name.strip_suffix(close).and_then(|inner| inner.rsplit_once(open)))
+}
+
+fn stem(name: &str) -> String {
+    name.trim_end().trim_end_matches(['_', '.', '-']).to_owned()
 }

@@ -1,10 +1,12 @@
 //! Text files with one row per sample.
 
+mod collector;
 mod columns;
 mod dialect;
 mod families;
 mod header;
 mod lines;
+mod measurement;
 mod number;
 mod plausibility;
 mod rows;
@@ -17,11 +19,11 @@ use aurt_traits::MeasurementUnit;
 
 pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
 
-use crate::csv::columns::{Search, Selected};
+use crate::csv::collector::Collector;
+use crate::csv::columns::Search;
 use crate::csv::dialect::Dialect;
 use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
-use crate::csv::plausibility::{Collector, Limits};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::{ReadReport, Recording, RecordingError};
 
@@ -65,7 +67,32 @@ impl Default for ReadOptions {
     }
 }
 
+impl ReadOptions {
+    fn validate(&self) -> Result<(), RecordingError> {
+        let value = self.max_corrupt_share;
+        if !(0.0..=1.0).contains(&value) {
+            let remedy = "it is a share between 0 and 1";
+            return Err(RecordingError::InvalidOption { option: "max_corrupt_share", value, remedy });
+        }
+        let limits = [
+            ("position_limit_rad", self.position_limit_rad),
+            ("velocity_limit_rad_s", self.velocity_limit_rad_s),
+            ("measurement_limit", self.measurement_limit),
+        ];
+        for (option, value) in limits {
+            if value.is_nan() || value <= 0.0 {
+                let remedy = "it must be a positive number";
+                return Err(RecordingError::InvalidOption { option, value, remedy });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Reads a recording from a text file with one row per sample.
+///
+/// Positions that jump by whole turns between two rows are unwrapped. Rows with absurd values, single rows in which a
+/// position leaps away and back, and stamps that go backwards are dropped and reported, up to a share of all rows.
 ///
 /// Cells are separated by commas, semicolons, tabs or runs of spaces; which, whether decimals have commas, and
 /// whether there is a header is found out. Blank lines and lines that start with `#` are skipped. Columns are known
@@ -80,13 +107,7 @@ impl Default for ReadOptions {
 /// line with too few or too many cells, a last line that breaks off; more corrupt rows than
 /// `options.max_corrupt_share`. Each names file, line, column and remedy.
 pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    if !(0.0..=1.0).contains(&options.max_corrupt_share) {
-        return Err(RecordingError::InvalidOption {
-            option: "max_corrupt_share",
-            value: options.max_corrupt_share,
-            remedy: "it is a share between 0 and 1",
-        });
-    }
+    options.validate()?;
     if path.is_dir() {
         return Err(RecordingError::Directory { path: path.to_owned() });
     }
@@ -110,33 +131,80 @@ impl Reader<'_> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
         }
+        if sample.contains(&0) {
+            return Err(self.no_rows("it is a binary file; recordings are read from text (CSV)"));
+        }
+        if !sample.contains(&b'\n') && sample.contains(&b'\r') {
+            return Err(self.no_rows("its lines end in bare carriage returns; save it with line feeds"));
+        }
+        let content = content_lines(sample);
+        let dialect = Dialect::detect(&content);
         let mut lines = Lines::new(source);
-        let dialect = Dialect::detect(&content_lines(sample));
-        let Some((header, mut first)) = self.header(dialect, &mut lines)? else {
-            let found =
-                if bytes == 0 && sample.is_empty() { "it is empty" } else { "only blank lines and comments" };
+        let Some((header, first)) = self.header(dialect, &mut lines)? else {
+            let found = if sample.is_empty() { "it is empty" } else { "only blank lines and comments" };
             return Err(self.no_rows(found));
         };
         let selected = Search { path: self.path, header: &header, options: self.options }.run()?;
         let wanted = selected.all();
         let parser = RowParser::new(dialect, header.columns, &wanted);
-        let rows = if first.is_empty() { 0 } else { bytes as usize / (first.len() + 1) };
-        let mut collector = Collector::new(&selected, Limits::of(self.options), rows);
+        let mean_length = sample.len().div_ceil(content.len().max(1)).max(1);
+        let mut collector = Collector::new(&selected, self.options, bytes as usize / mean_length);
         let mut row = vec![0.0; wanted.len()];
+        let decimals =
+            wanted.contains(&(header.columns - 1)).then(|| fixed_decimals(dialect, &content)).flatten();
         if header.is_data {
             let line = Line { number: header.line, bytes: &first, terminated: true };
             self.take(&parser, &header, &line, &mut row, &mut collector)?;
         }
-        first.clear();
         while let Some(line) = lines.next().map_err(|e| self.unreadable(e))? {
-            if is_content(line.bytes) {
-                self.take(&parser, &header, &line, &mut row, &mut collector)?;
+            if !is_content(line.bytes) {
+                continue;
+            }
+            self.take(&parser, &header, &line, &mut row, &mut collector)?;
+            if let Some(reason) =
+                decimals.filter(|_| !line.terminated).and_then(|d| cut_off(dialect, line.bytes, d))
+            {
+                let path = self.path.to_owned();
+                return Err(RecordingError::TruncatedLastLine { path, line: line.number, reason });
             }
         }
-        if collector.rows() == 0 {
+        let rows = collector.rows();
+        if rows == 0 {
             return Err(self.no_rows("there is a header, but no row follows"));
         }
-        self.finish(dialect, &header, selected, collector)
+        let mut collected = collector.finish(self.path, &header, self.options.max_corrupt_share)?;
+        let mut columns = vec![
+            format!("time: {}", header.name(selected.time)),
+            format!("position: {}", header.span(&selected.position)),
+        ];
+        if let Some(velocity) = &selected.velocity {
+            columns.push(format!("velocity: {}", header.span(velocity)));
+        }
+        if let Some(measurement) = &selected.measurement {
+            columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
+        }
+        let mut remarks = selected.remarks;
+        remarks.append(&mut collected.remarks);
+        let named = if header.names.is_empty() { "without header" } else { "with header" };
+        let report = ReadReport {
+            format: format!("{}, {named}", dialect.in_words()),
+            rows,
+            columns,
+            dropped: collected.dropped,
+            dropped_rows: collected.dropped_rows,
+            remarks,
+        };
+        let joints = selected.position.len();
+        let mut series = collected.series.into_iter();
+        Ok(Recording {
+            file: self.path.to_owned(),
+            time_s: series.next().unwrap_or_default(),
+            position_rad: series.by_ref().take(joints).collect(),
+            velocity_rad_s: selected.velocity.map(|_| series.by_ref().take(joints).collect()),
+            measurement: selected.measurement.map(|_| series.by_ref().take(joints).collect()),
+            unit: selected.unit,
+            report,
+        })
     }
 
     /// The header, and the line it was found on.
@@ -164,7 +232,7 @@ impl Reader<'_> {
         header: &Header,
         line: &Line<'_>,
         row: &mut [f64],
-        collector: &mut Collector,
+        collector: &mut Collector<'_>,
     ) -> Result<(), RecordingError> {
         let Err(problem) = parser.parse(line.bytes, row) else {
             collector.add(row, line.number);
@@ -198,51 +266,6 @@ impl Reader<'_> {
                 Err(RecordingError::Cell { path, line: number, column: column + 1, name, text, remedy })
             }
         }
-    }
-
-    fn finish(
-        &self,
-        dialect: Dialect,
-        header: &Header,
-        selected: Selected,
-        collector: Collector,
-    ) -> Result<Recording, RecordingError> {
-        let rows = collector.rows();
-        let (series, dropped) =
-            collector.finish(self.path, header, &selected, self.options.max_corrupt_share)?;
-        let joints = selected.position.len();
-        let mut columns = vec![
-            format!("time: {}", header.name(selected.time)),
-            format!("position: {}", header.span(&selected.position)),
-        ];
-        if let Some(velocity) = &selected.velocity {
-            columns.push(format!("velocity: {}", header.span(velocity)));
-        }
-        if let Some(measurement) = &selected.measurement {
-            columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
-        }
-        let mut remarks = selected.remarks;
-        let mut series = series.into_iter();
-        let time_s = series.next().unwrap_or_default();
-        let position_rad: Vec<Vec<f64>> = series.by_ref().take(joints).collect();
-        remarks.extend(plausibility::remark_on_degrees(&position_rad));
-        let named = if header.names.is_empty() { "without header" } else { "with header" };
-        let report = ReadReport {
-            format: format!("{}, {named}", dialect.in_words()),
-            rows,
-            columns,
-            dropped,
-            remarks,
-        };
-        Ok(Recording {
-            file: self.path.to_owned(),
-            time_s,
-            position_rad,
-            velocity_rad_s: selected.velocity.map(|_| series.by_ref().take(joints).collect()),
-            measurement: selected.measurement.map(|_| series.by_ref().take(joints).collect()),
-            unit: selected.unit,
-            report,
-        })
     }
 
     fn unreadable(&self, source: std::io::Error) -> RecordingError {
@@ -302,4 +325,28 @@ fn content_lines(sample: &[u8]) -> Vec<&[u8]> {
         lines.pop();
     }
     lines
+}
+
+/// The number of decimals of the last cell of a line, if it is a plain decimal number.
+fn decimals(dialect: Dialect, line: &[u8]) -> Option<usize> {
+    let cell = dialect.cells(line).last()?;
+    let point = cell.iter().position(|b| *b == dialect.decimal())?;
+    let digits = &cell[point + 1..];
+    digits.iter().all(u8::is_ascii_digit).then_some(digits.len())
+}
+
+/// The number of decimals that all last cells have, if they have the same.
+fn fixed_decimals(dialect: Dialect, content: &[&[u8]]) -> Option<usize> {
+    const LINES: usize = 50;
+    // The header, and the very last line, which may be the one that breaks off.
+    let rows = content.get(1..content.len().saturating_sub(1))?;
+    let mut counts = rows.iter().take(LINES).map(|line| decimals(dialect, line));
+    let first = counts.next().flatten()?;
+    (rows.len() > 2 && counts.all(|c| c == Some(first))).then_some(first)
+}
+
+/// How it shows that a last line without line feed breaks off within its last number, if it does.
+fn cut_off(dialect: Dialect, line: &[u8], usual: usize) -> Option<String> {
+    let found = decimals(dialect, line).unwrap_or(0);
+    (found < usual).then(|| format!("its last number has {found} decimals, others have {usual}"))
 }

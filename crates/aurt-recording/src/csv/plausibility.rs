@@ -1,169 +1,140 @@
-use std::path::Path;
+//! Values that a sensor can show but a robot cannot reach.
 
-use crate::csv::ReadOptions;
-use crate::csv::columns::Selected;
-use crate::csv::header::Header;
-use crate::{DroppedRow, RecordingError};
+use std::f64::consts::TAU;
 
-/// Corrupt rows of which line and reason are kept; of more, only the number.
-const KEPT_DETAILS: usize = 10_000;
-
-/// Magnitude of time stamps beyond which they are corrupt, in s.
-const TIME_LIMIT_S: f64 = 1e20;
-
-/// Magnitudes beyond which a value cannot be what a sensor measured.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
-    position_rad: f64,
-    velocity_rad_s: f64,
-    measurement: f64,
+/// A row that its neighbours contradict.
+pub(super) struct Finding {
+    /// Index of the row.
+    pub(super) row: usize,
+    /// Index of the series that shows it, among those that were looked at.
+    pub(super) place: usize,
+    /// What is wrong with the value, as the rest of a sentence that starts with it.
+    pub(super) what: &'static str,
 }
 
-impl Limits {
-    pub(super) fn of(options: &ReadOptions) -> Self {
-        Self {
-            position_rad: options.position_limit_rad,
-            velocity_rad_s: options.velocity_limit_rad_s,
-            measurement: options.measurement_limit,
-        }
+/// No joint of an arm turns this fast, in rad/s.
+const IMPOSSIBLE_RAD_S: f64 = 50.0;
+
+/// Smaller steps are never called a jump, in rad.
+const JUMP_RAD: f64 = 0.2;
+
+/// Of a whole turn a jump may differ by this much, in rad.
+const TURN_TOLERANCE_RAD: f64 = 0.5;
+
+/// Size of the step from sample k to k + 1 if no joint can make it.
+fn jump(time: &[f64], position: &[f64], k: usize) -> Option<f64> {
+    let step = position[k + 1] - position[k];
+    let impossible = step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k + 1] - time[k]);
+    impossible.then_some(step)
+}
+
+fn is_turn(step: f64) -> bool {
+    step.abs() > TAU / 2.0 && (step - TAU * (step / TAU).round()).abs() < TURN_TOLERANCE_RAD
+}
+
+/// Single rows in which a position leaps away and is back in the next; a first or last row that the rest leaps
+/// away from.
+pub(super) fn position_outliers(time: &[f64], positions: &[Vec<f64>]) -> Vec<Finding> {
+    let n = time.len();
+    let mut findings = Vec::new();
+    if n < 3 {
+        return findings;
     }
-}
-
-/// Rows as they are read, series by series, without those that cannot be true.
-pub(super) struct Collector {
-    series: Vec<Vec<f64>>,
-    limits: Vec<f64>,
-    rows: usize,
-    /// Lines of the two rows kept last.
-    lines: [usize; 2],
-    dropped: Vec<Dropped>,
-    dropped_rows: usize,
-}
-
-/// A row that was left out.
-struct Dropped {
-    line: usize,
-    /// Place of the offending value in the row.
-    place: usize,
-    reason: Reason,
-}
-
-/// Why a row cannot be true.
-#[derive(Clone, Copy)]
-enum Reason {
-    Absurd(f64),
-    TimeBack { stamp: f64, before: f64 },
-    TimeAhead { stamp: f64, after: f64 },
-}
-
-impl Collector {
-    /// A collector of the selected columns, with room for about `rows` rows.
-    pub(super) fn new(selected: &Selected, limits: Limits, rows: usize) -> Self {
-        let joints = selected.position.len();
-        let mut all = vec![TIME_LIMIT_S];
-        all.extend(std::iter::repeat_n(limits.position_rad, joints));
-        all.extend(selected.velocity.iter().flatten().map(|_| limits.velocity_rad_s));
-        all.extend(selected.measurement.iter().flatten().map(|_| limits.measurement));
-        Self {
-            series: all.iter().map(|_| Vec::with_capacity(rows)).collect(),
-            limits: all,
-            rows: 0,
-            lines: [0; 2],
-            dropped: Vec::new(),
-            dropped_rows: 0,
-        }
-    }
-
-    /// Rows seen, dropped ones included.
-    pub(super) fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Takes a row, unless it cannot be true.
-    pub(super) fn add(&mut self, row: &[f64], line: usize) {
-        self.rows += 1;
-        if let Some(place) = row.iter().zip(&self.limits).position(|(v, limit)| v.abs() > *limit) {
-            self.drop_row(line, place, Reason::Absurd(row[place]));
-            return;
-        }
-        let time = &self.series[0];
-        if let Some(last) = time.last().copied().filter(|last| row[0] < *last) {
-            // One of the two stamps is wrong: the earlier one if it lies ahead of a series that goes on.
-            let one_ahead = time.len() >= 2 && row[0] >= time[time.len() - 2];
-            if !one_ahead {
-                self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before: last });
-                return;
+    for (place, q) in positions.iter().enumerate() {
+        for k in 0..n - 1 {
+            let Some(step) = jump(time, q, k) else { continue };
+            let returns = k + 2 < n
+                && jump(time, q, k + 1).is_some()
+                && (q[k + 2] - q[k]).abs() < 0.1 * step.abs().min((q[k + 2] - q[k + 1]).abs());
+            if returns {
+                findings.push(Finding { row: k + 1, place, what: "leaps away for one row" });
+                continue;
             }
-            self.drop_row(self.lines[1], 0, Reason::TimeAhead { stamp: last, after: row[0] });
-            for series in &mut self.series {
-                series.pop();
+            let alone = |next: usize| (q[next + 1] - q[next]).abs() < 0.1 * step.abs() && !is_turn(step);
+            if k == 0 && alone(1) {
+                findings.push(Finding { row: 0, place, what: "does not lead to the second row" });
+            } else if k + 2 == n && alone(n - 3) {
+                findings.push(Finding { row: n - 1, place, what: "does not follow from the row before" });
             }
-            self.lines[1] = self.lines[0];
-        }
-        for (series, value) in self.series.iter_mut().zip(row) {
-            series.push(*value);
-        }
-        self.lines = [self.lines[1], line];
-    }
-
-    fn drop_row(&mut self, line: usize, place: usize, reason: Reason) {
-        self.dropped_rows += 1;
-        if self.dropped.len() < KEPT_DETAILS {
-            self.dropped.push(Dropped { line, place, reason });
         }
     }
+    findings
+}
 
-    /// The series, time first, and the rows left out; an error if these are too many.
-    pub(super) fn finish(
-        self,
-        path: &Path,
-        header: &Header,
-        selected: &Selected,
-        max_share: f64,
-    ) -> Result<(Vec<Vec<f64>>, Vec<DroppedRow>), RecordingError> {
-        let columns = selected.all();
-        let in_words = |d: &Dropped| {
-            let name = header.name(columns[d.place]);
-            match d.reason {
-                Reason::Absurd(value) => format!("{name} = {value:e} cannot be true"),
-                Reason::TimeBack { stamp, before } => {
-                    format!("time goes back, from {before} s to {stamp} s")
-                }
-                Reason::TimeAhead { stamp, after } => {
-                    format!("time leaps ahead to {stamp} s, the next row has {after} s")
-                }
+/// Measurements a thousand times beyond what all joints together show 99 % of the time.
+pub(super) fn measurement_outliers(measurements: &[Vec<f64>]) -> Vec<Finding> {
+    const FACTOR: f64 = 1000.0;
+    const ROWS_NEEDED: usize = 100;
+    let largest = |s: &Vec<f64>| s.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mean = |s: &Vec<f64>| s.iter().map(|v| v.abs()).sum::<f64>() / s.len().max(1) as f64;
+    let rows = measurements.first().map_or(0, Vec::len);
+    let extreme = measurements.iter().map(largest).fold(0.0, f64::max);
+    let usual = measurements.iter().map(mean).fold(0.0, f64::max);
+    // A mean is cheap, and never above the quantile by more than the outliers' own share of it.
+    if rows < ROWS_NEEDED || extreme <= 10.0 * usual {
+        return Vec::new();
+    }
+    let quantile = |s: &Vec<f64>| {
+        let mut sorted: Vec<f64> = s.iter().map(|v| v.abs()).collect();
+        let at = rows - 1 - rows / 100;
+        *sorted.select_nth_unstable_by(at, f64::total_cmp).1
+    };
+    let limit = FACTOR * measurements.iter().map(quantile).fold(0.0, f64::max);
+    if limit == 0.0 {
+        return Vec::new();
+    }
+    let what = "is more than a thousand times what joints show otherwise";
+    measurements
+        .iter()
+        .enumerate()
+        .flat_map(|(place, s)| s.iter().enumerate().map(move |(row, v)| (row, place, v)))
+        .filter(|(_, _, v)| v.abs() > limit)
+        .map(|(row, place, _)| Finding { row, place, what })
+        .collect()
+}
+
+/// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or stay.
+pub(super) fn unwrap(joint: usize, time: &[f64], position: &mut [f64], lines: &[u32]) -> Option<String> {
+    let mut turns = 0;
+    let mut first_turn = None;
+    let mut other = None;
+    let mut offset = 0.0;
+    let mut before = *position.first()?;
+    for k in 1..position.len() {
+        let here = position[k];
+        let step = here - before;
+        if step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k] - time[k - 1]) {
+            if is_turn(step) {
+                offset -= TAU * (step / TAU).round();
+                turns += 1;
+                first_turn = first_turn.or(Some(lines[k]));
+            } else {
+                other = other.or(Some((lines[k], step)));
             }
-        };
-        let allowed = (max_share * self.rows as f64).floor() as usize;
-        if let Some(first) = self.dropped.first()
-            && self.dropped_rows > allowed
-        {
-            let column = columns[first.place];
-            return Err(RecordingError::CorruptRows {
-                path: path.to_owned(),
-                line: first.line,
-                column: column + 1,
-                reason: in_words(first),
-                rows: self.dropped_rows,
-                total: self.rows,
-                allowed,
-                max_share,
-            });
         }
-        let dropped = self.dropped.iter().map(|d| DroppedRow { line: d.line, reason: in_words(d) }).collect();
-        Ok((self.series, dropped))
+        before = here;
+        position[k] = here + offset;
+    }
+    let turned = first_turn.map(|line| {
+        format!("the position of joint {joint} jumps by whole turns {turns} times (first in line {line}); it was unwrapped")
+    });
+    let jumped = other.map(|(line, step)| {
+        format!(
+            "the position of joint {joint} jumps by {step:.3} rad in line {line}, faster than joints turn"
+        )
+    });
+    match (turned, jumped) {
+        (Some(turned), Some(jumped)) => Some(format!("{turned}; {jumped}")),
+        (turned, jumped) => turned.or(jumped),
     }
 }
 
 /// A remark if positions look like degrees: no arm turns that many times.
 pub(super) fn remark_on_degrees(position_rad: &[Vec<f64>]) -> Option<String> {
     const TURNS_RAD: f64 = 30.0;
-    let largest = position_rad
-        .iter()
-        .map(|q| q.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    largest.filter(|(_, angle)| *angle > TURNS_RAD).map(|(joint, angle)| {
+    let largest = |q: &Vec<f64>| q.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let (joint, angle) = position_rad.iter().map(largest).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (angle > TURNS_RAD).then(|| {
         format!("positions reach {angle:.1} on joint {joint}: they are taken as rad; were they degrees?")
     })
 }

@@ -1,11 +1,10 @@
 use crate::RecordingError;
-use crate::preprocess::bank_kernel::{Level, WIDTH, block_sums};
+use crate::preprocess::bank_kernel::{
+    CHUNK, Lanes, Level, PackRows, PackSamples, PackState, Sums, WIDTH, run_backward, take_in,
+};
 use crate::preprocess::complex::Complex;
 use crate::preprocess::modes::{Modes, State};
 use crate::preprocess::zero_phase::ZeroPhase;
-
-/// Blocks of one column that are summed before the next column is touched.
-const CHUNK: usize = 32;
 
 /// Part of an output that future samples may still contribute when a row is delivered.
 const NEGLIGIBLE: f64 = 1e-18;
@@ -15,10 +14,12 @@ const NEGLIGIBLE: f64 = 1e-18;
 /// Feed consecutive tiles of samples with [`Self::push`], then call [`Self::finish`]: the rows that come out
 /// are those of [`ZeroPhase::filter`] over each whole column followed by taking every `decimation`-th sample
 /// from the first, to rounding. Neither the input nor the filtered series is kept: the memory is that of a few
-/// hundred rows per column, however long the series is.
+/// hundred rows per column, however long the series is. Results do not depend on how the series is cut into tiles,
+/// nor on the processor.
 ///
-/// How: see the decomposition into modes in the source of this module. The backward direction needs what
-/// comes later; a row is held back until the later samples could change it by less than 1e-18 of their size.
+/// How: the filter is a sum of first-order modes that run forward and backward over the input itself, so only sums
+/// over blocks of `decimation` samples are formed. The backward direction needs what comes later; a row is held back
+/// until later samples could change it by no more than 1e-18 of their size.
 #[derive(Debug)]
 pub struct ZeroPhaseBank {
     modes: Modes,
@@ -28,8 +29,8 @@ pub struct ZeroPhaseBank {
     padding: usize,
     look_ahead: usize,
     capacity: usize,
-    /// Forward states before the next block, `[column][group]`.
-    forward: Vec<State>,
+    /// Forward states before the next block, `[pack][group]`.
+    forward: Vec<PackState>,
     started: bool,
     /// Samples of an unfinished block (before the start: the first samples), `[column][carry_stride]`.
     carry: Vec<f64>,
@@ -38,14 +39,15 @@ pub struct ZeroPhaseBank {
     /// The latest `padding` + 1 samples, `[column][padding + 1]`.
     tail: Vec<f64>,
     samples: usize,
-    /// Rows held back: what the past contributes to the output, `[column][capacity]`.
-    past: Vec<f64>,
-    /// Rows held back: backward sums of the row's own block, `[column][capacity][group]`.
-    future: Vec<State>,
+    /// Rows held back: what past and present contribute, `[pack][capacity]`.
+    past: Vec<Lanes>,
+    /// Rows held back: backward sums of the row's own block, `[pack][group][1 + capacity]`; the first is a dummy
+    /// that stands before the oldest row.
+    future: Vec<PackState>,
     pending: usize,
     delivered: usize,
     out: Vec<f64>,
-    sums: Vec<[f64; WIDTH]>,
+    sums: Box<Sums>,
 }
 
 /// Rows that a [`ZeroPhaseBank`] delivers.
@@ -93,10 +95,11 @@ impl ZeroPhaseBank {
     fn at_level(filter: &ZeroPhase, columns: usize, decimation: usize, level: Level) -> Self {
         let factor = decimation.max(1);
         let modes = Modes::new(filter.design(), factor);
-        let groups = modes.groups.len();
+        let (groups, packs) = (modes.groups.len(), columns.div_ceil(WIDTH));
         let padding = filter.padding();
         let look_ahead = filter.design().decay_samples(NEGLIGIBLE).div_ceil(factor) + 1;
-        let capacity = look_ahead + look_ahead.clamp(CHUNK, 1024);
+        // Twice as many rows delivered at once as looked ahead, but no more than caches like.
+        let capacity = look_ahead + (2 * look_ahead).clamp(2 * CHUNK, 512);
         let carry_stride = factor.max(padding + 1);
         Self {
             level,
@@ -105,19 +108,19 @@ impl ZeroPhaseBank {
             padding,
             look_ahead,
             capacity,
-            forward: vec![State::default(); columns * groups],
+            forward: vec![PackState::default(); packs * groups],
             started: false,
             carry: vec![0.0; columns * carry_stride],
             carry_stride,
             carried: 0,
             tail: vec![0.0; columns * (padding + 1)],
             samples: 0,
-            past: vec![0.0; columns * capacity],
-            future: vec![State::default(); columns * capacity * groups],
+            past: vec![Lanes::default(); packs * capacity],
+            future: vec![PackState::default(); packs * groups * (capacity + 1)],
             pending: 0,
             delivered: 0,
             out: vec![0.0; columns * capacity],
-            sums: vec![[0.0; WIDTH]; CHUNK],
+            sums: Box::new([[[0.0; WIDTH]; CHUNK]; WIDTH]),
             modes,
         }
     }
@@ -135,7 +138,7 @@ impl ZeroPhaseBank {
     }
 
     /// Takes the next `samples` samples of all columns, column k at `data[k * stride .. k * stride + samples]`,
-    /// and hands the rows that are ready to `sink` (not at every call, and never in more than one order).
+    /// and hands the rows that are ready to `sink`, in their order. Many calls have none ready.
     ///
     /// # Panics
     /// If `stride < samples` or `data` is too short.
@@ -161,26 +164,13 @@ impl ZeroPhaseBank {
                 return;
             }
             self.start();
-            let ready = self.carried / self.factor;
-            let carry = std::mem::take(&mut self.carry);
-            self.blocks(&carry, self.carry_stride, 0, ready, sink);
-            self.carry = carry;
-            let kept = ready * self.factor;
-            for carry in self.carry.chunks_exact_mut(self.carry_stride) {
-                carry.copy_within(kept..self.carried, 0);
-            }
-            self.carried -= kept;
+            self.blocks_of_carry(sink);
         }
         if self.carried > 0 {
             let more = (self.factor - self.carried).min(samples - used);
             self.carry_over(data, stride, used, more);
             used += more;
-            if self.carried == self.factor {
-                let carry = std::mem::take(&mut self.carry);
-                self.blocks(&carry, self.carry_stride, 0, 1, sink);
-                self.carry = carry;
-                self.carried = 0;
-            }
+            self.blocks_of_carry(sink);
         }
         let ready = (samples - used) / self.factor;
         self.blocks(data, stride, used, ready, sink);
@@ -194,30 +184,56 @@ impl ZeroPhaseBank {
     /// [`RecordingError::TooShortToFilter`] unless more than [`ZeroPhase::padding`] samples were pushed.
     pub fn finish(&mut self, sink: &mut dyn FnMut(DecimatedTile<'_>)) -> Result<(), RecordingError> {
         let samples = self.samples;
-        if !self.started && self.columns > 0 {
+        if self.columns == 0 {
+            return Ok(());
+        }
+        if !self.started {
             self.reset();
             return Err(RecordingError::TooShortToFilter { samples, needed: self.padding + 1 });
         }
-        let groups = self.modes.groups.len();
-        let rest = self.carried;
-        if rest > 0 {
-            self.last_block(rest);
-        }
-        let last = if rest == 0 { self.factor } else { rest };
-        let rows = self.pending;
-        for column in 0..self.columns {
-            let tail = &self.tail[column * (self.padding + 1)..][..=self.padding];
-            let after = self.modes.after_last(&self.forward[column * groups..][..groups], tail);
-            let newest = (column * self.capacity + rows - 1) * groups;
-            for (g, state) in after.iter().enumerate() {
-                let reach = self.modes.powers(g, last - 1);
-                add(&mut self.future[newest + g], times(reach, *state));
+        let after = self.after_last();
+        let last = if self.carried == 0 { self.factor } else { self.carried };
+        if self.carried > 0 {
+            // The last block is filled up with zeros; that spoils the forward states, which are no longer needed.
+            let (from, factor) = (self.carried, self.factor);
+            for carry in self.carry.chunks_exact_mut(self.carry_stride) {
+                carry[from..factor].fill(0.0);
             }
-            self.backward(column, rows);
+            self.carried = factor;
+            self.blocks_of_carry(sink);
         }
+        let groups = self.modes.groups.len();
+        for (column, states) in after.iter().enumerate() {
+            let (pack, lane) = (column / WIDTH, column % WIDTH);
+            for (g, state) in states.iter().enumerate() {
+                let newest = (pack * groups + g) * (self.capacity + 1) + self.pending;
+                let reach = self.modes.powers(g, last - 1);
+                let parts = parts(&[reach[0] * state[0], reach[1] * state[1]]);
+                for (part, value) in parts.iter().enumerate() {
+                    self.future[newest][part][lane] += value;
+                }
+            }
+        }
+        let rows = self.pending;
         self.deliver(rows, sink);
         self.reset();
         Ok(())
+    }
+
+    /// The backward states just after the last sample of each column.
+    fn after_last(&self) -> Vec<Vec<State>> {
+        let groups = self.modes.groups.len();
+        let of_column = |column: usize| {
+            let (pack, lane) = (column / WIDTH, column % WIDTH);
+            let mut states: Vec<State> = self.forward[pack * groups..(pack + 1) * groups]
+                .iter()
+                .map(|s| [Complex::new(s[0][lane], s[1][lane]), Complex::new(s[2][lane], s[3][lane])])
+                .collect();
+            let rest = &self.carry[column * self.carry_stride..][..self.carried];
+            self.modes.run_on(&mut states, rest);
+            self.modes.after_last(&states, &self.tail[column * (self.padding + 1)..][..=self.padding])
+        };
+        (0..self.columns).map(of_column).collect()
     }
 
     /// Readies the bank for other columns.
@@ -243,6 +259,9 @@ impl ZeroPhaseBank {
 
     /// Appends `count` samples from `first` on to the carried ones.
     fn carry_over(&mut self, data: &[f64], stride: usize, first: usize, count: usize) {
+        if count == 0 {
+            return;
+        }
         for (column, carry) in self.carry.chunks_exact_mut(self.carry_stride).enumerate() {
             let from = column * stride + first;
             carry[self.carried..self.carried + count].copy_from_slice(&data[from..from + count]);
@@ -255,10 +274,30 @@ impl ZeroPhaseBank {
         let groups = self.modes.groups.len();
         for column in 0..self.columns {
             let head = &self.carry[column * self.carry_stride..][..=self.padding];
-            let states = self.modes.before_first(head);
-            self.forward[column * groups..][..groups].copy_from_slice(&states);
+            let (pack, lane) = (column / WIDTH, column % WIDTH);
+            for (g, state) in self.modes.before_first(head).iter().enumerate() {
+                for (part, value) in parts(state).iter().enumerate() {
+                    self.forward[pack * groups + g][part][lane] = *value;
+                }
+            }
         }
         self.started = true;
+    }
+
+    /// Takes in the whole blocks among the carried samples.
+    fn blocks_of_carry(&mut self, sink: &mut dyn FnMut(DecimatedTile<'_>)) {
+        let ready = self.carried / self.factor;
+        if ready == 0 {
+            return;
+        }
+        let mut carry = std::mem::take(&mut self.carry);
+        self.blocks(&carry, self.carry_stride, 0, ready, sink);
+        let used = ready * self.factor;
+        for column in carry.chunks_exact_mut(self.carry_stride) {
+            column.copy_within(used..self.carried, 0);
+        }
+        self.carry = carry;
+        self.carried -= used;
     }
 
     /// Takes in `count` whole blocks of every column, from sample `first` of `data` on.
@@ -270,142 +309,123 @@ impl ZeroPhaseBank {
         count: usize,
         sink: &mut dyn FnMut(DecimatedTile<'_>),
     ) {
+        let groups = self.modes.groups.len();
         let mut done = 0;
         while done < count {
-            let now = (count - done).min(CHUNK).min(self.capacity - self.pending);
-            for column in 0..self.columns {
-                let start = column * stride + first + done * self.factor;
-                self.take_in(column, &data[start..start + now * self.factor], now);
+            let blocks = (count - done).min(CHUNK).min(self.capacity - self.pending);
+            for pack in 0..self.columns.div_ceil(WIDTH) {
+                let start = pack * WIDTH * stride + first + done * self.factor;
+                let columns = (self.columns - pack * WIDTH).min(WIDTH);
+                let samples = PackSamples { data: &data[start..], stride, columns, blocks };
+                let row = pack * self.capacity + self.pending;
+                let past = &mut self.past[row..row + blocks];
+                past.fill(Lanes::default());
+                for (g, group) in self.modes.groups.iter().enumerate() {
+                    let state = &mut self.forward[pack * groups + g];
+                    let at = (pack * groups + g) * (self.capacity + 1) + self.pending;
+                    let future = &mut self.future[at..=at + blocks];
+                    take_in(self.level, group, samples, state, PackRows { past, future }, &mut self.sums);
+                }
             }
-            self.pending += now;
-            done += now;
+            self.pending += blocks;
+            done += blocks;
             if self.pending == self.capacity {
-                let rows = self.capacity - self.look_ahead;
-                for column in 0..self.columns {
-                    self.backward(column, rows);
-                }
-                self.deliver(rows, sink);
+                self.deliver(self.capacity - self.look_ahead, sink);
             }
         }
     }
 
-    /// Takes in `count` blocks of one column: the rows' own sums, and the forward states past them.
-    fn take_in(&mut self, column: usize, x: &[f64], count: usize) {
-        let groups = self.modes.groups.len();
-        let first = column * self.capacity + self.pending;
-        let past = &mut self.past[first..first + count];
-        for (row, block) in past.iter_mut().zip(x.chunks_exact(self.factor)) {
-            *row = self.modes.centre * block[0];
-        }
-        let sums = &mut self.sums[..count];
-        for (g, group) in self.modes.groups.iter().enumerate() {
-            block_sums(self.level, x, &group.weights, sums);
-            let mut state = self.forward[column * groups + g];
-            // The row before the first one waits for this block's first sample, unless there is none.
-            let future = &mut self.future[(column * self.capacity) * groups..];
-            for (k, (sum, row)) in sums.iter().zip(past.iter_mut()).enumerate() {
-                *row += real_part(&group.output, &state);
-                state = advance(&group.step, &state, sum);
-                let at = (self.pending + k) * groups + g;
-                future[at] = [Complex::new(sum[4], sum[5]), Complex::new(sum[6], sum[7])];
-                if self.pending + k > 0 {
-                    let x0 = x[k * self.factor];
-                    let earlier = &mut future[at - groups];
-                    for slot in 0..2 {
-                        earlier[slot].re += group.bridge[slot].re * x0;
-                        earlier[slot].im += group.bridge[slot].im * x0;
-                    }
-                }
-            }
-            self.forward[column * groups + g] = state;
-        }
-    }
-
-    /// Takes in the last, shorter block of every column; afterwards the forward states stand at its end.
-    fn last_block(&mut self, samples: usize) {
-        let groups = self.modes.groups.len();
-        for column in 0..self.columns {
-            let x = &self.carry[column * self.carry_stride..][..samples];
-            let first = column * self.capacity + self.pending;
-            self.past[first] = self.modes.centre * x[0];
-            for (g, group) in self.modes.groups.iter().enumerate() {
-                let at = first * groups + g;
-                let state = &mut self.forward[column * groups + g];
-                self.past[first] += real_part(&group.output, state);
-                for slot in 0..2 {
-                    let pole = self.modes.powers(g, 1)[slot];
-                    let mut backward = Complex::default();
-                    for value in x[1..].iter().rev() {
-                        backward = pole * backward + Complex::real(*value);
-                    }
-                    for value in x {
-                        state[slot] = pole * state[slot] + Complex::real(*value);
-                    }
-                    self.future[at][slot] = backward;
-                    if self.pending > 0 {
-                        let earlier = &mut self.future[at - groups][slot];
-                        *earlier = *earlier + group.bridge[slot] * Complex::real(x[0]);
-                    }
-                }
-            }
-        }
-        self.pending += 1;
-    }
-
-    /// Runs backward over the rows that one column holds back and writes the first `rows` of them to `out`.
-    fn backward(&mut self, column: usize, rows: usize) {
-        let groups = self.modes.groups.len();
-        let first = column * self.capacity;
-        let past = &self.past[first..first + self.pending];
-        let out = &mut self.out[first..first + rows];
-        out.copy_from_slice(&past[..rows]);
-        for (g, group) in self.modes.groups.iter().enumerate() {
-            let mut state = State::default();
-            for k in (0..self.pending).rev() {
-                state = step(&group.step, &state, &self.future[(first + k) * groups + g]);
-                if k < rows {
-                    out[k] += real_part(&group.output, &state);
-                }
-            }
-        }
-    }
-
-    /// Hands out the first `rows` rows and forgets them.
+    /// Runs backward over the rows held back, hands out the first `rows` of them and forgets these.
     fn deliver(&mut self, rows: usize, sink: &mut dyn FnMut(DecimatedTile<'_>)) {
         let groups = self.modes.groups.len();
-        if rows > 0 {
-            let first_row = self.delivered;
-            sink(DecimatedTile { first_row, rows, stride: self.capacity, data: &self.out });
+        for pack in 0..self.columns.div_ceil(WIDTH) {
+            let first = pack * self.capacity;
+            let past = &mut self.past[first..first + self.pending];
+            for (g, group) in self.modes.groups.iter().enumerate() {
+                let at = (pack * groups + g) * (self.capacity + 1);
+                let future = &mut self.future[at..=at + self.pending];
+                run_backward(self.level, group, &future[1..], &mut past[..rows]);
+                future.copy_within(rows.., 0);
+            }
+            let columns = (self.columns - pack * WIDTH).min(WIDTH);
+            for lane in 0..columns {
+                let start = (pack * WIDTH + lane) * self.capacity;
+                for (out, row) in self.out[start..start + rows].iter_mut().zip(&*past) {
+                    *out = row[lane];
+                }
+            }
+            past.copy_within(rows.., 0);
         }
-        for column in 0..self.columns {
-            let first = column * self.capacity;
-            let (kept, end) = (first + rows, first + self.pending);
-            self.past.copy_within(kept..end, first);
-            self.future.copy_within(kept * groups..end * groups, first * groups);
-        }
+        let first_row = self.delivered;
+        sink(DecimatedTile { first_row, rows, stride: self.capacity, data: &self.out });
         self.pending -= rows;
         self.delivered += rows;
     }
 }
 
-fn real_part(coefficient: &State, state: &State) -> f64 {
-    let [c, d] = coefficient;
-    let [s, t] = state;
-    (c.re * s.re - c.im * s.im) + (d.re * t.re - d.im * t.im)
+fn parts(state: &State) -> [f64; 4] {
+    [state[0].re, state[0].im, state[1].re, state[1].im]
 }
 
-fn times(factor: State, state: State) -> State {
-    [factor[0] * state[0], factor[1] * state[1]]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn add(state: &mut State, other: State) {
-    *state = [state[0] + other[0], state[1] + other[1]];
-}
+    fn rows(filter: &ZeroPhase, level: Level, columns: usize, decimation: usize, tile: usize) -> Vec<f64> {
+        let samples = 2345;
+        let value = |column: usize, k: usize| ((k * (column + 3)) as f64 * 0.0137).sin() + (k % 17) as f64;
+        let mut bank = ZeroPhaseBank::at_level(filter, columns, decimation, level);
+        let mut out = vec![Vec::new(); columns];
+        let mut sink = |rows: DecimatedTile<'_>| {
+            for (column, out) in out.iter_mut().enumerate() {
+                out.extend_from_slice(rows.column(column));
+            }
+        };
+        for first in (0..samples).step_by(tile) {
+            let now = tile.min(samples - first);
+            let data: Vec<f64> =
+                (0..columns).flat_map(|c| (first..first + now).map(move |k| value(c, k))).collect();
+            bank.push(&data, now, now, &mut sink);
+        }
+        bank.finish(&mut sink).unwrap();
+        out.concat()
+    }
 
-fn step(factor: &State, state: &State, input: &State) -> State {
-    [factor[0] * state[0] + input[0], factor[1] * state[1] + input[1]]
-}
+    #[test]
+    fn every_instruction_set_and_every_cut_into_tiles_gives_the_same_bits() {
+        for (order, columns, decimation) in [(4, 1, 10), (4, 9, 3), (7, 19, 8), (3, 8, 1), (4, 17, 61)] {
+            let filter = ZeroPhase::butterworth(order, 4.0, 100.0).unwrap();
+            let reference = rows(&filter, Level::Baseline, columns, decimation, 256);
+            assert_eq!(reference.len(), columns * 2345_usize.div_ceil(decimation));
+            for level in Level::available() {
+                for tile in [1, 7, 256, 1000, 2345] {
+                    assert!(
+                        rows(&filter, level, columns, decimation, tile) == reference,
+                        "{level:?}, {tile}"
+                    );
+                }
+            }
+        }
+    }
 
-fn advance(factor: &State, state: &State, sum: &[f64; WIDTH]) -> State {
-    step(factor, state, &[Complex::new(sum[0], sum[1]), Complex::new(sum[2], sum[3])])
+    #[test]
+    fn a_bank_serves_one_series_after_the_other() {
+        let filter = ZeroPhase::butterworth(4, 4.0, 100.0).unwrap();
+        let mut bank = ZeroPhaseBank::new(&filter, 1, 2);
+        let series: Vec<f64> = (0..100).map(|k| f64::from(k * k % 23)).collect();
+        let expected: Vec<f64> = filter.filter(&series).unwrap().into_iter().step_by(2).collect();
+        for _ in 0..3 {
+            let mut out = Vec::new();
+            let mut sink = |rows: DecimatedTile<'_>| out.extend_from_slice(rows.column(0));
+            bank.push(&series, 100, 100, &mut sink);
+            bank.finish(&mut sink).unwrap();
+            assert!(out.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
+            assert_eq!(out.len(), expected.len());
+            bank.push(&series, 100, 15, &mut |_| {});
+            assert!(matches!(
+                bank.finish(&mut |_| {}),
+                Err(RecordingError::TooShortToFilter { samples: 15, needed: 16 })
+            ));
+        }
+    }
 }

@@ -1,13 +1,28 @@
-//! The hot loop of [`ZeroPhaseBank`](crate::ZeroPhaseBank): weighted sums over blocks of consecutive samples.
+//! The hot loops of [`ZeroPhaseBank`](crate::ZeroPhaseBank), for eight columns at a time.
 //!
-//! The lanes of a vector are not columns but the eight weights that one sample is multiplied with, so the
-//! samples of a column are read where they lie and nothing is transposed. Products and sums stay separate
-//! (no fused multiply-add), hence every instruction set gives the same bits.
+//! Samples are read where they lie, column by column, and each is multiplied with the eight weights of a group of
+//! modes: there the lanes of a vector are weights. The sums, one for every block of `decimation` samples, are
+//! transposed, and the states run on with a column in each lane. Products and sums stay separate (no fused
+//! multiply-add), hence every instruction set gives the same bits.
 
-/// Weights per sample: two poles, real and imaginary part, forward and backward.
+use crate::preprocess::modes::ModeGroup;
+
+/// Columns in a pack, and weights per sample: two modes, real and imaginary part, forward and backward.
 pub(super) const WIDTH: usize = 8;
 
-/// Instruction set of the loop, chosen once when a bank is made.
+/// Blocks that one call takes in at most.
+pub(super) const CHUNK: usize = 16;
+
+/// One number for each column of a pack.
+pub(super) type Lanes = [f64; WIDTH];
+
+/// The states of a group of modes in one direction: re, im, re, im.
+pub(super) type PackState = [Lanes; 4];
+
+/// Sums of a pack's columns, `[column][block][weight]`.
+pub(super) type Sums = [[Lanes; CHUNK]; WIDTH];
+
+/// Instruction set of the loops, chosen once when a bank is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Level {
     /// What every processor of the target architecture has.
@@ -41,38 +56,190 @@ impl Level {
     }
 }
 
-/// `sums[k] = Σ_i weights[i] · x[k·F + i]` with F = `weights.len()`, for every block k of `sums`.
+/// Some blocks of up to eight columns.
+#[derive(Clone, Copy)]
+pub(super) struct PackSamples<'a> {
+    /// Column c starts at `data[c * stride]` and has at least `blocks` · F samples.
+    pub(super) data: &'a [f64],
+    pub(super) stride: usize,
+    /// Columns that there are, at most eight.
+    pub(super) columns: usize,
+    /// Blocks that are taken in, at most [`CHUNK`].
+    pub(super) blocks: usize,
+}
+
+/// Where the rows of a pack go that are held back.
+pub(super) struct PackRows<'a> {
+    /// One row for each block: what the past and the row's own sample contribute; the contributions are added.
+    pub(super) past: &'a mut [Lanes],
+    /// The backward sums of the row before the first block, then of the blocks.
+    pub(super) future: &'a mut [PackState],
+}
+
+/// Takes in blocks: the forward `state` moves on, `rows` receive what is known of them.
 ///
-/// `x` holds at least F · `sums.len()` samples.
-pub(super) fn block_sums(level: Level, x: &[f64], weights: &[[f64; WIDTH]], sums: &mut [[f64; WIDTH]]) {
+/// The backward sum of a block lacks the first sample of the next; so every call completes the row before its first
+/// block, which is a dummy if there is none.
+pub(super) fn take_in(
+    level: Level,
+    group: &ModeGroup,
+    samples: PackSamples<'_>,
+    state: &mut PackState,
+    rows: PackRows<'_>,
+    sums: &mut Sums,
+) {
     match level {
-        Level::Baseline => block_sums_in(x, weights, sums),
+        Level::Baseline => take_in_body(group, samples, state, rows, sums),
         // SAFETY: `Level::Avx2` is only made by `Level::available` after the processor reported avx2.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { block_sums_avx2(x, weights, sums) },
+        Level::Avx2 => unsafe { take_in_avx2(group, samples, state, rows, sums) },
         // SAFETY: `Level::Avx512` is only made by `Level::available` after the processor reported avx512f.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { block_sums_avx512(x, weights, sums) },
+        Level::Avx512 => unsafe { take_in_avx512(group, samples, state, rows, sums) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn block_sums_avx2(x: &[f64], weights: &[[f64; WIDTH]], sums: &mut [[f64; WIDTH]]) {
-    block_sums_in(x, weights, sums);
+fn take_in_avx2(
+    group: &ModeGroup,
+    samples: PackSamples<'_>,
+    state: &mut PackState,
+    rows: PackRows<'_>,
+    sums: &mut Sums,
+) {
+    take_in_body(group, samples, state, rows, sums);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
-fn block_sums_avx512(x: &[f64], weights: &[[f64; WIDTH]], sums: &mut [[f64; WIDTH]]) {
-    block_sums_in(x, weights, sums);
+fn take_in_avx512(
+    group: &ModeGroup,
+    samples: PackSamples<'_>,
+    state: &mut PackState,
+    rows: PackRows<'_>,
+    sums: &mut Sums,
+) {
+    take_in_body(group, samples, state, rows, sums);
+}
+
+/// Runs backward over the rows of a pack from the newest on and adds the contributions to the first `past.len()`.
+pub(super) fn run_backward(level: Level, group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
+    match level {
+        Level::Baseline => run_backward_body(group, future, past),
+        // SAFETY: `Level::Avx2` is only made by `Level::available` after the processor reported avx2.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2 => unsafe { run_backward_avx2(group, future, past) },
+        // SAFETY: `Level::Avx512` is only made by `Level::available` after the processor reported avx512f.
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512 => unsafe { run_backward_avx512(group, future, past) },
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn run_backward_avx2(group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
+    run_backward_body(group, future, past);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn run_backward_avx512(group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
+    run_backward_body(group, future, past);
+}
+
+#[inline(always)]
+fn take_in_body(
+    group: &ModeGroup,
+    samples: PackSamples<'_>,
+    state: &mut PackState,
+    rows: PackRows<'_>,
+    sums: &mut Sums,
+) {
+    let factor = group.weights.len();
+    let PackSamples { data, stride, columns, blocks } = samples;
+    for (column, sums) in sums.iter_mut().enumerate().take(columns) {
+        let start = column * stride;
+        block_sums(&data[start..start + blocks * factor], &group.weights, &mut sums[..blocks]);
+    }
+    let mut s = *state;
+    let mut waiting = rows.future[0];
+    for k in 0..blocks {
+        let mut first = [0.0; WIDTH];
+        for (lane, column) in first.iter_mut().zip(data.chunks(stride)).take(columns) {
+            *lane = column[k * factor];
+        }
+        let sum = transposed(sums, k);
+        let past = &mut rows.past[k];
+        for lane in 0..WIDTH {
+            past[lane] += group.direct * first[lane] + output(group, &s, lane);
+        }
+        advance(&group.step, &mut s, [&sum[0], &sum[1], &sum[2], &sum[3]]);
+        for part in 0..4 {
+            for lane in 0..WIDTH {
+                waiting[part][lane] += group.bridge[part] * first[lane];
+            }
+        }
+        rows.future[k] = waiting;
+        waiting = [sum[4], sum[5], sum[6], sum[7]];
+    }
+    rows.future[blocks] = waiting;
+    *state = s;
+}
+
+#[inline(always)]
+fn run_backward_body(group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
+    let mut s = [[0.0; WIDTH]; 4];
+    let (ready, ahead) = future.split_at(past.len());
+    for sum in ahead.iter().rev() {
+        advance(&group.step, &mut s, [&sum[0], &sum[1], &sum[2], &sum[3]]);
+    }
+    for (sum, past) in ready.iter().zip(past).rev() {
+        advance(&group.step, &mut s, [&sum[0], &sum[1], &sum[2], &sum[3]]);
+        for lane in 0..WIDTH {
+            past[lane] += output(group, &s, lane);
+        }
+    }
+}
+
+/// s ← p s + sum for two modes.
+#[inline(always)]
+fn advance(step: &[f64; 4], s: &mut PackState, sum: [&Lanes; 4]) {
+    let old = *s;
+    for mode in [0, 2] {
+        let (re, im) = (step[mode], step[mode + 1]);
+        for lane in 0..WIDTH {
+            s[mode][lane] = (re * old[mode][lane] - im * old[mode + 1][lane]) + sum[mode][lane];
+            s[mode + 1][lane] = (re * old[mode + 1][lane] + im * old[mode][lane]) + sum[mode + 1][lane];
+        }
+    }
+}
+
+/// Σ Re(coefficient · state) of one column.
+#[inline(always)]
+fn output(group: &ModeGroup, s: &PackState, lane: usize) -> f64 {
+    let c = &group.output;
+    (c[0] * s[0][lane] - c[1] * s[1][lane]) + (c[2] * s[2][lane] - c[3] * s[3][lane])
+}
+
+/// The sums of block `k`: `[weight][column]`.
+#[inline(always)]
+fn transposed(sums: &Sums, k: usize) -> [Lanes; WIDTH] {
+    let mut out = [[0.0; WIDTH]; WIDTH];
+    for column in 0..WIDTH {
+        for weight in 0..WIDTH {
+            out[weight][column] = sums[column][k][weight];
+        }
+    }
+    out
 }
 
 /// Blocks summed at a time: enough independent sums to hide the latency of an addition.
 const TOGETHER: usize = 4;
 
+/// `sums[k] = Σ_i weights[i] · x[k·F + i]` with F = `weights.len()`, for every block k.
 #[inline(always)]
-fn block_sums_in(x: &[f64], weights: &[[f64; WIDTH]], sums: &mut [[f64; WIDTH]]) {
+fn block_sums(x: &[f64], weights: &[Lanes], sums: &mut [Lanes]) {
     let factor = weights.len();
     let mut blocks = x.chunks_exact(TOGETHER * factor);
     let mut groups = sums.chunks_exact_mut(TOGETHER);
@@ -91,8 +258,7 @@ fn block_sums_in(x: &[f64], weights: &[[f64; WIDTH]], sums: &mut [[f64; WIDTH]])
         }
         group.copy_from_slice(&s);
     }
-    let done = x.len() / (TOGETHER * factor) * TOGETHER * factor;
-    for (sum, x) in groups.into_remainder().iter_mut().zip(x[done..].chunks_exact(factor)) {
+    for (sum, x) in groups.into_remainder().iter_mut().zip(blocks.remainder().chunks_exact(factor)) {
         let mut s = [0.0; WIDTH];
         for (w, a) in weights.iter().zip(x) {
             for lane in 0..WIDTH {

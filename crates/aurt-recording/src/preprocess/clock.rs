@@ -13,6 +13,9 @@ const COMMON_RATES: [f64; 13] = [1.0, 1.2, 1.25, 1.5, 2.0, 2.4, 2.5, 3.0, 4.0, 5
 /// How far (as a ratio) the median rate may lie from a common rate to be taken for it.
 const COMMON_TOLERANCE: f64 = 0.05;
 
+/// Grid samples per recorded sample beyond which a grid is refused.
+const FINEST_GRID: f64 = 100.0;
+
 /// The time stamps of a recording, judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClockReport {
@@ -48,8 +51,8 @@ pub(crate) struct Clock {
 impl Clock {
     /// Judges the strictly increasing stamps of `recording`; `merged` counts what was merged before.
     ///
-    /// The period of a uniform clock is its mean distance of stamps (the most frequent distance but for the
-    /// rounding of the stamps). For any other clock the rate is 1/median distance, taken to the nearest common rate
+    /// The rate of a uniform clock is 1/mean distance of stamps to nine digits (the mean is the most frequent distance
+    /// but for the rounding of the stamps). For any other clock the rate is 1/median distance, taken to the nearest common rate
     /// within 5 % and otherwise rounded to three digits.
     pub(crate) fn judge(
         recording: &Recording,
@@ -87,9 +90,9 @@ impl Clock {
         runs.push(start..time.len());
         let own = uniform_period(time, &runs);
         let (rate_hz, resample) = match (own, options.sample_rate_hz) {
-            (Some(period), Some(rate)) if (period * rate - 1.0).abs() < 1e-6 => (1.0 / period, false),
+            (Some(period), Some(rate)) if (period * rate - 1.0).abs() < 1e-6 => (rate, false),
             (_, Some(rate)) => (rate, true),
-            (Some(period), None) => (1.0 / period, false),
+            (Some(period), None) => (to_digits(1.0 / period, 9), false),
             (None, None) => (common_rate(1.0 / median), true),
         };
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
@@ -97,6 +100,15 @@ impl Clock {
                 path: recording.file.clone(),
                 reason: format!("the time stamps give no sampling rate (median distance {median} s)"),
                 remedy: "check that the time column is in seconds, or set sample_rate_hz".into(),
+            });
+        }
+        let grid: f64 = runs.iter().map(|r| (time[r.end - 1] - time[r.start]) * rate_hz).sum();
+        if resample && grid > FINEST_GRID * (time.len() as f64 + 10.0) {
+            return Err(RecordingError::Clock {
+                path: recording.file.clone(),
+                reason: format!("a grid of {rate_hz} Hz would have {grid:.0} samples for {} recorded ones", time.len()),
+                remedy: "the stamps are too irregular, or not in seconds: correct them, or set a lower sample_rate_hz"
+                    .into(),
             });
         }
         let missing_share = missing_share(time, &runs, rate_hz);
@@ -152,11 +164,20 @@ fn common_rate(rate_hz: f64) -> f64 {
         .min_by(|a, b| (a / rate_hz).ln().abs().total_cmp(&(b / rate_hz).ln().abs()));
     match nearest {
         Some(common) if (common / rate_hz).ln().abs() <= COMMON_TOLERANCE => common,
-        _ => {
-            let digit = decade / 100.0;
-            (rate_hz / digit).round() * digit
-        }
+        _ => to_digits(rate_hz, 3),
     }
+}
+
+/// A positive number rounded to some decimal digits.
+fn to_digits(value: f64, digits: i32) -> f64 {
+    let shift = digits - 1 - value.log10().floor() as i32;
+    // Dividing by a power of ten that is exact gives the nearest double to the decimal number.
+    let rounded = if shift >= 0 {
+        (value * 10.0_f64.powi(shift)).round() / 10.0_f64.powi(shift)
+    } else {
+        (value / 10.0_f64.powi(-shift)).round() * 10.0_f64.powi(-shift)
+    };
+    if rounded.is_finite() { rounded } else { value }
 }
 
 /// Share of grid samples that no stamp is near to: a distance of about k periods hides k − 1 samples.

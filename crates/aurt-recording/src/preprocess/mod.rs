@@ -24,12 +24,18 @@ pub use report::{DroppedSegment, PreprocessReport, SegmentReport};
 pub use segment::Segment;
 pub use zero_phase::ZeroPhase;
 
+use std::ops::Range;
+
 use crate::preprocess::clock::Clock;
 use crate::preprocess::segment::{Plan, Refusal};
+use crate::preprocess::zero_phase::CUTOFF_RANGE;
 use crate::{Recording, RecordingError};
 
 /// Order of both Butterworth filters, one way (paper, section IV).
 const FILTER_ORDER: usize = 4;
+
+/// Largest decimation; it stands for a wrong f_dyn, not for a choice.
+const COARSEST_DECIMATION: f64 = 1e5;
 
 /// A recording made ready for calibration, validation or prediction.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +48,8 @@ pub struct Preprocessed {
 
 /// Preprocesses a recording as the paper does (section IV), after putting it on a uniform grid where it is not.
 ///
-/// 1. Samples that share a stamp are merged; gaps split the recording.
+/// 1. Samples that share a stamp are merged; gaps split the recording, and stretches between gaps that are shorter
+///    than two periods of f_dyn are dropped.
 /// 2. Clock: stamps within 2 % of a period of a uniform grid are used as they are. Otherwise positions are
 ///    interpolated by a cubic spline, measurements linearly, onto a grid of `sample_rate_hz`, by default
 ///    1/median distance of stamps (the nearest common rate within 5 %).
@@ -65,6 +72,13 @@ pub fn preprocess(
     let (merged, counts) = resample::merge_repeated(recording);
     let clock = Clock::judge(&merged, options, counts)?;
     let decimation = Decimation::new(options.f_dyn_hz, 1.0 / clock.rate_hz);
+    if decimation.exact > COARSEST_DECIMATION {
+        return Err(RecordingError::InvalidOption {
+            option: "f_dyn_hz",
+            value: options.f_dyn_hz,
+            remedy: "so low a frequency leaves less than one row in a hundred thousand samples; give it in Hz",
+        });
+    }
     let plan = Plan {
         options,
         rate_hz: clock.rate_hz,
@@ -93,9 +107,17 @@ pub fn preprocess(
     let mut segments = Vec::new();
     let mut refusal: Option<Refusal> = None;
     let mut agreement = segment::VelocityAgreement::new(recording.joints());
+    // Both filters spoil about a period of f_dyn at either end; between gaps, shorter stretches are not worth it.
+    let shortest =
+        if clock.runs.len() > 1 { (2.0 * clock.rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 };
     for run in clock.runs {
         let [from_s, to_s] = [merged.time_s[run.start] - origin, merged.time_s[run.end - 1] - origin];
-        match plan.segment(&merged, run, &mut agreement)? {
+        let refused = too_short_between_gaps(&merged.time_s, &run, clock.rate_hz, shortest);
+        let result = match refused {
+            Some(refusal) => Err(refusal),
+            None => plan.segment(&merged, run, &mut agreement)?,
+        };
+        match result {
             Ok((segment, cut_s)) => {
                 let time = segment.motion.view().time_s();
                 report.segments.push(SegmentReport {
@@ -120,6 +142,11 @@ pub fn preprocess(
     }
     report.velocity_scale = agreement.scale(options.rest_velocity_rad_s);
     Ok(Preprocessed { segments, report })
+}
+
+fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed: usize) -> Option<Refusal> {
+    let samples = ((time[run.end - 1] - time[run.start]) * rate_hz).round() as usize + 1;
+    (samples < needed).then_some(Refusal::Short { samples, needed, after: " between gaps" })
 }
 
 /// The two filters of preprocessing.
@@ -151,16 +178,17 @@ fn filter(
             2.0,
         ),
     };
-    if cutoff_hz < rate_hz / 2.0 {
+    let highest_hz = CUTOFF_RANGE[1] * rate_hz / 2.0;
+    if cutoff_hz <= highest_hz {
         return ZeroPhase::butterworth(FILTER_ORDER, cutoff_hz, rate_hz);
     }
     // With default cut-offs the position filter is the first to reach the Nyquist frequency.
-    let f_dyn_below_hz = rate_hz / (2.0 * if set { multiple } else { 5.0 });
+    let largest_f_dyn_hz = highest_hz / if set { multiple } else { 5.0 };
     let mut remedy = if set {
-        format!("{option} must stay below {:.6} Hz", rate_hz / 2.0)
+        format!("{option} can be at most {highest_hz:.6} Hz")
     } else {
         format!(
-            "it is {multiple} f_dyn, so f_dyn_hz must stay below {f_dyn_below_hz:.6} Hz; or record faster, or set {option}"
+            "it is {multiple} f_dyn, so f_dyn_hz can be at most {largest_f_dyn_hz:.6}; or record faster, or set {option}"
         )
     };
     if rate_hz < 5.0 {
@@ -171,7 +199,7 @@ fn filter(
         which: name,
         cutoff_hz,
         rate_hz,
-        f_dyn_below_hz,
+        largest_f_dyn_hz,
         remedy,
     })
 }

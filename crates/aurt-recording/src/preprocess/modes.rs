@@ -20,22 +20,24 @@ pub(super) struct Modes {
     mirrored_gain: Vec<Complex>,
     direct: f64,
     /// β.
-    pub(super) centre: f64,
+    centre: f64,
     /// Pairs of modes, for the kernel.
     pub(super) groups: Vec<ModeGroup>,
 }
 
-/// Two modes side by side: the lanes are re, im, re, im.
+/// Two modes side by side: re, im, re, im.
 #[derive(Debug, Clone)]
 pub(super) struct ModeGroup {
     /// For each sample of a block: p^(F−1−i) for the forward state, then p^(i−1) (0 at i = 0) backward.
     pub(super) weights: Vec<[f64; WIDTH]>,
     /// p^F.
-    pub(super) step: [Complex; 2],
+    pub(super) step: [f64; 4],
     /// p^(F−1).
-    pub(super) bridge: [Complex; 2],
+    pub(super) bridge: [f64; 4],
     /// The output is Σ Re(coefficient · state).
-    pub(super) output: [Complex; 2],
+    pub(super) output: [f64; 4],
+    /// β in the first group, 0 in the others.
+    pub(super) direct: f64,
 }
 
 /// The states of one direction, two per group.
@@ -87,23 +89,23 @@ impl Modes {
     fn group(&self, pair: &[usize], factor: usize) -> ModeGroup {
         let mut group = ModeGroup {
             weights: vec![[0.0; WIDTH]; factor],
-            step: State::default(),
-            bridge: State::default(),
-            output: State::default(),
+            step: [0.0; 4],
+            bridge: [0.0; 4],
+            output: [0.0; 4],
+            direct: if pair[0] == 0 { self.centre } else { 0.0 },
         };
         for (slot, k) in pair.iter().enumerate() {
             let pole = self.poles[*k];
+            let at = 2 * slot;
             for (i, lanes) in group.weights.iter_mut().enumerate() {
-                let forward = pole.power(factor - 1 - i);
-                let backward = if i == 0 { Complex::default() } else { pole.power(i - 1) };
-                lanes[2 * slot] = forward.re;
-                lanes[2 * slot + 1] = forward.im;
-                lanes[WIDTH / 2 + 2 * slot] = backward.re;
-                lanes[WIDTH / 2 + 2 * slot + 1] = backward.im;
+                put(lanes, at, pole.power(factor - 1 - i));
+                if i > 0 {
+                    put(lanes, WIDTH / 2 + at, pole.power(i - 1));
+                }
             }
-            group.step[slot] = pole.power(factor);
-            group.bridge[slot] = pole.power(factor - 1);
-            group.output[slot] = self.multiplicity(*k) * self.residues[*k] * self.mirrored_gain[*k];
+            put(&mut group.step, at, pole.power(factor));
+            put(&mut group.bridge, at, pole.power(factor - 1));
+            put(&mut group.output, at, self.multiplicity(*k) * self.residues[*k] * self.mirrored_gain[*k]);
         }
         group
     }
@@ -176,11 +178,25 @@ impl Modes {
         pairs(&out)
     }
 
+    /// Runs forward states on over some samples.
+    pub(super) fn run_on(&self, states: &mut [State], samples: &[f64]) {
+        for (state, pole) in states.iter_mut().flatten().zip(&self.poles) {
+            for x in samples {
+                *state = *pole * *state + Complex::real(*x);
+            }
+        }
+    }
+
     fn advance(&self, states: &mut [Complex], x: f64) {
         for (state, pole) in states.iter_mut().zip(&self.poles) {
             *state = *pole * *state + Complex::real(x);
         }
     }
+}
+
+fn put(lanes: &mut [f64], at: usize, value: Complex) {
+    lanes[at] = value.re;
+    lanes[at + 1] = value.im;
 }
 
 /// Modes two by two, the last one filled up with zero.

@@ -84,3 +84,52 @@ fn slopes(t: &[f64], y: &[f64]) -> Vec<f64> {
     }
     right
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use serde_json::Value;
+
+    use super::*;
+
+    fn numbers(value: &Value) -> Vec<f64> {
+        value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+    }
+
+    /// Values of `scipy.interpolate.CubicSpline`, made by `tests/reference/make_reference.py`.
+    #[test]
+    fn equals_scipy() {
+        let cases: Value = serde_json::from_str(include_str!("../../tests/reference/splines.json")).unwrap();
+        for case in cases.as_array().unwrap() {
+            let (knots, values) = (numbers(&case["knots"]), numbers(&case["values"]));
+            let own = CubicSpline::new(&knots, &values).sample(&numbers(&case["at"]));
+            for (own, expected) in own.iter().zip(numbers(&case["interpolated"])) {
+                assert!((own - expected).abs() < 1e-12, "{} knots: {own} {expected}", knots.len());
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 50, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn a_cubic_is_its_own_spline(
+            steps in prop::collection::vec(0.01_f64..0.1, 3..60),
+            coefficients in prop::array::uniform4(-3.0_f64..3.0),
+        ) {
+            let mut knots = vec![0.0];
+            for step in &steps {
+                knots.push(knots[knots.len() - 1] + step);
+            }
+            let [a, b, c, d] = coefficients;
+            let cubic = |t: f64| a + t * (b + t * (c + t * d));
+            let values: Vec<f64> = knots.iter().map(|t| cubic(*t)).collect();
+            let end = knots[knots.len() - 1];
+            let at: Vec<f64> = (0..=100).map(|k| end * f64::from(k) / 100.0).collect();
+            let scale = 1.0 + values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (t, y) in at.iter().zip(CubicSpline::new(&knots, &values).sample(&at)) {
+                prop_assert!((y - cubic(*t)).abs() < 1e-10 * scale);
+            }
+        }
+    }
+}

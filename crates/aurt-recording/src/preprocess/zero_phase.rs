@@ -4,6 +4,10 @@ use crate::preprocess::butterworth::{Butterworth, Section};
 /// Series that are filtered side by side, one in each lane.
 const LANES: usize = 8;
 
+/// Lowest and highest cut-off as shares of the Nyquist frequency. At the ends the poles come so close to 1 and −1
+/// that about eight digits of the filtered series are left.
+pub(crate) const CUTOFF_RANGE: [f64; 2] = [1e-4, 1.0 - 1e-4];
+
 /// A Butterworth low-pass run forward and then backward over a whole series, so that nothing lags: the gain
 /// is the filter's squared, the phase zero.
 ///
@@ -21,14 +25,16 @@ impl ZeroPhase {
     /// Forward–backward Butterworth low-pass; `order` counts one pass.
     ///
     /// # Errors
-    /// [`RecordingError::Cutoff`] unless 0 < `cutoff_hz` < `rate_hz`/2, both finite;
+    /// [`RecordingError::Cutoff`] unless 1e-4 ≤ `cutoff_hz` / (`rate_hz`/2) ≤ 1 − 1e-4 (beyond, rounding drowns the
+    /// filter);
     /// [`RecordingError::FilterOrder`] unless 1 ≤ `order` ≤ 12 (above, second-order sections lose digits).
     pub fn butterworth(order: usize, cutoff_hz: f64, rate_hz: f64) -> Result<Self, RecordingError> {
         if !(1..=12).contains(&order) {
             return Err(RecordingError::FilterOrder { order });
         }
         let normalized = 2.0 * cutoff_hz / rate_hz;
-        if !(normalized > 0.0 && normalized < 1.0 && rate_hz.is_finite()) {
+        let [lowest, highest] = CUTOFF_RANGE;
+        if !(lowest..=highest).contains(&normalized) || !rate_hz.is_finite() {
             return Err(RecordingError::Cutoff { cutoff_hz, rate_hz });
         }
         Ok(Self { design: Butterworth::low_pass(order, normalized), cutoff_hz, rate_hz })

@@ -86,5 +86,45 @@ def derivatives():
     }
 
 
-for name, content in [("filters", filters()), ("splines", splines()), ("derivatives", derivatives())]:
+def alignment():
+    """The original tool's preprocessing of calibration data, step by step, on a motion between two rests."""
+    cases = []
+    for samples, rate_hz, f_dyn_hz in [(900, 500.0, 10.0), (903, 500.0, 12.0), (400, 100.0, 2.5)]:
+        period_s = 1 / rate_hz
+        k = np.arange(samples)
+        start, end = 0.15 * samples, 0.85 * samples
+        window = np.where((k > start) & (k < end), np.sin(np.pi * (k - start) / (end - start)) ** 2, 0.0)
+        q = np.array([0.4 * window * np.sin(2 * np.pi * 1.5 * k * period_s + j) + 0.1 * j for j in range(2)])
+        current = np.array([series(samples, 11 + j) for j in range(2)])
+        low = signal.butter(4, 5 * f_dyn_hz / (rate_hz / 2), output="sos")
+        parallel = signal.butter(4, 2 * f_dyn_hz / (rate_hz / 2), output="sos")
+        q_hat = signal.sosfiltfilt(low, q, axis=1)
+        velocity = np.gradient(q_hat, period_s, axis=1)[:, 1:-1]
+        acceleration = (q_hat[:, 2:] - 2 * q_hat[:, 1:-1] + q_hat[:, :-2]) / period_s**2
+        position = q_hat[:, 1:-1]
+        moving = np.any(np.abs(velocity) > 0.03, axis=0)
+        s = max(int(np.argmax(moving)), 1)
+        e = samples - 2 - 1 - int(np.argmax(moving[::-1]))
+        factor = round(0.8 / (4 * f_dyn_hz * period_s))
+        filtered = signal.sosfiltfilt(parallel, current, axis=1)
+        cases.append(
+            {
+                "samples": samples,
+                "rate_hz": rate_hz,
+                "f_dyn_hz": f_dyn_hz,
+                "decimation": factor,
+                "first": s,
+                "end": e,
+                "position": position[:, s:e:7].tolist(),
+                "velocity": velocity[:, s:e:7].tolist(),
+                "acceleration": acceleration[:, s:e:7].tolist(),
+                "measurement": filtered[:, s:e][:, 1:-1][:, ::factor].tolist(),
+                "regressor_rows": len(range(s, e)[::factor]),
+                "validation_measurement": filtered[:, 1:-1][:, ::factor].tolist(),
+            }
+        )
+    return cases
+
+
+for name, content in [("alignment", alignment()), ("filters", filters()), ("splines", splines()), ("derivatives", derivatives())]:
     (FOLDER / f"{name}.json").write_text(json.dumps(content, indent=None) + "\n")

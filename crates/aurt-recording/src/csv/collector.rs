@@ -1,0 +1,200 @@
+use std::path::Path;
+
+use crate::csv::ReadOptions;
+use crate::csv::columns::Selected;
+use crate::csv::header::Header;
+use crate::csv::plausibility::{self, Finding};
+use crate::{DroppedRow, RecordingError};
+
+/// Corrupt rows of which line and reason are kept; of more, only the number.
+const KEPT_DETAILS: usize = 10_000;
+
+/// Magnitude of time stamps beyond which they are corrupt, in s.
+const TIME_LIMIT_S: f64 = 1e20;
+
+/// Rows as they are read, series by series, without those that cannot be true.
+pub(super) struct Collector<'a> {
+    selected: &'a Selected,
+    columns: Vec<usize>,
+    /// For each place in a row the magnitude that its values cannot exceed.
+    limits: Vec<f64>,
+    series: Vec<Vec<f64>>,
+    /// Line of each row kept.
+    lines: Vec<u32>,
+    rows: usize,
+    dropped: Vec<Dropped>,
+    dropped_rows: usize,
+    /// Whether the latest row was kept.
+    follows: bool,
+}
+
+/// A row that was left out.
+struct Dropped {
+    line: usize,
+    /// Place of the offending value in the row.
+    place: usize,
+    reason: Reason,
+}
+
+/// Why a row cannot be true.
+enum Reason {
+    Absurd(f64),
+    TimeBack { stamp: f64, before: f64 },
+    TimeAhead { stamp: f64, after: f64 },
+    Outlier { value: f64, what: &'static str },
+}
+
+/// What a file held.
+pub(super) struct Collected {
+    /// Time, positions, velocities, measurements, as far as they were selected.
+    pub(super) series: Vec<Vec<f64>>,
+    pub(super) dropped: Vec<DroppedRow>,
+    pub(super) dropped_rows: usize,
+    pub(super) remarks: Vec<String>,
+}
+
+impl<'a> Collector<'a> {
+    /// A collector of the selected columns, with room for about `rows` rows.
+    pub(super) fn new(selected: &'a Selected, options: &ReadOptions, rows: usize) -> Self {
+        let mut limits = vec![TIME_LIMIT_S];
+        limits.extend(selected.position.iter().map(|_| options.position_limit_rad));
+        limits.extend(selected.velocity.iter().flatten().map(|_| options.velocity_limit_rad_s));
+        limits.extend(selected.measurement.iter().flatten().map(|_| options.measurement_limit));
+        Self {
+            selected,
+            columns: selected.all(),
+            series: limits.iter().map(|_| Vec::with_capacity(rows)).collect(),
+            lines: Vec::with_capacity(rows),
+            limits,
+            rows: 0,
+            dropped: Vec::new(),
+            dropped_rows: 0,
+            follows: false,
+        }
+    }
+
+    /// Rows seen, dropped ones included.
+    pub(super) const fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Takes a row, unless it cannot be true.
+    pub(super) fn add(&mut self, row: &[f64], line: usize) {
+        self.rows += 1;
+        if let Some(place) = row.iter().zip(&self.limits).position(|(v, limit)| v.abs() > *limit) {
+            self.drop_row(line, place, Reason::Absurd(row[place]));
+            return;
+        }
+        let time = &self.series[0];
+        if let Some(last) = time.last().copied().filter(|last| row[0] < *last) {
+            // One of the two stamps is wrong: the earlier one if it lies ahead of a series that goes on.
+            let one_ahead = self.follows && time.len() >= 2 && row[0] >= time[time.len() - 2];
+            if !one_ahead {
+                self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before: last });
+                return;
+            }
+            let ahead = self.lines.pop().map_or(line, |l| l as usize);
+            for series in &mut self.series {
+                series.pop();
+            }
+            self.drop_row(ahead, 0, Reason::TimeAhead { stamp: last, after: row[0] });
+        }
+        for (series, value) in self.series.iter_mut().zip(row) {
+            series.push(*value);
+        }
+        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
+        self.follows = true;
+    }
+
+    fn drop_row(&mut self, line: usize, place: usize, reason: Reason) {
+        self.follows = false;
+        self.dropped_rows += 1;
+        if self.dropped.len() < KEPT_DETAILS {
+            self.dropped.push(Dropped { line, place, reason });
+        }
+    }
+
+    /// The series without rows that their neighbours contradict; an error if too many rows were left out.
+    pub(super) fn finish(
+        mut self,
+        path: &Path,
+        header: &Header,
+        max_share: f64,
+    ) -> Result<Collected, RecordingError> {
+        let joints = self.selected.position.len();
+        let measured = self.series.len() - self.selected.measurement.as_ref().map_or(0, Vec::len);
+        let (time, values) = self.series.split_at(1);
+        let mut findings = plausibility::position_outliers(&time[0], &values[..joints]);
+        findings.extend(plausibility::measurement_outliers(&self.series[measured..]).into_iter().map(|f| {
+            // Places count from the positions on.
+            Finding { place: f.place + measured - 1, ..f }
+        }));
+        self.drop_findings(&findings);
+
+        let allowed = (max_share * self.rows as f64).floor() as usize;
+        if self.dropped_rows > allowed {
+            let first = self.dropped.iter().min_by_key(|d| d.line);
+            let (line, column, reason) = first.map_or((0, 0, String::new()), |first| {
+                (first.line, self.columns[first.place] + 1, self.in_words(first, header))
+            });
+            return Err(RecordingError::CorruptRows {
+                path: path.to_owned(),
+                line,
+                column,
+                reason,
+                rows: self.dropped_rows,
+                total: self.rows,
+                allowed,
+                max_share,
+            });
+        }
+        self.dropped.sort_by_key(|d| d.line);
+        let dropped = self
+            .dropped
+            .iter()
+            .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
+            .collect();
+        let mut remarks = Vec::new();
+        let (time, values) = self.series.split_at_mut(1);
+        for (joint, position) in values.iter_mut().enumerate().take(joints) {
+            remarks.extend(plausibility::unwrap(joint, &time[0], position, &self.lines));
+        }
+        remarks.extend(plausibility::remark_on_degrees(&self.series[1..=joints]));
+        Ok(Collected { series: self.series, dropped, dropped_rows: self.dropped_rows, remarks })
+    }
+
+    /// Leaves out the rows of some findings.
+    fn drop_findings(&mut self, findings: &[Finding]) {
+        if findings.is_empty() {
+            return;
+        }
+        let mut keep = vec![true; self.lines.len()];
+        for finding in findings {
+            if std::mem::replace(&mut keep[finding.row], false) {
+                let value = self.series[1 + finding.place][finding.row];
+                let line = self.lines[finding.row] as usize;
+                self.drop_row(line, 1 + finding.place, Reason::Outlier { value, what: finding.what });
+            }
+        }
+        for series in &mut self.series {
+            let mut kept = keep.iter();
+            series.retain(|_| kept.next().copied().unwrap_or(true));
+        }
+        let mut kept = keep.iter();
+        self.lines.retain(|_| kept.next().copied().unwrap_or(true));
+    }
+
+    fn in_words(&self, dropped: &Dropped, header: &Header) -> String {
+        let name = header.name(self.columns[dropped.place]);
+        match dropped.reason {
+            Reason::Absurd(value) => {
+                format!("{name} = {value:e} lies beyond ±{:e}", self.limits[dropped.place])
+            }
+            Reason::TimeBack { stamp, before } => format!("time goes back from {before} s to {stamp} s"),
+            Reason::TimeAhead { stamp, after } => {
+                format!("time leaps ahead to {stamp} s, and the next row has {after} s")
+            }
+            Reason::Outlier { value, what } => format!("{name} = {value} {what}"),
+        }
+    }
+}
