@@ -141,7 +141,7 @@ fn lugre_has_its_stiffness_at_rest_and_its_levels_in_sliding() {
 #[test]
 fn lugre_breaks_away_higher_than_it_slides() {
     // Velocity rises from zero over one second: friction overshoots its sliding level.
-    let model = LuGre { presliding_rad: 0.002, coulomb_ratio: 0.6, ..LuGre::default() };
+    let model = LuGre { presliding_rad: 1e-4, coulomb_ratio: 0.6, ..LuGre::default() };
     let q: Vec<f64> = (0..=1_000).map(|n| 0.15 * (f64::from(n) / 1_000.0).powi(2)).collect();
     let h = &along(&model, &q, 1e-3)[0];
     let peak = h.iter().fold(0.0, |a: f64, b| a.max(*b));

@@ -244,12 +244,12 @@ pub(crate) fn largest_jump(column: &[f64]) -> f64 {
     column.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max)
 }
 
-/// A column that differs on the two sides of rest by more than 10⁻⁶ of its size.
+/// A column that differs on the two sides of rest by more than 10⁻⁶ of its size (or of 10⁻³, if it is smaller).
 pub(crate) fn step_at_rest(whole: &[Vec<f64>], before: &[Vec<f64>], after: &[Vec<f64>]) -> Option<String> {
     let size = |column: &[f64]| column.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     whole.iter().zip(before.iter().zip(after)).enumerate().find_map(|(k, (all, (b, a)))| {
         let step = b.iter().zip(a).map(|(b, a)| (a - b).abs()).fold(0.0, f64::max);
-        (step > 1e-6 * size(all)).then(|| format!("column {k} steps by {step} at rest"))
+        (step > 1e-6 * size(all).max(1e-3)).then(|| format!("column {k} steps by {step} at rest"))
     })
 }
 
