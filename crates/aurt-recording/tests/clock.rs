@@ -153,6 +153,21 @@ fn repeated_stamps_are_merged() {
 }
 
 #[test]
+fn nearly_repeated_stamps_do_not_become_steep_slopes() {
+    let mut time_s = uniform(2000, 100.0);
+    for k in (100..2000).step_by(100) {
+        time_s[k] = time_s[k - 1] + 1e-6;
+    }
+    let mut recording = sampled(time_s);
+    for k in (100..2000).step_by(100) {
+        recording.position_rad[0][k] += 1e-4;
+    }
+    let done = preprocess(&recording, &PreprocessOptions::new(2.0)).unwrap();
+    assert_eq!(done.report.clock.conflicting, 19);
+    close_to_truth(&done, 2e-3);
+}
+
+#[test]
 fn the_instrument_is_undone() {
     let rate_hz = 500.0;
     for jitter in [0.0, 0.2] {

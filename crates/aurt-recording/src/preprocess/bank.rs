@@ -7,7 +7,7 @@ use crate::preprocess::modes::{Modes, State};
 use crate::preprocess::zero_phase::ZeroPhase;
 
 /// Part of an output that future samples may still contribute when a row is delivered.
-const NEGLIGIBLE: f64 = 1e-18;
+const NEGLIGIBLE: f64 = 1e-17;
 
 /// Many columns, filtered by one [`ZeroPhase`] and decimated, while they are being made.
 ///
@@ -19,7 +19,7 @@ const NEGLIGIBLE: f64 = 1e-18;
 ///
 /// How: the filter is a sum of first-order modes that run forward and backward over the input itself, so only sums
 /// over blocks of `decimation` samples are formed. The backward direction needs what comes later; a row is held back
-/// until later samples could change it by no more than 1e-18 of their size.
+/// until later samples could change it by no more than 1e-17 of their size.
 #[derive(Debug)]
 pub struct ZeroPhaseBank {
     modes: Modes,

@@ -27,9 +27,9 @@ pub struct ClockReport {
     pub min_period_s: f64,
     /// Longest distance of stamps that does not split the recording, in s.
     pub max_period_s: f64,
-    /// Samples that repeat the stamp of the one before: the same values (merged).
+    /// Samples with the stamp of the one before (or less than 5 % of a period after it) and the same values; merged.
     pub repeated: usize,
-    /// Samples that repeat the stamp of the one before with other values (averaged).
+    /// Samples with the stamp of the one before (or less than 5 % of a period after it) and other values; averaged.
     pub conflicting: usize,
     /// Share of the grid's samples that the recording has no sample near to (within half a period).
     pub missing_share: f64,
@@ -126,7 +126,8 @@ impl Clock {
     }
 }
 
-fn median(values: &mut [f64]) -> f64 {
+/// The median of at least one value; the values are reordered.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

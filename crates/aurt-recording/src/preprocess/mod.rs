@@ -48,7 +48,7 @@ pub struct Preprocessed {
 
 /// Preprocesses a recording as the paper does (section IV), after putting it on a uniform grid where it is not.
 ///
-/// 1. Samples that share a stamp are merged; gaps split the recording, and stretches between gaps that are shorter
+/// 1. Samples that share a stamp (to 5 % of the median distance) are merged; gaps split the recording, and stretches between gaps that are shorter
 ///    than two periods of f_dyn are dropped.
 /// 2. Clock: stamps within 2 % of a period of a uniform grid are used as they are. Otherwise positions are
 ///    interpolated by a cubic spline, measurements linearly, onto a grid of `sample_rate_hz`, by default

@@ -1,20 +1,27 @@
 use std::borrow::Cow;
 
 use crate::Recording;
+use crate::preprocess::clock::median;
 use crate::preprocess::spline::CubicSpline;
 
-/// The recording with every stamp once: samples that share a stamp become one, with the mean of their values.
-/// Also how many samples repeated the one before, and how many contradicted it.
+/// Share of the median distance of stamps below which two stamps are one: a curve through both samples would turn
+/// the noise between them into a steep slope.
+const SAME_STAMP: f64 = 0.05;
+
+/// The recording with every stamp once: samples that share a stamp, or nearly so, become one, with the mean of their
+/// values. Also how many samples repeated the one before, and how many contradicted it.
 pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usize, usize)) {
     let time = &recording.time_s;
-    if !time.windows(2).any(|w| w[0] == w[1]) {
-        return (Cow::Borrowed(recording), (0, 0));
-    }
+    let mut distances: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
+    let same_s = if distances.is_empty() { 0.0 } else { SAME_STAMP * median(&mut distances) };
     let mut first_of = Vec::with_capacity(time.len());
-    for k in 0..time.len() {
-        if k == 0 || time[k] != time[k - 1] {
+    for (k, stamp) in time.iter().enumerate() {
+        if first_of.last().is_none_or(|first: &usize| stamp - time[*first] > same_s) {
             first_of.push(k);
         }
+    }
+    if first_of.len() == time.len() {
+        return (Cow::Borrowed(recording), (0, 0));
     }
     let ends: Vec<usize> = first_of.iter().skip(1).copied().chain([time.len()]).collect();
     let families: Vec<&Vec<f64>> = recording
@@ -33,21 +40,17 @@ pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usi
             }
         }
     }
-    let merge = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        family
-            .iter()
-            .map(|s| {
-                first_of
-                    .iter()
-                    .zip(&ends)
-                    .map(|(first, end)| s[*first..*end].iter().sum::<f64>() / (end - first) as f64)
-                    .collect()
-            })
-            .collect()
+    let mean = |series: &Vec<f64>| -> Vec<f64> {
+        let of_group = |(first, end): (&usize, &usize)| {
+            let base = series[*first];
+            base + series[*first..*end].iter().map(|v| v - base).sum::<f64>() / (end - first) as f64
+        };
+        first_of.iter().zip(&ends).map(of_group).collect()
     };
+    let merge = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(mean).collect() };
     let merged = Recording {
         file: recording.file.clone(),
-        time_s: first_of.iter().map(|k| time[*k]).collect(),
+        time_s: mean(time),
         position_rad: merge(&recording.position_rad),
         velocity_rad_s: recording.velocity_rad_s.as_ref().map(merge),
         measurement: recording.measurement.as_ref().map(merge),
