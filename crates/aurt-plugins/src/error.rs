@@ -44,6 +44,14 @@ pub enum Error {
         /// Why.
         problem: LibraryProblem,
     },
+    /// A new plugin cannot have that name.
+    #[error("`{name}` cannot be the name of a plugin: it {reason}")]
+    PluginName {
+        /// The name.
+        name: String,
+        /// Why.
+        reason: &'static str,
+    },
     /// The rigid bodies cannot be built, or their base parameters not be determined.
     #[error(transparent)]
     RigidBody(#[from] RbdError),

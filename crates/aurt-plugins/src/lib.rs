@@ -3,7 +3,8 @@
 //! - [`Registry`] knows every model that can be named and builds one from its table;
 //! - [`Experiment`] is an experiment's TOML file, checked;
 //! - [`RigidBodyDynamics`] and [`Experiment::robot_model`] compose the robot model;
-//! - [`model_file`] writes and reads models as JSON.
+//! - [`model_file`] writes and reads models as JSON;
+//! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from.
 
 mod assemble;
 mod build;
@@ -13,6 +14,7 @@ mod dynamic;
 mod error;
 pub mod experiment;
 pub mod model_file;
+mod new_plugin;
 mod place;
 mod registry;
 pub mod suggestion;
@@ -23,4 +25,5 @@ pub use configuration::{Entry, Node, NodeKind, Span};
 pub use dynamic::{LibraryListing, LibraryProblem};
 pub use error::{BuildError, Error};
 pub use experiment::{Experiment, ExperimentErrors, Problem};
+pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};
 pub use registry::{ModelListing, Origin, Registry};

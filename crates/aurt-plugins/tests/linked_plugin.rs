@@ -1,7 +1,5 @@
 //! The Rust example plugin, linked statically: the same models without a library.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use aurt_plugin_example as _;
 use aurt_plugins::{Error, Origin, Registry};
 use aurt_traits::{Slot, ViscousBasis};

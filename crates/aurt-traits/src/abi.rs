@@ -49,6 +49,9 @@ pub const ABI_MINOR: u32 = 0;
 /// Name of the function that a library exports, `const Declaration *aurt_plugin(void)`.
 pub const ENTRY: &str = "aurt_plugin";
 
+/// The interface in C, the text of `aurt_plugin.h`.
+pub const HEADER: &str = include_str!("../include/aurt_plugin.h");
+
 /// All went well.
 pub const OK: i32 = 0;
 

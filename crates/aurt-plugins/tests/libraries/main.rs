@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod built;
+mod conformance;
 mod errors;
 mod evaluation;
 mod saving;
