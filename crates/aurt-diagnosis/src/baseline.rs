@@ -57,7 +57,7 @@ impl Baseline {
             rows.retain(|r| {
                 referenced && r.role == Role::Calibration || !referenced && r.role == Role::Target
             });
-            coefficients = fit_rows(question.model, &rows)?;
+            coefficients = fit_rows(question, &rows)?;
             if load == LoadTorque::Literal {
                 break;
             }
@@ -68,18 +68,20 @@ impl Baseline {
 }
 
 /// Weighted least squares of a model's own columns over the fitted rows of recordings.
-fn fit_rows(model: &RobotModel, rows: &[RecordingRows]) -> Result<Vec<f64>, DiagnosisError> {
-    let partition = partition(rows, 1.0);
+fn fit_rows(question: &Question<'_>, rows: &[RecordingRows]) -> Result<Vec<f64>, DiagnosisError> {
+    let model = question.model;
+    let partition = partition(question, rows);
     let layout = Layout::new(model);
     let problem = Problem::new(&layout, BlockMoments::accumulate(rows, &partition));
     let switches = own_switches(model);
     Ok(weighted_fit(&problem, &switches, &[]).0.coefficients)
 }
 
-/// The partition of recordings into blocks, for a robot whose dynamics reach `f_dyn_hz`.
+/// The partition of recordings into blocks.
 #[must_use]
-pub fn partition(rows: &[RecordingRows], f_dyn_hz: f64) -> Partition {
-    Partition::new(rows, BLOCKS, GAP_PERIODS / f_dyn_hz)
+pub fn partition(question: &Question<'_>, rows: &[RecordingRows]) -> Partition {
+    let validated = question.recordings.iter().any(|r| r.role == Role::Validation);
+    Partition::new(rows, BLOCKS, GAP_PERIODS / question.f_dyn_hz, validated)
 }
 
 /// All coefficients of a model, in all recordings.

@@ -58,6 +58,8 @@ pub struct Investigation {
     pub selection: Selection,
     /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
     pub free: Vec<[f64; 2]>,
+    /// Share of independent rows of the final residual, mean over joints.
+    pub mean_independent_share: f64,
 }
 
 /// Investigates a question: baseline, candidates, selection.
@@ -128,7 +130,7 @@ pub fn investigate(
         )?);
     }
     prepare(question, &baseline, &model, &mut rows);
-    let partition = partition(&rows, question.f_dyn_hz);
+    let partition = partition(question, &rows);
     let layout = Layout::new(&model);
     let problem = Problem::new(&layout, BlockMoments::accumulate(&rows, &partition));
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
@@ -149,6 +151,10 @@ pub fn investigate(
         options: &question.selection,
     };
     let selection = selector.run(&mut progress);
+    let final_switches = selector.final_switches(&selection);
+    let (final_fit, _) = weighted_fit(&problem, &final_switches, &floor);
+    let final_shares = shares(&final_switches, &final_fit.coefficients);
+    let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
     Ok(Investigation {
         model,
         baseline,
@@ -163,6 +169,7 @@ pub fn investigate(
         floor,
         selection,
         free,
+        mean_independent_share,
     })
 }
 

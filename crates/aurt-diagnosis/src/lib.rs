@@ -4,16 +4,19 @@
 //! cross-validation over blocks of time) → [`Verdict`].
 
 mod baseline;
+mod confidence;
 mod diagnose;
 pub mod effects;
 mod error;
 mod floor;
 mod gram;
 mod linear;
+mod localise;
 mod partition;
 mod periodogram;
 mod problem;
 mod question;
+mod report;
 mod rows;
 mod selection;
 mod simulated;
@@ -25,6 +28,7 @@ pub use error::DiagnosisError;
 pub use partition::Partition;
 pub use problem::{Problem, Switch};
 pub use question::{Question, QuestionedRecording};
+pub use report::verdict as write_verdict;
 pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
 pub use selection::{Chosen, Group, Selection, SelectionOptions};
 pub use verdict::{

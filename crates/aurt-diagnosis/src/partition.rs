@@ -18,12 +18,11 @@ pub struct Partition {
 const HELD_OUT_TAIL: f64 = 0.25;
 
 impl Partition {
-    /// Holds out the validation recordings, or, where there are none, the last quarter of every recording, and
+    /// Holds out the validation recordings, or, where there are none (`validated` is false), the last quarter of every recording, and
     /// cuts the rest in `blocks` blocks of contiguous time with `gap_s` dropped between neighbours, so that the
     /// filters' memory does not tie them together.
     #[must_use]
-    pub fn new(recordings: &[RecordingRows], blocks: usize, gap_s: f64) -> Self {
-        let validated = recordings.iter().any(|r| r.role == Role::Validation);
+    pub fn new(recordings: &[RecordingRows], blocks: usize, gap_s: f64, validated: bool) -> Self {
         let mut partition =
             Self { blocks: vec![Vec::new(); blocks], held_out: Vec::new(), held_out_names: Vec::new() };
         let targets = recordings.iter().any(|r| r.role == Role::Target);

@@ -124,6 +124,12 @@ impl Selector<'_> {
         self.finish(chosen, before)
     }
 
+    /// All coefficients of the model that was selected.
+    #[must_use]
+    pub fn final_switches(&self, selection: &Selection) -> Vec<Switch> {
+        self.switches(&selection.chosen.iter().map(|c| c.group).collect::<Vec<_>>())
+    }
+
     fn forward(&self, chosen: &mut Vec<usize>, barred: &[usize], progress: &mut impl FnMut(&str)) {
         while chosen.len() < self.options.most {
             let fit = self.fit(chosen);
@@ -242,7 +248,8 @@ impl Selector<'_> {
                 .into_par_iter()
                 .filter_map(|i| {
                     let (score, joint_loss) = self.loss(chosen, i, &full);
-                    (!self.earns_its_place(chosen, i, before, &full, score, &joint_loss)).then_some((i, score))
+                    (!self.earns_its_place(chosen, i, before, &full, score, &joint_loss))
+                        .then_some((i, score))
                 })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             match weakest {

@@ -28,6 +28,10 @@ impl Effect for BaseTilt {
         include_str!("base_tilt.rs")
     }
 
+    fn whole_arm(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let columns: Vec<usize> = context.inertial.iter().map(|(c, _)| *c).collect();
         let coefficients: Vec<f64> = context.inertial.iter().map(|(_, v)| *v).collect();

@@ -28,6 +28,10 @@ impl Effect for Payload {
         include_str!("payload.rs")
     }
 
+    fn whole_arm(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
             .map(|link| {
@@ -49,7 +53,9 @@ impl Effect for Payload {
         fitted: &[(String, f64, f64)],
     ) -> BTreeMap<String, (Value, Value)> {
         let mut p: BTreeMap<String, (Value, Value)> = BTreeMap::new();
-        let find = |wanted: &str| fitted.iter().find(|(n, _, _)| n.split('_').next() == Some(wanted)).map(|(_, v, s)| (*v, *s));
+        let find = |wanted: &str| {
+            fitted.iter().find(|(n, _, _)| n.split('_').next() == Some(wanted)).map(|(_, v, s)| (*v, *s))
+        };
         if let Some((mass, std)) = find("m") {
             p.insert("mass_kg".to_owned(), (json!(mass), json!(std)));
             let com = ["mX", "mY", "mZ"].map(|n| find(n).unwrap_or((0.0, 0.0)));

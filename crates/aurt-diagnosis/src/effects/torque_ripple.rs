@@ -32,8 +32,12 @@ impl Effect for TorqueRipple {
         crate::periodogram::orders(context)
             .into_iter()
             .map(|(j, order)| {
-                Proposal::on_joint(j, json!({"model":"torque_ripple","joints":[j],"cycles_per_revolution": order}), vec![])
-                    .with("order", order)
+                Proposal::on_joint(
+                    j,
+                    json!({"model":"torque_ripple","joints":[j],"cycles_per_revolution": order}),
+                    vec![],
+                )
+                .with("order", order)
             })
             .collect()
     }
