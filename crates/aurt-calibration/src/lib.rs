@@ -9,6 +9,7 @@ mod calibrated;
 mod error;
 mod factor;
 mod metrics;
+mod scope;
 mod stream;
 mod system;
 mod uncertainty;
@@ -21,8 +22,11 @@ pub use calibrated::{
 pub use error::CalibrationError;
 pub use factor::JointFactor;
 pub use metrics::{JointMetrics, Metrics};
+pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
 pub use system::{Solution, System};
 pub use uncertainty::noise_bandwidth_factor;
 pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};
-pub use wls::{Estimate, NamedRecording, accumulate, calibrate, estimate};
+pub use wls::{
+    Estimate, NamedRecording, accumulate, accumulate_scoped, calibrate, calibrate_scoped, estimate,
+};

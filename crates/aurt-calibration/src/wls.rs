@@ -3,7 +3,7 @@ use aurt_traits::{LoadTorque, RobotModel};
 use rayon::prelude::*;
 
 use crate::{
-    CalibrationError, JointFactor, JointRange, System,
+    CalibrationError, JointFactor, JointRange, System, TermScopes,
     calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice, Rest},
     stream::{for_each_row_block, for_each_tile},
     system::Solution,
@@ -43,17 +43,32 @@ pub fn calibrate(
     f_dyn_hz: f64,
     options: &CalibrationOptions,
 ) -> Result<Calibration, CalibrationError> {
+    calibrate_scoped(model, recordings, &TermScopes::everywhere(), unit, f_dyn_hz, options)
+}
+
+/// As [`calibrate`], with arm terms that act in some of the recordings only.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn calibrate_scoped(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    scopes: &TermScopes,
+    unit: aurt_traits::MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
     let first = recordings.first().ok_or(CalibrationError::NothingToCalibrateOn)?;
     check(model, recordings)?;
     let load = match options.load_torque {
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
             let no_load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-            let system = accumulate(model, recordings, &no_load, options)?;
+            let system = accumulate_scoped(model, recordings, scopes, &no_load, options)?;
             LoadTorque::Fitted(estimate(&system, options.estimator)?.solution.coefficients)
         }
     };
-    let system = accumulate(model, recordings, &load, options)?;
+    let system = accumulate_scoped(model, recordings, scopes, &load, options)?;
     let estimate = estimate(&system, options.estimator)?;
     let bandwidth =
         first.data.segments.first().map_or(1.0, |s| noise_bandwidth_factor(&s.parallel_filter, s.decimation));
@@ -129,10 +144,27 @@ pub fn accumulate(
     load: &LoadTorque,
     options: &CalibrationOptions,
 ) -> Result<System, CalibrationError> {
-    let segments: Vec<&Segment> = recordings.iter().flat_map(|r| &r.data.segments).collect();
+    accumulate_scoped(model, recordings, &TermScopes::everywhere(), load, options)
+}
+
+/// As [`accumulate`], with arm terms that act in some of the recordings only.
+///
+/// # Errors
+/// What models report.
+pub fn accumulate_scoped(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    scopes: &TermScopes,
+    load: &LoadTorque,
+    options: &CalibrationOptions,
+) -> Result<System, CalibrationError> {
+    let segments: Vec<(&Segment, Vec<bool>)> = recordings
+        .iter()
+        .flat_map(|r| r.data.segments.iter().map(|s| (s, scopes.acting(model, &r.name))))
+        .collect();
     let systems = segments
         .par_iter()
-        .map(|segment| accumulate_segment(model, segment, load, options))
+        .map(|(segment, acting)| accumulate_segment(model, segment, acting, load, options))
         .collect::<Result<Vec<_>, _>>()?;
     let mut systems = systems.into_iter();
     let mut total = systems.next().ok_or(CalibrationError::NothingToCalibrateOn)?;
@@ -143,17 +175,21 @@ pub fn accumulate(
 fn accumulate_segment(
     model: &RobotModel,
     segment: &Segment,
+    acting: &[bool],
     load: &LoadTorque,
     options: &CalibrationOptions,
 ) -> Result<System, CalibrationError> {
     let mut factors: Vec<JointFactor> =
         (0..model.joints()).map(|j| JointFactor::new(model.row_columns(j).to_vec())).collect();
+    let absent = vec![0.0; segment.rows()];
     if let Some(measurement) = &segment.measurement {
         for_each_row_block(model, segment, load, |block| {
             for (joint, factor) in factors.iter_mut().enumerate() {
-                let slots = model.row_slots(joint);
+                let (slots, columns) = (model.row_slots(joint), model.row_columns(joint));
                 factor.push(
-                    |k| block.column(slots.start + k),
+                    |k| {
+                        if acting[columns[k]] { block.column(slots.start + k) } else { &absent[..block.rows] }
+                    },
                     block.measurement(&measurement[joint]),
                     |row| {
                         options.rest == Rest::Keep

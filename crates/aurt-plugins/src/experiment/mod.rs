@@ -52,6 +52,9 @@ pub struct Experiment {
     pub joint_dynamics: JointDynamics,
     /// `[[arm_terms]]`, in the order of writing.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
+    /// `recordings` of each arm term: the files in which it acts, as `[recordings]` writes them; all unless given
+    /// (a payload that only some recordings carry).
+    pub arm_term_recordings: Vec<Option<Vec<String>>>,
     /// `[instrument]`.
     pub instrument: Instrument,
     /// `[recordings]`.
@@ -139,7 +142,7 @@ fn read_sections(
     let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
     let dynamics = top.section("joint_dynamics");
     let joint_dynamics = JointDynamics::read(dynamics, reader, registry);
-    let arm_terms = read_arm_terms(&mut top, registry);
+    let (arm_terms, arm_term_recordings) = read_arm_terms(&mut top, registry).into_iter().unzip();
     let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
     top.require("recordings", "[recordings] with `calibration`");
     let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
@@ -153,6 +156,7 @@ fn read_sections(
         robot,
         joint_dynamics,
         arm_terms,
+        arm_term_recordings,
         instrument,
         recordings,
         preprocess,
@@ -207,14 +211,40 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
     libraries
 }
 
-fn read_arm_terms(top: &mut Section<'_, '_>, registry: &Registry) -> Vec<Box<dyn ArmTerm>> {
+/// An arm term and the recordings in which it acts.
+type ScopedTerm = (Box<dyn ArmTerm>, Option<Vec<String>>);
+
+fn read_arm_terms(top: &mut Section<'_, '_>, registry: &Registry) -> Vec<ScopedTerm> {
     let reader = top.reader;
     let mut terms = Vec::new();
     for table in top.tables("arm_terms") {
-        if let Some(term) = joint_dynamics::build::<dyn ArmTerm>(reader, registry, table) {
-            reader.check_joints(JointCheck::ArmTerm { term: term.clone(), table: table.clone() });
-            terms.push(term);
+        let (table, recordings) = without_scope(table, reader);
+        if let Some(term) = joint_dynamics::build::<dyn ArmTerm>(reader, registry, &table) {
+            reader.check_joints(JointCheck::ArmTerm { term: term.clone(), table });
+            terms.push((term, recordings));
         }
     }
     terms
+}
+
+/// Takes `recordings` out of an arm term's table; the rest is the model's.
+fn without_scope(table: &Node, reader: &Reader) -> (Node, Option<Vec<String>>) {
+    let Some(scope) = table.get("recordings") else { return (table.clone(), None) };
+    let mut rest = table.clone();
+    if let NodeKind::Table(entries) = &mut rest.kind {
+        entries.retain(|e| e.key != "recordings");
+    }
+    let names = match &scope.kind {
+        NodeKind::Array(items) => {
+            items.iter().map(|i| i.as_str().map(str::to_owned)).collect::<Option<Vec<String>>>()
+        }
+        _ => None,
+    };
+    if names.is_none() {
+        reader.complain(
+            Complaint::new(scope.span.clone(), "`recordings` of an arm term expects a list of file names")
+                .help("write the files in which the term acts as `[recordings]` does: [\"payload_50s.csv\"]"),
+        );
+    }
+    (rest, names)
 }
