@@ -1,0 +1,167 @@
+//! The command line: options that every command has, and values that clap has no parser for.
+
+use std::{
+    ffi::{OsStr, OsString},
+    fmt,
+};
+
+use clap::Parser;
+
+use crate::commands::Command;
+
+/// Model, calibrate and explain the dynamics of robot manipulators from recordings of the real machine.
+#[derive(Debug, Parser)]
+#[command(name = "aurt", version, max_term_width = 100, propagate_version = true)]
+#[command(after_help = "First steps:\n  \
+    aurt demo                                    the whole chain on a recording made for it\n  \
+    aurt run experiment.toml --out results       the whole chain on yours\n\n\
+    Exit status: 0 all well, 1 a check found something, 2 failure or bad input.")]
+pub struct Arguments {
+    /// Print one JSON document to standard output, and nothing else there.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The options whose value is a vector.
+const VECTOR_OPTIONS: [&str; 2] = ["--gravity", "--torque-constants"];
+
+/// Joins the numbers that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:
+/// negative numbers look like options to clap, and so do quoted vectors that begin with one.
+pub fn join_vector_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut joined: Vec<OsString> = Vec::new();
+    let mut in_vector = false;
+    for argument in arguments {
+        if in_vector && is_numbers(&argument) {
+            if let Some(last) = joined.last_mut() {
+                let bare = VECTOR_OPTIONS.iter().any(|option| last == option);
+                last.push(if bare { "=" } else { " " });
+                last.push(argument);
+            }
+            continue;
+        }
+        in_vector = VECTOR_OPTIONS.iter().any(|option| {
+            argument == *option || argument.to_str().is_some_and(|a| a.starts_with(&format!("{option}=")))
+        });
+        joined.push(argument);
+    }
+    joined
+}
+
+fn is_numbers(argument: &OsStr) -> bool {
+    argument.to_str().is_some_and(|text| parse_numbers(text).is_ok())
+}
+
+/// Numbers separated by spaces, commas or both, in brackets or not.
+pub fn parse_numbers(text: &str) -> Result<Vec<f64>, String> {
+    let inner = text.trim().trim_start_matches('[').trim_end_matches(']');
+    let numbers = inner
+        .split(|c: char| c == ',' || c.is_whitespace())
+        .filter(|word| !word.is_empty())
+        .map(|word| match word.parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            Ok(_) => Err(format!("`{word}` is not finite")),
+            Err(_) => Err(format!("`{word}` is not a number")),
+        })
+        .collect::<Result<Vec<f64>, String>>()?;
+    if numbers.is_empty() { Err("expected numbers".into()) } else { Ok(numbers) }
+}
+
+/// Gravitational acceleration in the base frame, m/s².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gravity(pub [f64; 3]);
+
+impl fmt::Display for Gravity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "{x} {y} {z} m/s²")
+    }
+}
+
+/// A gravity vector in m/s².
+pub fn parse_gravity(text: &str) -> Result<Gravity, String> {
+    let numbers = parse_numbers(text)?;
+    <[f64; 3]>::try_from(numbers).map(Gravity).map_err(|n| {
+        format!(
+            "expected three numbers, x y z in m/s² in the base frame, found {}; for example 0 0 -9.81",
+            n.len()
+        )
+    })
+}
+
+/// One positive number per joint.
+pub fn parse_torque_constants(text: &str) -> Result<Constants, String> {
+    let numbers = parse_numbers(text)?;
+    if numbers.contains(&0.0) {
+        return Err("a torque constant must not be zero".into());
+    }
+    Ok(Constants(numbers))
+}
+
+/// Torque constants in Nm/A, joint after joint. A type of its own, because clap takes a bare `Vec` for a
+/// repeated option.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constants(pub Vec<f64>);
+
+/// A number above zero.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        Ok(x) => Err(format!("must be above zero, is {x}")),
+        Err(_) => Err("expected a number".into()),
+    }
+}
+
+/// A share strictly between none and all.
+pub fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
+        _ => Err("expected a number between 0 and 1, such as 0.7".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn joined(line: &[&str]) -> Vec<String> {
+        let joined = join_vector_values(line.iter().map(OsString::from));
+        joined.into_iter().map(|a| a.into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn clap_accepts_the_definition() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn gravity_can_be_written_in_any_usual_way() {
+        let expected = ["aurt", "--gravity=-1 0 -9.81", "--out", "x"].map(str::to_owned).to_vec();
+        assert_eq!(joined(&["aurt", "--gravity", "-1", "0", "-9.81", "--out", "x"]), expected);
+        assert_eq!(joined(&["aurt", "--gravity", "-1 0 -9.81", "--out", "x"]), expected);
+        assert_eq!(joined(&["aurt", "--gravity=-1", "0", "-9.81", "--out", "x"]), expected);
+        for text in ["0 6.937 -6.937", "0,6.937,-6.937", "[0, 6.937, -6.937]"] {
+            assert_eq!(parse_gravity(text), Ok(Gravity([0.0, 6.937, -6.937])));
+        }
+    }
+
+    #[test]
+    fn what_follows_a_vector_is_left_alone() {
+        let line = ["aurt", "compile-rbd", "--gravity=0 0 -9.81", "model.json", "7"];
+        assert_eq!(joined(&line), line.map(str::to_owned).to_vec());
+    }
+
+    #[test]
+    fn a_wrong_vector_says_what_is_right() {
+        assert!(parse_gravity("0 0").unwrap_err().contains("found 2"));
+        assert!(parse_gravity("0 0 down").unwrap_err().contains("`down`"));
+        assert!(parse_gravity("0 0 nan").unwrap_err().contains("not finite"));
+    }
+}

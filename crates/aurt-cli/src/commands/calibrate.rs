@@ -1,0 +1,109 @@
+//! `aurt calibrate`: coefficients from recordings (paper, section II-C).
+
+use std::{path::PathBuf, sync::Arc};
+
+use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, model_file::read_robot_model};
+use aurt_traits::RobotModel;
+use clap::Args;
+use serde_json::json;
+
+use super::{
+    data_options::{FittingOptions, ReadingOptions},
+    run::written_text,
+};
+use crate::{
+    arguments::{Gravity, parse_gravity},
+    failure::Failure,
+    fitting::Job,
+    output::{OutputFile, distinct},
+    rendering::terminal::{Report, Terminal},
+    results::{metrics::Results, parameters},
+};
+
+/// Calibrate robot dynamics on recordings.
+///
+/// Recordings are tables with a header: a time column, positions `q_0 …`, currents `current_0 …` or torques
+/// `torque_0 …` (and the names that robots log under). Several recordings are fitted together.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt calibrate --model rd.json --data measured.csv --gravity 0 0 -9.81 \
+    --out-params calibrated_parameters.csv --out-calibrated-model rd_calibrated.json")]
+pub struct Calibrate {
+    /// Robot dynamics from `aurt compile-rd`
+    #[arg(long, value_name = "JSON")]
+    model: PathBuf,
+    /// Recordings
+    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
+    data: Vec<PathBuf>,
+    /// Gravitational acceleration in the base frame, if other than the model was compiled for
+    #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
+    gravity: Option<Gravity>,
+    /// File for the parameters
+    #[arg(long, value_name = "CSV")]
+    out_params: PathBuf,
+    /// File for the calibrated model
+    #[arg(long, value_name = "JSON")]
+    out_calibrated_model: PathBuf,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    fitting: FittingOptions,
+}
+
+impl Calibrate {
+    /// Calibrates.
+    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+        let mut inputs = vec![self.model.as_path()];
+        inputs.extend(self.data.iter().map(PathBuf::as_path));
+        let params = OutputFile::new("--out-params", &self.out_params, &inputs)?;
+        let calibrated_model =
+            OutputFile::new("--out-calibrated-model", &self.out_calibrated_model, &inputs)?;
+        distinct(&[("--out-params", params.path()), ("--out-calibrated-model", calibrated_model.path())])?;
+
+        let (model, notes) = model_under_gravity(&self.model, self.gravity)?;
+        let job = Job {
+            model,
+            preprocessing: self.fitting.preprocessing(),
+            instrument: self.fitting.instrument(),
+            options: self.fitting.calibration(),
+        };
+        let progress = terminal.progress(3 * self.data.len() + 1);
+        let assigned = job.read(self.data.iter().map(|f| self.reading.source(f)), [], &progress)?;
+        let outcome = job.fit(&assigned, &progress)?;
+        drop(progress);
+        let calibrated = &outcome.calibrated;
+        // Both contents are made before either file is written.
+        let model_contents = calibrated.to_file()?;
+        params.write(&parameters::to_csv(&calibrated.calibration.parameters))?;
+        calibrated_model.write(&model_contents)?;
+
+        let results = Results {
+            model: &calibrated.model,
+            calibration: &calibrated.calibration,
+            notes: &notes,
+            recordings: &outcome.recordings,
+        };
+        let written = [params.path(), calibrated_model.path()];
+        let mut json = results.to_json();
+        json["command"] = json!("calibrate");
+        json["outputs"] = json!(written);
+        Ok(Report { text: results.to_text(terminal) + &written_text(&written), json, findings: false })
+    }
+}
+
+/// The robot model of a file, mounted as `gravity` says, and what there is to note about that.
+pub fn model_under_gravity(
+    path: &std::path::Path,
+    gravity: Option<Gravity>,
+) -> Result<(RobotModel, Vec<String>), Failure> {
+    let model = read_robot_model(path, &Registry::linked()?)?;
+    let compiled = Gravity(model.rigid_body().gravity_m_s2());
+    let Some(gravity) = gravity.filter(|g| *g != compiled) else { return Ok((model, Vec::new())) };
+    let rigid_body = Arc::from(model.rigid_body().with_gravity(gravity.0));
+    let mounted = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)?
+        .with_joint_dynamics(model.stacks().to_vec(), model.arm_terms().to_vec())?;
+    let note = format!(
+        "the model was compiled for gravity {compiled}; for {gravity} its {} base parameters were found anew",
+        mounted.base().len()
+    );
+    Ok((mounted, vec![note]))
+}

@@ -1,0 +1,134 @@
+//! `aurt calibrate-validate`: calibrate on the first part of a recording, validate on the rest (paper, section
+//! II-C).
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::{
+    calibrate::model_under_gravity,
+    data_options::{FittingOptions, ReadingOptions},
+    run::written_text,
+};
+use crate::{
+    arguments::{Gravity, parse_gravity, parse_share},
+    data::{Loaded, Source},
+    failure::Failure,
+    fitting::{Assigned, Job},
+    output::{OutputFile, distinct},
+    rendering::terminal::{Report, Terminal},
+    results::{
+        metrics::{Results, Role},
+        parameters,
+    },
+};
+
+/// Calibrate on the first part of a recording and validate on the rest.
+///
+/// The prediction covers the whole recording.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt calibrate-validate --model rd.json --data measured.csv \
+    --gravity 0 0 -9.81 --calibration-data-rel 0.7 --out-params calibrated_parameters.csv \
+    --out-calibrated-model rd_calibrated.json --out-prediction predicted.csv")]
+pub struct CalibrateValidate {
+    /// Robot dynamics from `aurt compile-rd`
+    #[arg(long, value_name = "JSON")]
+    model: PathBuf,
+    /// Recording
+    #[arg(long, value_name = "CSV")]
+    data: PathBuf,
+    /// Gravitational acceleration in the base frame, if other than the model was compiled for
+    #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
+    gravity: Option<Gravity>,
+    /// Share of the samples, from the first, that calibrate; the others validate
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    calibration_data_rel: f64,
+    /// File for the parameters
+    #[arg(long, value_name = "CSV")]
+    out_params: PathBuf,
+    /// File for the calibrated model
+    #[arg(long, value_name = "JSON")]
+    out_calibrated_model: PathBuf,
+    /// File for the prediction
+    #[arg(long, value_name = "CSV")]
+    out_prediction: PathBuf,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    fitting: FittingOptions,
+}
+
+impl CalibrateValidate {
+    /// Calibrates and validates.
+    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+        let inputs = [self.model.as_path(), self.data.as_path()];
+        let params = OutputFile::new("--out-params", &self.out_params, &inputs)?;
+        let calibrated_model =
+            OutputFile::new("--out-calibrated-model", &self.out_calibrated_model, &inputs)?;
+        let prediction = OutputFile::new("--out-prediction", &self.out_prediction, &inputs)?;
+        distinct(&[
+            ("--out-params", params.path()),
+            ("--out-calibrated-model", calibrated_model.path()),
+            ("--out-prediction", prediction.path()),
+        ])?;
+
+        let (model, notes) = model_under_gravity(&self.model, self.gravity)?;
+        let job = Job {
+            model,
+            preprocessing: self.fitting.preprocessing(),
+            instrument: self.fitting.instrument(),
+            options: self.fitting.calibration(),
+        };
+        let progress = terminal.progress(6);
+        let whole = job.read([self.reading.source(&self.data)], [], &progress)?;
+        let assigned: Vec<Assigned> =
+            whole.iter().flat_map(|a| split(&a.loaded, self.calibration_data_rel)).collect();
+        let mut outcome = job.fit(&assigned, &progress)?;
+        drop(progress);
+        // Both parts are of one file, and the prediction is for all of it.
+        outcome
+            .recordings
+            .iter_mut()
+            .for_each(|r| r.prediction = Some(prediction.path().display().to_string()));
+        let calibrated = &outcome.calibrated;
+        let model_contents = calibrated.to_file()?;
+        params.write(&parameters::to_csv(&calibrated.calibration.parameters))?;
+        calibrated_model.write(&model_contents)?;
+        if let Some((_, contents)) = outcome.predictions.first() {
+            prediction.write(contents)?;
+        }
+
+        let results = Results {
+            model: &calibrated.model,
+            calibration: &calibrated.calibration,
+            notes: &notes,
+            recordings: &outcome.recordings,
+        };
+        let written = [params.path(), calibrated_model.path(), prediction.path()];
+        let mut json = results.to_json();
+        json["command"] = json!("calibrate-validate");
+        json["calibration_data_rel"] = json!(self.calibration_data_rel);
+        json["outputs"] = json!(written);
+        Ok(Report { text: results.to_text(terminal) + &written_text(&written), json, findings: false })
+    }
+}
+
+/// The first `share` of a recording's samples for calibration, the others for validation.
+fn split(loaded: &Loaded, share: f64) -> [Assigned; 2] {
+    let time = &loaded.recording.time_s;
+    let last = time.len().saturating_sub(1);
+    let first_of_rest = ((share * time.len() as f64).round() as usize).clamp(1.min(last), last);
+    let since_start = |sample: usize| time.get(sample).zip(time.first()).map_or(0.0, |(t, start)| t - start);
+    let part = |window: [f64; 2], role| Assigned {
+        loaded: Loaded {
+            source: Source { window_s: Some(window), ..loaded.source.clone() },
+            recording: loaded.recording.clone(),
+        },
+        role,
+    };
+    [
+        part([0.0, since_start(first_of_rest.saturating_sub(1))], Role::Calibration),
+        part([since_start(first_of_rest), since_start(last)], Role::Validation),
+    ]
+}

@@ -1,0 +1,148 @@
+//! `aurt compile-rd`: joint dynamics on top of compiled rigid bodies (paper, section II-B).
+
+use std::path::PathBuf;
+
+use aurt_plugins::{
+    BuildError, Experiment, Registry, SlotModel,
+    model_file::{read_rigid_body, robot_model_to_json},
+};
+use aurt_traits::{
+    ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
+};
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+
+use crate::{
+    calibrated_file::file_contents,
+    failure::Failure,
+    output::OutputFile,
+    rendering::{table::Table, terminal::Report},
+};
+
+/// Compile robot dynamics: rigid bodies with the friction of the joints.
+///
+/// All joints get the same models, τ_JD = f_C(τ_J) sgn(q̇) + f_v(q̇). For other models, or other ones on some
+/// joints, take them from an experiment file. The rigid bodies are not compiled again.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt compile-rd --model-rbd rbd.json --friction-torque-model square \
+    --friction-viscous-powers 1 2 3 --out rd.json")]
+pub struct CompileRd {
+    /// Rigid-body dynamics from `aurt compile-rbd`
+    #[arg(long, value_name = "JSON")]
+    model_rbd: PathBuf,
+    /// How Coulomb friction depends on the load torque
+    #[arg(long, visible_alias = "friction-load-model", value_enum, required_unless_present = "experiment")]
+    friction_torque_model: Option<LoadDependence>,
+    /// Powers of the viscous friction polynomial
+    #[arg(long, value_name = "POWER", num_args = 1.., required_unless_present = "experiment")]
+    friction_viscous_powers: Vec<u32>,
+    /// Experiment file to take `[joint_dynamics]` and `[[arm_terms]]` from
+    #[arg(long, value_name = "TOML", conflicts_with_all = ["friction_torque_model", "friction_viscous_powers"])]
+    experiment: Option<PathBuf>,
+    /// File for the robot dynamics
+    #[arg(long, value_name = "JSON")]
+    out: PathBuf,
+}
+
+/// How Coulomb friction depends on the load torque τ_J.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LoadDependence {
+    /// f_C = F_C0
+    None,
+    /// f_C = F_C0 + F_C1 τ_J²
+    Square,
+    /// f_C = F_C0 + F_C1 |τ_J|
+    Absolute,
+}
+
+impl LoadDependence {
+    const fn model(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Square => "square",
+            Self::Absolute => "absolute",
+        }
+    }
+}
+
+impl CompileRd {
+    /// Compiles.
+    pub fn run(&self) -> Result<Report, Failure> {
+        let mut inputs = vec![self.model_rbd.as_path()];
+        inputs.extend(self.experiment.as_deref());
+        let out = OutputFile::new("--out", &self.out, &inputs)?;
+        let dynamics = read_rigid_body(&self.model_rbd)?;
+        let joints = dynamics.rigid_body.joints();
+        let mut registry = Registry::linked()?;
+        let (stacks, arm_terms) = match &self.experiment {
+            Some(path) => {
+                let experiment = Experiment::read(path, &mut registry)?;
+                if experiment.joints() != joints {
+                    return Err(Failure::Argument {
+                        option: "--experiment",
+                        reason: format!(
+                            "{} is about a robot of {} joints, {} about one of {joints}",
+                            path.display(),
+                            experiment.joints(),
+                            self.model_rbd.display()
+                        ),
+                        remedy: "use files of one robot".into(),
+                    });
+                }
+                (experiment.joint_dynamics.stacks(joints).map_err(Failure::Models)?, experiment.arm_terms)
+            }
+            None => (vec![self.stack(&registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
+        };
+        let model = dynamics.with_joint_dynamics(stacks, arm_terms)?;
+        out.write(&file_contents(robot_model_to_json(&model)?))?;
+
+        let text = format!(
+            "{joints} joints, {} parameters: {} base parameters and these of the joints\n\n{}\nwritten: {}\n",
+            model.parameters().len(),
+            model.base().len(),
+            joint_parameters(&model).render(),
+            out.path().display()
+        );
+        let json = json!({
+            "command": "compile-rd",
+            "joints": joints,
+            "base_parameters": model.base().len(),
+            "parameters": model.parameters().len(),
+            "parameter_names": model.parameters().iter().map(|p| &p.name).collect::<Vec<_>>(),
+            "outputs": [out.path()],
+        });
+        Ok(Report { text, json, findings: false })
+    }
+
+    /// The stack that the options describe.
+    fn stack(&self, registry: &Registry) -> Result<JointStack, Failure> {
+        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::None).model();
+        let coulomb = build::<dyn CoulombModel>(registry, json!({ "model": coulomb }));
+        let hysteresis = build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }));
+        let viscous = build::<dyn ViscousBasis>(
+            registry,
+            json!({ "model": "polynomial", "powers": self.friction_viscous_powers }),
+        );
+        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Failure::Models)
+    }
+}
+
+fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
+    registry.build_from_json(&table).map_err(|errors: Vec<BuildError>| Failure::Build(errors))
+}
+
+/// The coefficients that are not base parameters.
+fn joint_parameters(model: &RobotModel) -> Table {
+    let mut table = Table::new(["joint", "parameters"]).left(2);
+    for (group, range) in model.groups() {
+        let owner = match group {
+            ColumnGroup::RigidBody => continue,
+            ColumnGroup::JointDynamics(joint) => joint.to_string(),
+            ColumnGroup::ArmTerm(_) => "arm".into(),
+        };
+        let names: Vec<String> =
+            model.parameters()[range.clone()].iter().map(|p| format!("{} [{}]", p.name, p.unit)).collect();
+        table.row([owner, names.join(", ")]);
+    }
+    table
+}

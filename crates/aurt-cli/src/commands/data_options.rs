@@ -1,0 +1,223 @@
+//! Options of the commands that take recordings without an experiment file.
+
+use std::path::Path;
+
+use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
+use aurt_plugins::experiment::{ColumnName, JointColumns, RecordingColumns};
+use aurt_traits::MeasurementUnit;
+use clap::{Args, ValueEnum};
+use serde::Deserialize;
+
+use crate::{
+    arguments::{Constants, parse_positive, parse_torque_constants},
+    data::{Instrument, Preprocessing, Source},
+};
+
+/// How to read recordings.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading recordings")]
+pub struct ReadingOptions {
+    /// Unit of the measurement, where column names do not tell
+    #[arg(long, value_enum)]
+    unit: Option<Unit>,
+    /// Where to find what, where column names do not tell; columns count from 0, [first, last] per quantity
+    #[arg(
+        long,
+        value_name = "TABLE",
+        value_parser = parse_columns,
+        long_help = "Where to find what, where column names do not tell: columns by number from 0, [first, last] \
+            for a quantity of all joints, or by name\n\
+            for example '{ time = 0, position = [1, 6], measurement = [13, 18] }'"
+    )]
+    columns: Option<RecordingColumns>,
+}
+
+/// A unit of measurement.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Unit {
+    /// Motor current
+    #[value(name = "A")]
+    Ampere,
+    /// Joint torque
+    #[value(name = "Nm")]
+    NewtonMetre,
+}
+
+impl ReadingOptions {
+    /// A recording read in this way.
+    pub fn source(&self, file: &Path) -> Source {
+        Source {
+            file: file.to_owned(),
+            label: file.display().to_string(),
+            window_s: None,
+            unit: self.unit.map(|unit| match unit {
+                Unit::Ampere => MeasurementUnit::Ampere,
+                Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
+            }),
+            columns: self.columns.clone(),
+        }
+    }
+}
+
+/// How to preprocess and calibrate.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Preprocessing and calibration")]
+pub struct FittingOptions {
+    /// Highest frequency of the robot's dynamics that the fit should see; cut-offs and decimation follow from it
+    #[arg(long, value_name = "HZ", default_value = "10", value_parser = parse_positive)]
+    f_dyn_hz: f64,
+    /// Rate of the uniform grid; by default that of the recording
+    #[arg(long, value_name = "HZ", value_parser = parse_positive)]
+    sample_rate_hz: Option<f64>,
+    /// A joint at or below this speed rests
+    #[arg(long, value_name = "RAD/S", default_value = "0.03", value_parser = parse_positive)]
+    rest_velocity_rad_s: f64,
+    /// Torque per current of each joint's drive in Nm/A; the model is then in Nm
+    #[arg(long, value_name = "K K …", value_parser = parse_torque_constants, allow_hyphen_values = true)]
+    torque_constants: Option<Constants>,
+    /// Least-squares weights: 1/σ² of each joint, or all alike
+    #[arg(long, value_enum, default_value = "wls")]
+    estimator: EstimatorName,
+    /// Load torque of load-dependent friction: from a first fit, or the paper's sum of the regressor row
+    #[arg(long, value_enum, default_value = "fitted")]
+    load_torque: LoadTorqueName,
+    /// Samples at which a joint rests
+    #[arg(long, value_enum, default_value = "keep")]
+    rest: RestName,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum EstimatorName {
+    Wls,
+    Ols,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LoadTorqueName {
+    Fitted,
+    Literal,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum RestName {
+    Keep,
+    Exclude,
+}
+
+impl FittingOptions {
+    /// How recordings are preprocessed.
+    pub const fn preprocessing(&self) -> Preprocessing {
+        Preprocessing {
+            f_dyn_hz: self.f_dyn_hz,
+            sample_rate_hz: self.sample_rate_hz,
+            position_cutoff_hz: None,
+            parallel_cutoff_hz: None,
+            rest_velocity_rad_s: self.rest_velocity_rad_s,
+            trim_rest: true,
+            max_gap_s: None,
+        }
+    }
+
+    /// What is undone in measurements.
+    pub fn instrument(&self) -> Instrument {
+        let torque_constants_nm_per_a = self.torque_constants.as_ref().map(|Constants(k)| k.clone());
+        Instrument { torque_constants_nm_per_a, ..Instrument::default() }
+    }
+
+    /// How coefficients are found.
+    pub const fn calibration(&self) -> CalibrationOptions {
+        CalibrationOptions {
+            estimator: match self.estimator {
+                EstimatorName::Wls => Estimator::Wls,
+                EstimatorName::Ols => Estimator::Ols,
+            },
+            load_torque: match self.load_torque {
+                LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,
+                LoadTorqueName::Literal => LoadTorqueChoice::Literal,
+            },
+            rest: match self.rest {
+                RestName::Keep => Rest::Keep,
+                RestName::Exclude => Rest::Exclude,
+            },
+            rest_velocity_rad_s: self.rest_velocity_rad_s,
+        }
+    }
+}
+
+/// `columns` as an experiment writes it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ColumnsTable {
+    time: toml::Value,
+    position: toml::Value,
+    velocity: Option<toml::Value>,
+    measurement: Option<toml::Value>,
+}
+
+fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
+    let trimmed = text.trim();
+    let braced = if trimmed.starts_with('{') { trimmed.to_owned() } else { format!("{{ {trimmed} }}") };
+    #[derive(Deserialize)]
+    struct Document {
+        columns: ColumnsTable,
+    }
+    let Document { columns } =
+        toml::from_str(&format!("columns = {braced}")).map_err(|e| e.message().to_owned())?;
+    Ok(RecordingColumns {
+        time: match &columns.time {
+            toml::Value::String(name) => ColumnName::Name(name.clone()),
+            other => ColumnName::Index(index("time", other)?),
+        },
+        position: joint_columns("position", &columns.position)?,
+        velocity: columns.velocity.map(|v| joint_columns("velocity", &v)).transpose()?,
+        measurement: columns.measurement.map(|v| joint_columns("measurement", &v)).transpose()?,
+    })
+}
+
+fn joint_columns(key: &str, value: &toml::Value) -> Result<JointColumns, String> {
+    let expected = || format!("`{key}` expects [first, last], or one name per joint");
+    let items = value.as_array().filter(|a| !a.is_empty()).ok_or_else(expected)?;
+    if let Some(names) = items.iter().map(|v| v.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>() {
+        return Ok(JointColumns::Names(names));
+    }
+    let [first, last] = items.as_slice() else { return Err(expected()) };
+    let (first, last) = (index(key, first)?, index(key, last)?);
+    if first > last {
+        return Err(format!("`{key}`: the first column, {first}, comes after the last, {last}"));
+    }
+    Ok(JointColumns::Range { first, last })
+}
+
+fn index(key: &str, value: &toml::Value) -> Result<usize, String> {
+    value
+        .as_integer()
+        .and_then(|i| usize::try_from(i).ok())
+        .ok_or_else(|| format!("`{key}` expects columns by number, from 0, or by name"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_written_as_in_an_experiment() {
+        let parsed = parse_columns("{ time = 0, position = [1, 6], measurement = [\"a\", \"b\"] }").unwrap();
+        assert_eq!(parsed.time, ColumnName::Index(0));
+        assert_eq!(parsed.position, JointColumns::Range { first: 1, last: 6 });
+        assert_eq!(parsed.measurement, Some(JointColumns::Names(vec!["a".into(), "b".into()])));
+        assert_eq!(
+            parse_columns("time = \"t\", position = [1, 6]").unwrap().time,
+            ColumnName::Name("t".into())
+        );
+    }
+
+    #[test]
+    fn wrong_columns_are_refused() {
+        assert!(parse_columns("{ time = 0 }").unwrap_err().contains("position"));
+        assert!(parse_columns("{ time = 0, position = [6, 1] }").unwrap_err().contains("comes after"));
+        assert!(
+            parse_columns("{ time = 0, position = [1, 6], torque = [1, 2] }").unwrap_err().contains("torque")
+        );
+        assert!(parse_columns("{ time = -1, position = [1, 6] }").unwrap_err().contains("from 0"));
+    }
+}

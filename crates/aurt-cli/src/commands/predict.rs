@@ -1,0 +1,112 @@
+//! `aurt predict`: what a calibrated model says that a motion measures (paper, section II-D).
+
+use std::{path::PathBuf, sync::Arc};
+
+use aurt_calibration::extrapolations;
+use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics};
+use clap::Args;
+use serde_json::json;
+
+use super::data_options::ReadingOptions;
+use crate::{
+    arguments::{Gravity, parse_gravity},
+    calibrated_file::CalibratedModel,
+    data::Purpose,
+    failure::Failure,
+    output::OutputFile,
+    rendering::terminal::{Emphasis, Report, Terminal},
+    results::metrics::wrapped,
+};
+
+/// Predict currents or torques of a motion.
+///
+/// The motion needs a time column and positions, no measurement. The prediction has a row for each of its rows.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt predict --model rd_calibrated.json --data trajectory.csv \
+    --gravity 0 0 -9.81 --out predicted.csv")]
+pub struct Predict {
+    /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`
+    #[arg(long, value_name = "JSON")]
+    model: PathBuf,
+    /// The motion
+    #[arg(long, value_name = "CSV")]
+    data: PathBuf,
+    /// Gravitational acceleration in the base frame, if other than the model was calibrated for
+    #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
+    gravity: Option<Gravity>,
+    /// File for the prediction
+    #[arg(long, value_name = "CSV")]
+    out: PathBuf,
+    #[command(flatten)]
+    reading: ReadingOptions,
+}
+
+impl Predict {
+    /// Predicts.
+    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+        let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
+        let calibrated = self.mounted(CalibratedModel::read(&self.model, &Registry::linked()?)?)?;
+        let pipeline = calibrated.pipeline();
+        let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
+        let contents = calibrated.predict(&loaded)?;
+        let prepared = pipeline.preprocess(&loaded, Purpose::Prediction)?;
+        let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
+        out.write(&contents)?;
+
+        let mut notes = loaded.recording.report.notes();
+        notes.extend(prepared.data.report.notes());
+        let unit = calibrated.calibration.unit;
+        let rows = loaded.recording.report.rows;
+        let mut text = format!(
+            "{} of {} joints in {} for {rows} rows of {}\n",
+            unit.quantity(),
+            calibrated.model.joints(),
+            unit.symbol(),
+            self.data.display()
+        );
+        text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        let warning = terminal.emphasise(Emphasis::Warning, "warning");
+        text.extend(warnings.iter().map(|w| wrapped(&format!("{warning}: {w}"))));
+        text.push_str(&format!("written: {}\n", out.path().display()));
+        let json = json!({
+            "command": "predict",
+            "rows": rows,
+            "unit": unit.symbol(),
+            "notes": notes,
+            "warnings": warnings,
+            "outputs": [out.path()],
+        });
+        Ok(Report { text, json, findings: false })
+    }
+
+    /// The model on a base mounted as `--gravity` says, if its base parameters suffice there.
+    fn mounted(&self, calibrated: CalibratedModel) -> Result<CalibratedModel, Failure> {
+        let model = &calibrated.model;
+        let known = Gravity(model.rigid_body().gravity_m_s2());
+        let Some(gravity) = self.gravity.filter(|g| *g != known) else { return Ok(calibrated) };
+        let rigid_body = Arc::from(model.rigid_body().with_gravity(gravity.0));
+        let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)?;
+        let same = dynamics.base.columns == model.base().columns
+            && dynamics.base.combinations.iter().zip(&model.base().combinations).all(|(a, b)| {
+                a.len() == b.len()
+                    && a.iter()
+                        .zip(b)
+                        .all(|((i, x), (k, y))| i == k && (x - y).abs() <= 1e-9 * y.abs().max(1.0))
+            });
+        if !same {
+            return Err(Failure::Argument {
+                option: "--gravity",
+                reason: format!(
+                    "{} was calibrated under gravity {known}, which determines {} base parameters; under {gravity} \
+                     torques depend on {} of them",
+                    self.model.display(),
+                    model.base().len(),
+                    dynamics.base.len()
+                ),
+                remedy: "calibrate on recordings of the robot mounted like that".into(),
+            });
+        }
+        let model = dynamics.with_joint_dynamics(model.stacks().to_vec(), model.arm_terms().to_vec())?;
+        Ok(CalibratedModel { model, ..calibrated })
+    }
+}

@@ -1,0 +1,123 @@
+//! `aurt run`: the whole chain from one experiment file.
+
+use std::path::{Path, PathBuf};
+
+use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
+use aurt_plugins::{Experiment, Registry, experiment};
+use clap::Args;
+use serde_json::json;
+
+use crate::{
+    data::{Instrument, Preprocessing, Source},
+    failure::Failure,
+    fitting::Job,
+    output::OutputFolder,
+    rendering::{
+        json::pretty,
+        terminal::{Report, Terminal},
+    },
+    results::{metrics::Results, parameters},
+};
+
+/// Calibrate and validate a model as an experiment file says.
+///
+/// Reads the recordings, compiles the model, calibrates it, judges it on every recording and writes
+/// rd_calibrated.json, calibrated_parameters.csv, metrics.json and a prediction for every recording.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt run experiment.toml --out results")]
+pub struct Run {
+    /// Experiment file
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// Folder for the results; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl Run {
+    /// Runs.
+    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+        let folder = OutputFolder::new("--out", &self.out)?;
+        let experiment = Experiment::read(&self.experiment, &mut Registry::linked()?)?;
+        run_experiment(&experiment, &folder, terminal)
+    }
+}
+
+/// Does what an experiment says and fills `folder`.
+///
+/// # Errors
+/// Why it could not be done; then the folder is as it was.
+pub fn run_experiment(
+    experiment: &Experiment,
+    folder: &OutputFolder,
+    terminal: &Terminal,
+) -> Result<Report, Failure> {
+    let recordings = &experiment.recordings;
+    let count = recordings.calibration.len() + recordings.validation.len();
+    let progress = terminal.progress(3 * count + 2);
+    progress.step("compiling the model");
+    let job = Job {
+        model: experiment.robot_model()?,
+        preprocessing: Preprocessing::of(experiment),
+        instrument: Instrument::of(experiment),
+        options: calibration_options(experiment),
+    };
+    let assigned = job.read(
+        recordings.calibration.iter().map(Source::from),
+        recordings.validation.iter().map(Source::from),
+        &progress,
+    )?;
+    let outcome = job.fit(&assigned, &progress)?;
+    drop(progress);
+
+    let calibrated = &outcome.calibrated;
+    let notes = experiment.robot.table.notes();
+    let results = Results {
+        model: &calibrated.model,
+        calibration: &calibrated.calibration,
+        notes: &notes,
+        recordings: &outcome.recordings,
+    };
+    let metrics = results.to_json();
+    let mut files = vec![
+        ("rd_calibrated.json".to_owned(), calibrated.to_file()?),
+        ("calibrated_parameters.csv".to_owned(), parameters::to_csv(&calibrated.calibration.parameters)),
+        ("metrics.json".to_owned(), pretty(&metrics).into_bytes()),
+    ];
+    files.extend(outcome.predictions);
+    folder.write(&files)?;
+
+    let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+    let mut text = results.to_text(terminal);
+    text.push_str(&written_text(&written));
+    let mut json = metrics;
+    json["command"] = json!("run");
+    json["outputs"] = json!(written);
+    Ok(Report { text, json, findings: false })
+}
+
+/// What a command wrote, for people.
+pub fn written_text(files: &[impl AsRef<Path>]) -> String {
+    let lines: Vec<String> = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
+    format!("\nwritten\n{}", lines.concat())
+}
+
+/// `[calibration]` and what of `[preprocess]` concerns it.
+fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
+    let experiment::Calibration { estimator, load_torque, rest } = experiment.calibration;
+    CalibrationOptions {
+        estimator: match estimator {
+            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
+            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
+        },
+        load_torque: match load_torque {
+            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
+            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
+        },
+        rest: match rest {
+            experiment::Rest::Keep => Rest::Keep,
+            experiment::Rest::Exclude => Rest::Exclude,
+        },
+        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
+    }
+}

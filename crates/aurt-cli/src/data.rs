@@ -1,0 +1,299 @@
+//! From files to what calibration and prediction take: reading, units, preprocessing.
+
+use std::path::{Path, PathBuf};
+
+use aurt_calibration::NamedRecording;
+use aurt_plugins::{
+    Experiment,
+    experiment::{ColumnName, JointColumns, RecordingColumns, RecordingSource},
+};
+use aurt_recording::{
+    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, Recording, RecordingError,
+    preprocess, read_recording,
+};
+use aurt_traits::MeasurementUnit;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// How recordings are preprocessed; kept in model files, because predictions need the same.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preprocessing {
+    /// Frequency of the robot's dynamics, Hz.
+    pub f_dyn_hz: f64,
+    /// Rate of the uniform grid, Hz; by default that of the recording.
+    pub sample_rate_hz: Option<f64>,
+    /// Cut-off of the position filter, Hz; by default 5 f_dyn.
+    pub position_cutoff_hz: Option<f64>,
+    /// Cut-off of the parallel filter, Hz; by default 2 f_dyn.
+    pub parallel_cutoff_hz: Option<f64>,
+    /// A joint rests at and below this speed, rad/s.
+    pub rest_velocity_rad_s: f64,
+    /// Whether calibration cuts rest at both ends.
+    pub trim_rest: bool,
+    /// Longer gaps split a recording, s.
+    pub max_gap_s: Option<f64>,
+}
+
+/// What measuring does to the quantity that the model is about; preprocessing undoes it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Instrument {
+    /// Torque per current of each joint's drive.
+    pub torque_constants_nm_per_a: Option<Vec<f64>>,
+    /// Measured per true value.
+    pub gains: Option<Vec<f64>>,
+    /// Measured value where the true one is zero.
+    pub offsets: Option<Vec<f64>>,
+    /// How much later than the motion the measurement is recorded, s.
+    pub delay_s: Option<Vec<f64>>,
+}
+
+impl Preprocessing {
+    /// As an experiment says.
+    pub fn of(experiment: &Experiment) -> Self {
+        let p = &experiment.preprocess;
+        Self {
+            f_dyn_hz: p.f_dyn_hz,
+            sample_rate_hz: p.sample_rate_hz,
+            position_cutoff_hz: p.position_cutoff_hz,
+            parallel_cutoff_hz: p.parallel_cutoff_hz,
+            rest_velocity_rad_s: p.rest_velocity_rad_s,
+            trim_rest: p.trim_rest,
+            max_gap_s: p.max_gap_s,
+        }
+    }
+}
+
+impl Instrument {
+    /// As an experiment says.
+    pub fn of(experiment: &Experiment) -> Self {
+        let i = &experiment.instrument;
+        Self {
+            torque_constants_nm_per_a: experiment.robot.torque_constants_nm_per_a.clone(),
+            gains: i.gains.clone(),
+            offsets: i.offsets.clone(),
+            delay_s: i.delay_s.clone(),
+        }
+    }
+
+    /// The unit of a measurement of unit `unit` once this is undone: torque constants turn currents into torques.
+    const fn unit(&self, unit: MeasurementUnit) -> MeasurementUnit {
+        if self.torque_constants_nm_per_a.is_some() { MeasurementUnit::NewtonMetre } else { unit }
+    }
+
+    /// The factors that undo it for a measurement in `unit`.
+    fn factors(&self, unit: MeasurementUnit) -> Option<Vec<f64>> {
+        let constants = self.torque_constants_nm_per_a.as_ref().filter(|_| unit == MeasurementUnit::Ampere);
+        match (constants, &self.gains) {
+            (None, None) => None,
+            (Some(constants), None) => Some(constants.clone()),
+            (None, Some(gains)) => Some(gains.iter().map(|g| 1.0 / g).collect()),
+            (Some(constants), Some(gains)) => Some(constants.iter().zip(gains).map(|(k, g)| k / g).collect()),
+        }
+    }
+}
+
+/// A recording as it is asked for.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// The file.
+    pub file: PathBuf,
+    /// What the user calls it.
+    pub label: String,
+    /// The part to be used, s from the first stamp.
+    pub window_s: Option<[f64; 2]>,
+    /// Unit of the measurement, where the file does not tell.
+    pub unit: Option<MeasurementUnit>,
+    /// Where to find what, where names do not tell.
+    pub columns: Option<RecordingColumns>,
+}
+
+impl From<&RecordingSource> for Source {
+    fn from(source: &RecordingSource) -> Self {
+        Self {
+            file: source.file.clone(),
+            label: source.written.clone(),
+            window_s: source.window_s,
+            unit: source.unit,
+            columns: source.columns.clone(),
+        }
+    }
+}
+
+/// What recordings are read and preprocessed for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Fitting: rest at the ends may be cut.
+    Calibration,
+    /// Comparing a prediction with the measurement.
+    Validation,
+    /// Predicting; measurements are not needed.
+    Prediction,
+}
+
+/// How files become what models see.
+#[derive(Debug, Clone, Copy)]
+pub struct Pipeline<'a> {
+    /// Number of joints of the robot.
+    pub joints: usize,
+    /// How recordings are preprocessed.
+    pub preprocessing: &'a Preprocessing,
+    /// What is undone in their measurements.
+    pub instrument: &'a Instrument,
+}
+
+/// A recording as it was read.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// Where it is from.
+    pub source: Source,
+    /// The whole of it.
+    pub recording: Recording,
+}
+
+impl Loaded {
+    /// The time of every row of the file, in s. Rows that were dropped as corrupt have none that can be trusted;
+    /// they take the middle between their neighbours.
+    ///
+    /// # Errors
+    /// [`Failure::Recording`] if the file can no longer be read.
+    pub fn stamps_s(&self) -> Result<Vec<f64>, Failure> {
+        let (kept, report) = (&self.recording.time_s, &self.recording.report);
+        if report.dropped.is_empty() {
+            return Ok(kept.clone());
+        }
+        let bytes = std::fs::read(&self.source.file).map_err(|source| RecordingError::Unreadable {
+            path: self.source.file.clone(),
+            remedy: "it cannot be read again",
+            source,
+        })?;
+        // Rows are the last lines that are neither blank nor comments; what else there is, is the header.
+        let lines: Vec<usize> = bytes
+            .split(|b| *b == b'\n')
+            .enumerate()
+            .filter(|(_, line)| line.trim_ascii_start().first().is_some_and(|b| *b != b'#'))
+            .map(|(k, _)| k + 1)
+            .collect();
+        let rows = &lines[lines.len().saturating_sub(report.rows)..];
+        let mut stamps = Vec::with_capacity(rows.len());
+        let mut next = 0_usize;
+        for line in rows {
+            if report.dropped.iter().any(|d| d.line == *line) {
+                let (before, after) = (kept.get(next.wrapping_sub(1)), kept.get(next));
+                let middle = before.zip(after).map(|(a, b)| 0.5 * (a + b));
+                stamps.push(middle.or(before.copied()).or(after.copied()).unwrap_or(f64::NAN));
+            } else {
+                stamps.push(kept.get(next).copied().unwrap_or(f64::NAN));
+                next += 1;
+            }
+        }
+        Ok(stamps)
+    }
+}
+
+impl Pipeline<'_> {
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// What is wrong with the file, and where.
+    pub fn read(&self, source: Source, purpose: Purpose) -> Result<Loaded, Failure> {
+        let options = ReadOptions {
+            columns: source.columns.as_ref().map(selection).unwrap_or_default(),
+            unit: source.unit,
+            joints: Some(self.joints),
+            needs_measurement: purpose != Purpose::Prediction,
+            ..ReadOptions::default()
+        };
+        let recording = read_recording(&source.file, &options)?;
+        Ok(Loaded { source, recording })
+    }
+
+    /// The unit of what a recording measured once the instrument is undone; none if it measured nothing.
+    pub fn unit(&self, loaded: &Loaded) -> Option<MeasurementUnit> {
+        loaded.recording.measurement.as_ref().map(|_| self.instrument.unit(loaded.recording.unit))
+    }
+
+    /// The one unit of all recordings.
+    ///
+    /// # Errors
+    /// [`Failure::MixedUnits`].
+    pub fn common_unit<'l>(
+        &self,
+        recordings: impl IntoIterator<Item = &'l Loaded>,
+    ) -> Result<Option<MeasurementUnit>, Failure> {
+        let mut first: Option<(MeasurementUnit, &Path)> = None;
+        for loaded in recordings {
+            let Some(unit) = self.unit(loaded) else { continue };
+            match first {
+                Some((known, file)) if known != unit => {
+                    return Err(Failure::MixedUnits {
+                        first: file.to_owned(),
+                        first_unit: known,
+                        other: loaded.source.file.clone(),
+                        other_unit: unit,
+                    });
+                }
+                _ => first = first.or(Some((unit, &loaded.source.file))),
+            }
+        }
+        Ok(first.map(|(unit, _)| unit))
+    }
+
+    /// Preprocesses a recording; for prediction all of it, else its window.
+    ///
+    /// # Errors
+    /// What makes it unfit.
+    pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Failure> {
+        let Preprocessing {
+            f_dyn_hz,
+            sample_rate_hz,
+            position_cutoff_hz,
+            parallel_cutoff_hz,
+            rest_velocity_rad_s,
+            trim_rest,
+            max_gap_s,
+        } = *self.preprocessing;
+        let options = PreprocessOptions {
+            f_dyn_hz,
+            sample_rate_hz,
+            position_cutoff_hz,
+            parallel_cutoff_hz,
+            trim_rest: trim_rest && purpose == Purpose::Calibration,
+            rest_velocity_rad_s,
+            max_gap_s,
+            gains: self.instrument.factors(loaded.recording.unit),
+            offsets: self.instrument.offsets.clone(),
+            delay_s: self.instrument.delay_s.clone(),
+        };
+        let data = match loaded.source.window_s.filter(|_| purpose != Purpose::Prediction) {
+            Some(window) => preprocess(&loaded.recording.window(window)?, &options)?,
+            None => preprocess(&loaded.recording, &options)?,
+        };
+        Ok(NamedRecording { name: loaded.source.label.clone(), data })
+    }
+}
+
+fn selection(columns: &RecordingColumns) -> ColumnSelection {
+    ColumnSelection {
+        time: Some(column(&columns.time)),
+        position: Some(joint_columns(&columns.position)),
+        velocity: columns.velocity.as_ref().map(joint_columns),
+        measurement: columns.measurement.as_ref().map(joint_columns),
+    }
+}
+
+fn column(name: &ColumnName) -> ColumnRef {
+    match name {
+        ColumnName::Index(index) => ColumnRef::Index(*index),
+        ColumnName::Name(name) => ColumnRef::Name(name.clone()),
+    }
+}
+
+fn joint_columns(columns: &JointColumns) -> ColumnsRef {
+    match columns {
+        JointColumns::Range { first, last } => ColumnsRef::Range { first: *first, last: *last },
+        JointColumns::Names(names) => ColumnsRef::List(names.iter().cloned().map(ColumnRef::Name).collect()),
+    }
+}

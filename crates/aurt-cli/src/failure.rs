@@ -1,0 +1,130 @@
+//! Why a command failed.
+
+use std::path::PathBuf;
+
+use aurt_calibration::CalibrationError;
+use aurt_plugins::{BuildError, ExperimentErrors};
+use aurt_rbd::{MdhErrors, RbdError};
+use aurt_recording::RecordingError;
+use aurt_traits::{MeasurementUnit, ModelError};
+use thiserror::Error;
+
+/// Why a command failed.
+#[derive(Debug, Error)]
+pub enum Failure {
+    /// An experiment is wrong in one or more places.
+    #[error(transparent)]
+    Experiment(Box<ExperimentErrors>),
+    /// Models, experiments or model files.
+    #[error(transparent)]
+    Plugins(aurt_plugins::Error),
+    /// Model options on the command line do not give models.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Build(Vec<BuildError>),
+    /// The table of modified Denavit–Hartenberg parameters.
+    #[error(transparent)]
+    Mdh(#[from] MdhErrors),
+    /// The rigid bodies.
+    #[error(transparent)]
+    Rbd(RbdError),
+    /// A recording.
+    #[error(transparent)]
+    Recording(RecordingError),
+    /// Calibration, validation or prediction.
+    #[error(transparent)]
+    Calibration(CalibrationError),
+    /// A robot model cannot be composed.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Models(Vec<ModelError>),
+    /// An output cannot be where it is asked for.
+    #[error("{option}: {} {reason}; {remedy}", path.display())]
+    Output {
+        /// The option that names it.
+        option: &'static str,
+        /// The path.
+        path: PathBuf,
+        /// What is wrong, as the rest of the sentence.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An output could not be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A model file is not what the command needs.
+    #[error("{}: {reason}; {remedy}", path.display())]
+    ModelFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// Recordings of one experiment measure different quantities.
+    #[error(
+        "{} is in {}, but {} is in {}; one model has one unit: declare `unit` for the recording whose columns \
+         are misread, convert with `torque_constants_nm_per_a`, or calibrate them separately",
+        first.display(), first_unit.symbol(), other.display(), other_unit.symbol()
+    )]
+    MixedUnits {
+        /// A recording.
+        first: PathBuf,
+        /// Its unit.
+        first_unit: MeasurementUnit,
+        /// Another recording.
+        other: PathBuf,
+        /// Its unit.
+        other_unit: MeasurementUnit,
+    },
+    /// An argument does not go with the rest.
+    #[error("{option}: {reason}; {remedy}")]
+    Argument {
+        /// The option.
+        option: &'static str,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+}
+
+impl From<aurt_plugins::Error> for Failure {
+    fn from(error: aurt_plugins::Error) -> Self {
+        match error {
+            aurt_plugins::Error::Experiment(errors) => Self::Experiment(errors),
+            aurt_plugins::Error::RigidBody(error) => error.into(),
+            aurt_plugins::Error::Assembly(errors) => Self::Models(errors),
+            other => Self::Plugins(other),
+        }
+    }
+}
+
+impl From<RbdError> for Failure {
+    fn from(error: RbdError) -> Self {
+        match error {
+            RbdError::Mdh(errors) => Self::Mdh(errors),
+            other => Self::Rbd(other),
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Self::Recording(error)
+    }
+}
+
+impl From<CalibrationError> for Failure {
+    fn from(error: CalibrationError) -> Self {
+        match error {
+            CalibrationError::Recording(error) => Self::Recording(error),
+            other => Self::Calibration(other),
+        }
+    }
+}

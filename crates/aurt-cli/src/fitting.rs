@@ -1,0 +1,182 @@
+//! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
+
+use aurt_calibration::{
+    CalibrationError, CalibrationOptions, NamedRecording, ValidatedRows, calibrate, predict, validate,
+};
+use aurt_traits::RobotModel;
+
+use crate::{
+    calibrated_file::CalibratedModel,
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    failure::Failure,
+    rendering::terminal::Progress,
+    results::{
+        metrics::{RecordingResult, Role},
+        predictions::{PredictionNames, to_csv},
+    },
+};
+
+/// What is to be done.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// The model whose coefficients are wanted.
+    pub model: RobotModel,
+    /// How recordings are preprocessed.
+    pub preprocessing: Preprocessing,
+    /// What is undone in their measurements.
+    pub instrument: Instrument,
+    /// How the coefficients are found.
+    pub options: CalibrationOptions,
+}
+
+/// A recording with what it is for.
+#[derive(Debug, Clone)]
+pub struct Assigned {
+    /// The recording, read.
+    pub loaded: Loaded,
+    /// What it is for.
+    pub role: Role,
+}
+
+/// A calibrated model with its errors and predictions.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// The model.
+    pub calibrated: CalibratedModel,
+    /// How it does on each recording, in their order.
+    pub recordings: Vec<RecordingResult>,
+    /// Predictions for each file, as name and contents.
+    pub predictions: Vec<(String, Vec<u8>)>,
+}
+
+impl Role {
+    const fn purpose(self) -> Purpose {
+        match self {
+            Self::Calibration => Purpose::Calibration,
+            Self::Validation => Purpose::Validation,
+        }
+    }
+}
+
+impl Job {
+    fn pipeline(&self) -> Pipeline<'_> {
+        Pipeline {
+            joints: self.model.joints(),
+            preprocessing: &self.preprocessing,
+            instrument: &self.instrument,
+        }
+    }
+
+    /// The rows by which a model is judged: the fit by all that it was fitted to; on a held-out recording those
+    /// in which the robot stands before and after the motion are left out, as they are in calibration.
+    const fn judged_rows(&self, role: Role) -> ValidatedRows {
+        match role {
+            Role::Validation if self.preprocessing.trim_rest => ValidatedRows::WhileInMotion,
+            Role::Validation | Role::Calibration => ValidatedRows::All,
+        }
+    }
+
+    /// Reads recordings, calibration before validation.
+    ///
+    /// # Errors
+    /// What is wrong with a file.
+    pub fn read(
+        &self,
+        calibration: impl IntoIterator<Item = Source>,
+        validation: impl IntoIterator<Item = Source>,
+        progress: &Progress,
+    ) -> Result<Vec<Assigned>, Failure> {
+        let assign = |role| move |source| (source, role);
+        let all = calibration
+            .into_iter()
+            .map(assign(Role::Calibration))
+            .chain(validation.into_iter().map(assign(Role::Validation)));
+        all.map(|(source, role)| {
+            progress.step(format!("reading {}", source.label));
+            let loaded = self.pipeline().read(source, role.purpose())?;
+            Ok(Assigned { loaded, role })
+        })
+        .collect()
+    }
+
+    /// Calibrates on the recordings that are for it and judges the model on all.
+    ///
+    /// # Errors
+    /// What makes a recording unfit or the fit impossible.
+    pub fn fit(&self, recordings: &[Assigned], progress: &Progress) -> Result<Outcome, Failure> {
+        let pipeline = self.pipeline();
+        for Assigned { loaded, .. } in recordings {
+            if loaded.recording.measurement.is_none() {
+                let file = loaded.source.file.clone();
+                return Err(CalibrationError::NoMeasurement { file }.into());
+            }
+        }
+        let unit = pipeline.common_unit(recordings.iter().map(|r| &r.loaded))?.unwrap_or_default();
+        let mut prepared = Vec::new();
+        for Assigned { loaded, role } in recordings {
+            progress.step(format!("preprocessing {}", loaded.source.label));
+            prepared.push(pipeline.preprocess(loaded, role.purpose())?);
+        }
+        progress.step("calibrating");
+        let fitted: Vec<NamedRecording> = prepared
+            .iter()
+            .zip(recordings)
+            .filter(|(_, r)| r.role == Role::Calibration)
+            .map(|(prepared, _)| prepared.clone())
+            .collect();
+        let calibration = calibrate(&self.model, &fitted, unit, self.preprocessing.f_dyn_hz, &self.options)?;
+        let calibrated = CalibratedModel {
+            model: self.model.clone(),
+            calibration,
+            preprocessing: self.preprocessing.clone(),
+            instrument: self.instrument.clone(),
+        };
+        let mut names = PredictionNames::default();
+        let mut results = Vec::new();
+        let mut predictions = Vec::new();
+        for (prepared, Assigned { loaded, role }) in prepared.iter().zip(recordings) {
+            progress.step(format!("validating on {}", loaded.source.label));
+            let (name, is_new) = names.name(&loaded.source.file);
+            if is_new {
+                predictions.push((name.clone(), calibrated.predict(loaded)?));
+            }
+            let mut notes = loaded.recording.report.notes();
+            notes.extend(prepared.data.report.notes());
+            results.push(RecordingResult {
+                label: loaded.source.label.clone(),
+                role: *role,
+                window_s: loaded.source.window_s,
+                validation: validate(
+                    &self.model,
+                    &calibrated.calibration,
+                    prepared,
+                    self.judged_rows(*role),
+                )?,
+                notes,
+                prediction: Some(name),
+            });
+        }
+        Ok(Outcome { calibrated, recordings: results, predictions })
+    }
+}
+
+impl CalibratedModel {
+    /// How this model reads recordings.
+    pub fn pipeline(&self) -> Pipeline<'_> {
+        Pipeline {
+            joints: self.model.joints(),
+            preprocessing: &self.preprocessing,
+            instrument: &self.instrument,
+        }
+    }
+
+    /// The prediction for every row of a recording's file, as a table.
+    ///
+    /// # Errors
+    /// What makes the recording unfit.
+    pub fn predict(&self, loaded: &Loaded) -> Result<Vec<u8>, Failure> {
+        let prepared = self.pipeline().preprocess(loaded, Purpose::Prediction)?;
+        let predictions = predict(&self.model, &self.calibration, &prepared)?;
+        Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))
+    }
+}

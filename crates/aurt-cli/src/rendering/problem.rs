@@ -1,0 +1,203 @@
+//! Failures as people read them, the place underlined, and as programs read them.
+
+use std::{
+    fmt,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use aurt_plugins::Error;
+use aurt_rbd::MdhError;
+use aurt_recording::RecordingError;
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents,
+    SourceCode, SourceSpan, SpanContents,
+};
+use serde_json::{Value, json};
+
+use super::excerpt::Excerpt;
+use crate::failure::Failure;
+
+/// Columns that messages are wrapped to on a terminal.
+const WIDTH: usize = 96;
+
+/// One thing that is wrong.
+#[derive(Debug, Clone, Default)]
+struct Problem {
+    message: String,
+    help: Option<String>,
+    path: Option<PathBuf>,
+    line: Option<usize>,
+    column: Option<usize>,
+    excerpt: Option<Excerpt>,
+}
+
+impl Problem {
+    fn plain(message: impl fmt::Display) -> Self {
+        Self { message: message.to_string(), ..Self::default() }
+    }
+
+    /// At a cell, or, without `cell`, a whole line of a text file.
+    fn in_file(message: impl fmt::Display, path: &Path, line: usize, cell: Option<usize>) -> Self {
+        Self {
+            message: message.to_string(),
+            path: Some(path.to_owned()),
+            line: Some(line),
+            column: cell,
+            excerpt: Excerpt::of_line(path, line, cell),
+            help: None,
+        }
+    }
+}
+
+/// What is wrong, as text for people.
+pub fn render(failure: &Failure, coloured: bool) -> String {
+    let theme = if coloured { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+    let handler = GraphicalReportHandler::new_themed(theme)
+        .with_width(WIDTH)
+        // Whoever searches a log for a path must find it in one piece.
+        .with_wrap_lines(coloured)
+        .with_break_words(false)
+        .with_context_lines(0)
+        .without_cause_chain();
+    let mut text = String::new();
+    for problem in problems(failure) {
+        let mut shown = String::new();
+        if handler.render_report(&mut shown, &problem).is_err() {
+            shown = format!("error: {problem}\n");
+        }
+        text.push_str(shown.trim_start_matches('\n'));
+    }
+    text
+}
+
+/// What is wrong, as JSON.
+pub fn to_json(failure: &Failure) -> Value {
+    let problems: Vec<Value> = problems(failure)
+        .into_iter()
+        .map(|p| {
+            json!({
+                "message": p.message,
+                "help": p.help,
+                "file": p.path.map(|p| p.display().to_string()),
+                "line": p.line,
+                "column": p.column,
+            })
+        })
+        .collect();
+    json!({ "error": { "problems": problems } })
+}
+
+fn problems(failure: &Failure) -> Vec<Problem> {
+    match failure {
+        Failure::Experiment(errors) => errors
+            .problems
+            .iter()
+            .map(|p| Problem {
+                message: p.message.clone(),
+                help: p.help.clone(),
+                path: Some(errors.path.clone()),
+                line: Some(p.line),
+                column: Some(p.column),
+                excerpt: Some(Excerpt::of_text(&errors.path, &errors.source_text, p.span.clone())),
+            })
+            .collect(),
+        Failure::Build(errors) => {
+            errors.iter().map(|e| Problem { help: e.help(), ..Problem::plain(e) }).collect()
+        }
+        Failure::Mdh(errors) => errors.0.iter().map(mdh).collect(),
+        Failure::Recording(error) => vec![recording(error)],
+        Failure::Models(errors) => errors.iter().map(Problem::plain).collect(),
+        Failure::Plugins(Error::ModelFile { path, line, column, reason, help }) => vec![Problem {
+            message: format!("{}:{line}:{column}: {reason}", path.display()),
+            help: help.clone(),
+            path: Some(path.clone()),
+            line: Some(*line),
+            column: Some(*column),
+            excerpt: Excerpt::of_place(path, *line, *column),
+        }],
+        Failure::Plugins(Error::Read { path, .. } | Error::Write { path, .. })
+        | Failure::Output { path, .. }
+        | Failure::Write { path, .. }
+        | Failure::ModelFile { path, .. } => {
+            vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
+        }
+        other => vec![Problem::plain(other)],
+    }
+}
+
+fn mdh(error: &MdhError) -> Problem {
+    match error {
+        MdhError::Cell { path, line, column_number, .. }
+        | MdhError::UnknownColumn { path, line, column_number, .. }
+        | MdhError::DuplicateColumn { path, line, column_number, .. } => {
+            Problem::in_file(error, path, *line, Some(*column_number))
+        }
+        MdhError::MissingHeader { path, line, .. }
+        | MdhError::MissingColumn { path, line, .. }
+        | MdhError::CellCount { path, line, .. } => Problem::in_file(error, path, *line, None),
+        MdhError::Unreadable { path, .. } | MdhError::Empty { path, .. } => {
+            Problem { path: Some(path.clone()), ..Problem::plain(error) }
+        }
+        other => Problem::plain(other),
+    }
+}
+
+fn recording(error: &RecordingError) -> Problem {
+    match error {
+        RecordingError::Cell { path, line, column, .. }
+        | RecordingError::CorruptRows { path, line, column, .. } => {
+            Problem::in_file(error, path, *line, Some(*column))
+        }
+        RecordingError::Headerless { path, line, .. }
+        | RecordingError::MissingColumn { path, line, .. }
+        | RecordingError::Columns { path, line, .. }
+        | RecordingError::Ragged { path, line, .. }
+        | RecordingError::TruncatedLastLine { path, line, .. } => Problem::in_file(error, path, *line, None),
+        other => Problem::plain(other),
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Problem {}
+
+impl Diagnostic for Problem {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|h| Box::new(h) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.excerpt.as_ref().map(|e| e as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let excerpt = self.excerpt.as_ref()?;
+        let Range { start, end } = excerpt.span.clone();
+        Some(Box::new(std::iter::once(LabeledSpan::new_primary_with_span(None, (start, end - start)))))
+    }
+}
+
+/// The excerpt's own lines, counted from where they stand in their file.
+impl SourceCode for Excerpt {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let inner = self.text.as_bytes().read_span(span, before, after)?;
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            inner.data(),
+            *inner.span(),
+            inner.line() + self.first_line - 1,
+            inner.column(),
+            inner.line_count(),
+        )))
+    }
+}

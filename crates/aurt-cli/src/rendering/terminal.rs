@@ -1,0 +1,123 @@
+//! Where reports, notes and failures go, and whether they are coloured.
+
+use std::{
+    io::{IsTerminal, Write},
+    time::Duration,
+};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::Value;
+
+use super::problem;
+use crate::failure::Failure;
+
+/// What a command has to say when it is done.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// For people.
+    pub text: String,
+    /// For programs.
+    pub json: Value,
+    /// Whether the command is a check that found something.
+    pub findings: bool,
+}
+
+/// The way to the person or program that called.
+#[derive(Debug, Clone, Copy)]
+pub struct Terminal {
+    json: bool,
+    quiet: bool,
+    colour_out: bool,
+    colour_err: bool,
+}
+
+/// A part of a report that is set off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Emphasis {
+    /// A title.
+    Title,
+    /// Something that needs attention.
+    Warning,
+}
+
+impl Terminal {
+    /// A terminal for `--json` and `--quiet` as given, coloured where a person looks and `NO_COLOR` is unset.
+    pub fn new(json: bool, quiet: bool) -> Self {
+        let wanted = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+            && std::env::var_os("TERM").is_none_or(|t| t != "dumb");
+        Self {
+            json,
+            quiet,
+            colour_out: wanted && std::io::stdout().is_terminal(),
+            colour_err: wanted && std::io::stderr().is_terminal(),
+        }
+    }
+
+    /// `text` set off, if reports are coloured.
+    pub fn emphasise(&self, emphasis: Emphasis, text: &str) -> String {
+        let code = match emphasis {
+            Emphasis::Title => "1",
+            Emphasis::Warning => "33",
+        };
+        if self.colour_out { format!("\u{1b}[{code}m{text}\u{1b}[0m") } else { text.to_owned() }
+    }
+
+    /// Prints what a command has to say.
+    pub fn print_report(&self, report: &Report) {
+        let text = if self.json {
+            format!("{:#}\n", report.json)
+        } else if self.quiet {
+            return;
+        } else {
+            report.text.clone()
+        };
+        write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &text);
+    }
+
+    /// Prints why a command failed: for people to standard error, for programs to standard output.
+    pub fn print_failure(&self, failure: &Failure) {
+        if self.json {
+            let document = format!("{:#}\n", problem::to_json(failure));
+            write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &document);
+        }
+        let text = problem::render(failure, self.colour_err);
+        write_ignoring_closed_pipe(&mut std::io::stderr().lock(), &text);
+    }
+
+    /// A bar over `steps` steps on standard error, where a person looks at it.
+    pub fn progress(&self, steps: usize) -> Progress {
+        let shown = !self.json && !self.quiet && std::io::stderr().is_terminal();
+        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {wide_msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Progress { bar }
+    }
+}
+
+/// The progress of a command.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    /// Says what begins.
+    pub fn step(&self, what: impl Into<String>) {
+        self.bar.set_message(what.into());
+        self.bar.inc(1);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A reader that has seen enough (`aurt models | head`) is no failure.
+fn write_ignoring_closed_pipe(out: &mut impl Write, text: &str) {
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

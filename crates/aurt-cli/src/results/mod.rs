@@ -1,0 +1,5 @@
+//! What calibrations and predictions leave behind: tables in files and on the terminal.
+
+pub mod metrics;
+pub mod parameters;
+pub mod predictions;
