@@ -61,10 +61,11 @@ static int32_t initial_state(const void *instance, const aurt_series *first, dou
 }
 
 static int32_t evaluate(const void *instance, const aurt_series *series, double *state, size_t state_len, double *out,
-                        size_t out_stride, aurt_error *error) {
+                        size_t out_columns, size_t out_stride, aurt_error *error) {
     const double distance = ((const stop *)instance)->distance.value;
     size_t s;
     (void)state_len;
+    (void)out_columns;
     (void)out_stride; /* there is one column */
     (void)error;
     for (s = 0; s < series->samples; s++) {

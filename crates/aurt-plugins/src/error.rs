@@ -215,18 +215,15 @@ impl BuildError {
                 Some(format!("known {} models: {list}", slot.name()))
             }
             Self::UnknownModel { slot, name, known, elsewhere, .. } => {
-                let known = suggestion::help(
-                    name,
-                    &format!("{} models", slot.name()),
-                    known.iter().map(String::as_str),
-                );
-                let slots =
-                    elsewhere.iter().map(|s| format!("`{}`", s.name())).collect::<Vec<_>>().join(", ");
-                Some(if slots.is_empty() {
-                    known
-                } else {
-                    format!("`{name}` is a model for {slots}; {known}")
-                })
+                let names = || known.iter().map(String::as_str);
+                let mut help = suggestion::help(name, &format!("{} models", slot.name()), names());
+                if !elsewhere.is_empty() {
+                    let slots = elsewhere.iter().map(|s| format!("`{}`", s.name())).collect::<Vec<_>>();
+                    help = format!("`{name}` is a model for {}; {help}", slots.join(", "));
+                } else if suggestion::likely(name, names()).is_none() {
+                    help.push_str("; a model of a library needs that library loaded ([plugins] or --plugin)");
+                }
+                Some(help)
             }
             Self::Configuration { key, reason, example, .. } => {
                 let meant = key.as_deref().filter(|_| reason.starts_with("unknown key")).and_then(|key| {

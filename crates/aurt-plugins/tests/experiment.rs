@@ -198,6 +198,26 @@ e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibra
 }
 
 #[test]
+fn a_model_that_is_no_table_or_has_no_name_is_refused() {
+    let shown = |coulomb: &str| problems(&format!("{SHORT}[joint_dynamics]\ncoulomb = {coulomb}\n"));
+    assert_eq!(
+        shown("\"square\""),
+        "e.toml:9:11: expected a table such as { model = \"…\" }, found a string; write coulomb = { model = \"…\" }"
+    );
+    assert!(shown("{ name = \"square\" }").starts_with(
+        "e.toml:9:11: the table lacks `model`, the name of the coulomb model; known coulomb models: `absent`"
+    ));
+    assert!(
+        shown("{ model = 3 }")
+            .starts_with("e.toml:9:21: the table lacks `model`, the name of the coulomb model")
+    );
+    assert_eq!(
+        shown("{ model = \"square\", x = inf }").split("; ").next().unwrap(),
+        "e.toml:9:35: model `square`, key `x`: is not a finite number"
+    );
+}
+
+#[test]
 fn missing_sections_and_keys_are_named_with_an_example() {
     assert_eq!(
         problems("# nothing\n"),
@@ -280,4 +300,33 @@ fn spans_cover_the_value() {
     let underlined: Vec<&str> = errors.problems.iter().map(|p| &errors.source_text[p.span.clone()]).collect();
     assert_eq!(underlined, ["[0.0, 0.0, -9,81]", "\"ä.csv\""]);
     assert_eq!((errors.problems[1].line, errors.problems[1].column), (7, 16));
+}
+
+#[test]
+fn the_ur10e_experiment_gives_36_base_and_66_parameters() {
+    let Ok(data) = std::env::var("AURT_DATA") else {
+        println!("skipped: AURT_DATA names no folder of recordings");
+        return;
+    };
+    let text = r#"
+schema = 1
+[robot]
+mdh = "${AURT_DATA}/ur10e/mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
+[joint_dynamics]
+coulomb    = { model = "square" }
+hysteresis = { model = "sign" }
+viscous    = { model = "polynomial", powers = [1, 2, 3] }
+[[joint_dynamics.override]]
+joints = [1, 2]
+coulomb = { model = "absolute" }
+[recordings]
+calibration = ["$AURT_DATA/ur10e/unloaded_50s.csv", { file = "${AURT_DATA}/ur10e/excitation_50s.csv", window_s = [0.0, 30.0] }]
+validation  = ["${AURT_DATA}/ur10e/excitation_20s.csv", { file = "${AURT_DATA}/ur10e/as_recorded_headerless.csv", unit = "A", columns = { time = 0, position = [1, 6], measurement = [13, 18] } }]
+"#;
+    let experiment = read(folder().path(), text).unwrap();
+    assert_eq!(experiment.recordings.calibration[0].file, Path::new(&data).join("ur10e/unloaded_50s.csv"));
+    let model = experiment.robot_model().unwrap();
+    assert_eq!((model.base().len(), model.parameters().len()), (36, 66));
 }

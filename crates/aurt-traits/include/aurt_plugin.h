@@ -147,9 +147,10 @@ typedef struct aurt_model {
     int32_t (*initial_state)(const void *instance, const aurt_series *first, double *state, size_t state_len,
                              aurt_error *error);
     /* Writes every column over the whole series and moves the state to its end. Sample s of column k goes to
-     * out[k * out_stride + s]; for the i-th joint of an arm term to out[(i * column_count + k) * out_stride + s]. */
+     * out[k * out_stride + s]; for the i-th joint of an arm term to out[(i * column_count + k) * out_stride + s].
+     * out_columns is the number of columns over all these joints. */
     int32_t (*evaluate)(const void *instance, const aurt_series *series, double *state, size_t state_len, double *out,
-                        size_t out_stride, aurt_error *error);
+                        size_t out_columns, size_t out_stride, aurt_error *error);
 } aurt_model;
 
 typedef struct aurt_declaration {

@@ -141,7 +141,8 @@ pub struct ModelTable {
     /// begins with zeros.
     pub initial_state: Option<InitialState>,
     /// Writes every column over the whole series and moves `state` to its end: sample s of column k of the i-th
-    /// of the described joints goes to `out[(i · columns + k) · out_stride + s]`.
+    /// of the described joints goes to `out[(i · columns + k) · out_stride + s]`; `out_columns` is the number of columns
+    /// over all these joints.
     pub evaluate: Option<Evaluate>,
 }
 
@@ -189,6 +190,7 @@ pub type Evaluate = unsafe extern "C" fn(
     state: *mut f64,
     state_len: usize,
     out: *mut f64,
+    out_columns: usize,
     out_stride: usize,
     error: *mut ErrorBuffer,
 ) -> i32;

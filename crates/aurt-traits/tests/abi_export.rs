@@ -150,7 +150,7 @@ fn evaluate(instance: *mut c_void, velocity: &[f64], state: &mut [f64], out: &mu
         // SAFETY: as the ABI asks.
         unsafe {
             let (state, out) = ((state.as_mut_ptr(), state.len()), out.as_mut_ptr());
-            table().evaluate.unwrap()(instance, &raw const series, state.0, state.1, out, stride, error)
+            table().evaluate.unwrap()(instance, &raw const series, state.0, state.1, out, 2, stride, error)
         }
     })
 }

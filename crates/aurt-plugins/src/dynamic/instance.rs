@@ -1,4 +1,5 @@
 use std::{
+    cell::Cell,
     collections::BTreeMap,
     ffi::{CStr, c_char, c_void},
     fmt, ptr,
@@ -6,7 +7,7 @@ use std::{
 };
 
 use aurt_traits::{
-    ModelError,
+    Columns, ModelError,
     abi::{self, ErrorBuffer, Series},
 };
 use serde_json::{Map, Value};
@@ -60,15 +61,28 @@ impl Fault {
     }
 }
 
+thread_local! {
+    /// Kept from call to call: a simulation evaluates sample by sample.
+    static MESSAGE: Cell<Vec<u8>> = const { Cell::new(Vec::new()) };
+}
+
 /// Calls a function of the library with a buffer for its message.
 fn call(function: impl FnOnce(*mut ErrorBuffer) -> i32) -> Result<(), Fault> {
-    let mut message = vec![0_u8; MESSAGE_BYTES];
+    let mut message = MESSAGE.take();
+    message.resize(MESSAGE_BYTES, 0);
+    message[0] = 0;
     let mut buffer = ErrorBuffer { message: message.as_mut_ptr().cast::<c_char>(), capacity: MESSAGE_BYTES };
     let code = function(&raw mut buffer);
+    let result = outcome(code, &message);
+    MESSAGE.set(message);
+    result
+}
+
+fn outcome(code: i32, message: &[u8]) -> Result<(), Fault> {
     if code == abi::OK {
         return Ok(());
     }
-    let text = CStr::from_bytes_until_nul(&message).map_or_else(|_| message.as_slice(), CStr::to_bytes);
+    let text = CStr::from_bytes_until_nul(message).map_or(message, CStr::to_bytes);
     let text = String::from_utf8_lossy(text);
     let text = text.trim();
     Err(Fault(match (code, text.is_empty()) {
@@ -129,17 +143,28 @@ impl Instance {
         Ok(state)
     }
 
-    /// Evaluates the series into `out`, whose columns are `stride` apart; the caller has checked that they fit.
+    /// Evaluates the series into `out`; the caller has checked that state and columns are as many as described.
     pub(crate) fn evaluate(
         &self,
         series: &Series,
         state: &mut [f64],
-        (out, stride): (&mut [f64], usize),
+        out: &mut Columns<'_>,
     ) -> Result<(), Fault> {
         let function = self.model.table.evaluate.ok_or_else(|| missing("evaluate"))?;
+        let columns = out.columns();
+        let (out, stride) = out.raw_mut();
         // SAFETY: series, state and output are ours for the time of the call, of the lengths given.
         call(|error| unsafe {
-            function(self.pointer, series, state.as_mut_ptr(), state.len(), out.as_mut_ptr(), stride, error)
+            function(
+                self.pointer,
+                series,
+                state.as_mut_ptr(),
+                state.len(),
+                out.as_mut_ptr(),
+                columns,
+                stride,
+                error,
+            )
         })
     }
 

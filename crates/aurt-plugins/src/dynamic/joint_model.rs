@@ -161,7 +161,7 @@ pub(super) fn evaluate(
         );
         return Err(instance.failed(reason));
     }
-    instance.evaluate(series, state, out.raw_mut()).map_err(|Fault(reason)| instance.failed(reason))?;
+    instance.evaluate(series, state, out).map_err(|Fault(reason)| instance.failed(reason))?;
     let per_joint = described.columns.len().max(1);
     for k in 0..columns {
         if let Some(sample) = out.column(k).iter().position(|x| !x.is_finite()) {

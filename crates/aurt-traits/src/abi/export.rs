@@ -222,6 +222,7 @@ unsafe extern "C" fn evaluate(
     state: *mut f64,
     state_len: usize,
     out: *mut f64,
+    out_columns: usize,
     out_stride: usize,
     error: *mut ErrorBuffer,
 ) -> i32 {
@@ -229,13 +230,12 @@ unsafe extern "C" fn evaluate(
         // SAFETY: `instance` is from `create`; series and state are the host's, as the ABI describes them.
         let (instance, series, state) =
             unsafe { (&*instance.cast::<Instance>(), &*series, numbers_mut(state, state_len)) };
-        let columns = instance.output_columns(series.joints);
-        let len = if columns == 0 { 0 } else { (columns - 1) * out_stride + series.samples };
-        // SAFETY: the host gives room for every described column, `out_stride` apart.
+        let len = if out_columns == 0 { 0 } else { (out_columns - 1) * out_stride + series.samples };
+        // SAFETY: the host gives room for so many columns, `out_stride` apart.
         let out = unsafe { numbers_mut(out, len) };
         // SAFETY: as above.
         unsafe {
-            instance.evaluate(series, state, &mut Columns::new(out, columns, series.samples, out_stride))
+            instance.evaluate(series, state, &mut Columns::new(out, out_columns, series.samples, out_stride))
         }
     };
     // SAFETY: the host gives a valid buffer.

@@ -78,14 +78,6 @@ impl Instance {
         Ok(Self { model, described: Mutex::default() })
     }
 
-    /// Number of output columns over all described joints.
-    pub(super) fn output_columns(&self, robot_joints: usize) -> usize {
-        match self.model.kind() {
-            Ok(model) => model.columns().len(),
-            Err(term) => term.columns(robot_joints).len() * term.joints(robot_joints).len(),
-        }
-    }
-
     pub(super) fn describe(&self, robot_joints: usize) -> Result<Description, String> {
         // A panic while describing leaves nothing that the next description does not replace.
         let mut described = self.described.lock().unwrap_or_else(PoisonError::into_inner);
