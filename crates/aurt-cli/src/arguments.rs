@@ -3,6 +3,7 @@
 use std::{
     ffi::{OsStr, OsString},
     fmt,
+    path::PathBuf,
 };
 
 use clap::Parser;
@@ -23,6 +24,9 @@ pub struct Arguments {
     /// Print nothing but errors.
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Load a library of models; repeatable.
+    #[arg(long, global = true, value_name = "LIBRARY")]
+    pub plugin: Vec<PathBuf>,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,

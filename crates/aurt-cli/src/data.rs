@@ -241,11 +241,8 @@ impl Pipeline<'_> {
         Ok(first.map(|(unit, _)| unit))
     }
 
-    /// Preprocesses a recording; for prediction all of it, else its window.
-    ///
-    /// # Errors
-    /// What makes it unfit.
-    pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Failure> {
+    /// How a recording is preprocessed.
+    pub fn options(&self, loaded: &Loaded, purpose: Purpose) -> PreprocessOptions {
         let Preprocessing {
             f_dyn_hz,
             sample_rate_hz,
@@ -255,7 +252,7 @@ impl Pipeline<'_> {
             trim_rest,
             max_gap_s,
         } = *self.preprocessing;
-        let options = PreprocessOptions {
+        PreprocessOptions {
             f_dyn_hz,
             sample_rate_hz,
             position_cutoff_hz,
@@ -266,7 +263,15 @@ impl Pipeline<'_> {
             gains: self.instrument.factors(loaded.recording.unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),
-        };
+        }
+    }
+
+    /// Preprocesses a recording; for prediction all of it, else its window.
+    ///
+    /// # Errors
+    /// What makes it unfit.
+    pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Failure> {
+        let options = self.options(loaded, purpose);
         let data = match loaded.source.window_s.filter(|_| purpose != Purpose::Prediction) {
             Some(window) => preprocess(&loaded.recording.window(window)?, &options)?,
             None => preprocess(&loaded.recording, &options)?,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use aurt_calibration::CalibrationError;
+use aurt_diagnosis::DiagnosisError;
 use aurt_plugins::{BuildError, ExperimentErrors};
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
@@ -33,6 +34,19 @@ pub enum Failure {
     /// Calibration, validation or prediction.
     #[error(transparent)]
     Calibration(CalibrationError),
+    /// A diagnosis.
+    #[error(transparent)]
+    Diagnosis(#[from] DiagnosisError),
+    /// A prediction of another simulator cannot be used.
+    #[error("{}: {reason}; {remedy}", path.display())]
+    Simulated {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
     /// A robot model cannot be composed.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Models(Vec<ModelError>),

@@ -1,7 +1,8 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    CalibrationError, CalibrationOptions, NamedRecording, ValidatedRows, calibrate, predict, validate,
+    Calibration, CalibrationError, CalibrationOptions, NamedRecording, TermScopes, ValidatedRows,
+    calibrate_scoped, predict, validate,
 };
 use aurt_traits::RobotModel;
 
@@ -27,6 +28,8 @@ pub struct Job {
     pub instrument: Instrument,
     /// How the coefficients are found.
     pub options: CalibrationOptions,
+    /// In which recordings each arm term acts.
+    pub scopes: TermScopes,
 }
 
 /// A recording with what it is for.
@@ -124,7 +127,14 @@ impl Job {
             .filter(|(_, r)| r.role == Role::Calibration)
             .map(|(prepared, _)| prepared.clone())
             .collect();
-        let calibration = calibrate(&self.model, &fitted, unit, self.preprocessing.f_dyn_hz, &self.options)?;
+        let calibration = calibrate_scoped(
+            &self.model,
+            &fitted,
+            &self.scopes,
+            unit,
+            self.preprocessing.f_dyn_hz,
+            &self.options,
+        )?;
         let calibrated = CalibratedModel {
             model: self.model.clone(),
             calibration,
@@ -137,8 +147,12 @@ impl Job {
         for (prepared, Assigned { loaded, role }) in prepared.iter().zip(recordings) {
             progress.step(format!("validating on {}", loaded.source.label));
             let (name, is_new) = names.name(&loaded.source.file);
+            let here = CalibratedModel {
+                calibration: self.acting(&calibrated.calibration, &loaded.source.label),
+                ..calibrated.clone()
+            };
             if is_new {
-                predictions.push((name.clone(), calibrated.predict(loaded)?));
+                predictions.push((name.clone(), here.predict(loaded)?));
             }
             let mut notes = loaded.recording.report.notes();
             notes.extend(prepared.data.report.notes());
@@ -146,17 +160,26 @@ impl Job {
                 label: loaded.source.label.clone(),
                 role: *role,
                 window_s: loaded.source.window_s,
-                validation: validate(
-                    &self.model,
-                    &calibrated.calibration,
-                    prepared,
-                    self.judged_rows(*role),
-                )?,
+                validation: validate(&self.model, &here.calibration, prepared, self.judged_rows(*role))?,
                 notes,
                 prediction: Some(name),
             });
         }
         Ok(Outcome { calibrated, recordings: results, predictions })
+    }
+}
+
+impl Job {
+    /// A calibration with the coefficients that do not act in a recording set to zero.
+    fn acting(&self, calibration: &Calibration, recording: &str) -> Calibration {
+        let mut calibration = calibration.clone();
+        let acting = self.scopes.acting(&self.model, recording);
+        for (parameter, acts) in calibration.parameters.iter_mut().zip(acting) {
+            if !acts {
+                parameter.value = 0.0;
+            }
+        }
+        calibration
     }
 }
 

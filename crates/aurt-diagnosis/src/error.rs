@@ -48,6 +48,12 @@ pub enum DiagnosisError {
         /// What was said of it.
         reason: String,
     },
+    /// The experiment's text could not be extended.
+    #[error("the improved experiment could not be written: {reason}")]
+    Improvement {
+        /// Why.
+        reason: String,
+    },
     /// Calibration failed.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),

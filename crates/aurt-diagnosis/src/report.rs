@@ -74,17 +74,30 @@ fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch>
     all
 }
 
+/// Named effects must account for this share of the excess power over the noise floor, at the joint where the
+/// mismatch is largest; else what they describe is not what is missing.
+const ACCOUNTED: f64 = 0.7;
+
 fn answer(effects: &[Finding], residual: &[JointResidual]) -> Answer {
-    let left: Vec<&JointResidual> = residual.iter().filter(|r| r.structure_left).collect();
-    let excess = |rms: f64, floor: f64| (rms / floor.max(f64::MIN_POSITIVE)).max(1.0).ln();
-    let before: f64 = residual.iter().map(|r| excess(r.baseline_rms, r.floor_rms)).sum();
-    let after: f64 = residual.iter().map(|r| excess(r.unexplained_rms, r.floor_rms)).sum();
-    match effects.first() {
-        None if left.is_empty() => Answer::NoMismatch,
-        None => Answer::Unexplained,
-        Some(_) if !left.is_empty() && after > 0.6 * before => Answer::Unexplained,
-        Some(first) if first.alternatives.is_empty() => Answer::Named,
-        Some(_) => Answer::Ambiguous,
+    let structure_left = residual.iter().any(|r| r.structure_left);
+    let Some(first) = effects.first() else {
+        return if structure_left { Answer::Unexplained } else { Answer::NoMismatch };
+    };
+    let excess = |rms: f64, floor: f64| (rms * rms - floor * floor).max(0.0);
+    let worst = residual.iter().max_by(|a, b| {
+        let ratio = |r: &JointResidual| r.baseline_rms / r.floor_rms.max(f64::MIN_POSITIVE);
+        ratio(a).total_cmp(&ratio(b))
+    });
+    let accounted = worst.map_or(1.0, |r| {
+        let before = excess(r.baseline_rms, r.floor_rms);
+        if before > 0.0 { 1.0 - excess(r.unexplained_rms, r.floor_rms) / before } else { 1.0 }
+    });
+    if structure_left && accounted < ACCOUNTED {
+        Answer::Unexplained
+    } else if first.alternatives.is_empty() {
+        Answer::Named
+    } else {
+        Answer::Ambiguous
     }
 }
 

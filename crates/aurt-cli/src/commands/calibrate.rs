@@ -2,12 +2,14 @@
 
 use std::{path::PathBuf, sync::Arc};
 
+use aurt_calibration::TermScopes;
 use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, model_file::read_robot_model};
 use aurt_traits::RobotModel;
 use clap::Args;
 use serde_json::json;
 
 use super::{
+    Session,
     data_options::{FittingOptions, ReadingOptions},
     run::written_text,
 };
@@ -16,7 +18,7 @@ use crate::{
     failure::Failure,
     fitting::Job,
     output::{OutputFile, distinct},
-    rendering::terminal::{Report, Terminal},
+    rendering::terminal::Report,
     results::{metrics::Results, parameters},
 };
 
@@ -51,7 +53,8 @@ pub struct Calibrate {
 
 impl Calibrate {
     /// Calibrates.
-    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+        let terminal = session.terminal;
         let mut inputs = vec![self.model.as_path()];
         inputs.extend(self.data.iter().map(PathBuf::as_path));
         let params = OutputFile::new("--out-params", &self.out_params, &inputs)?;
@@ -59,12 +62,13 @@ impl Calibrate {
             OutputFile::new("--out-calibrated-model", &self.out_calibrated_model, &inputs)?;
         distinct(&[("--out-params", params.path()), ("--out-calibrated-model", calibrated_model.path())])?;
 
-        let (model, notes) = model_under_gravity(&self.model, self.gravity)?;
+        let (model, notes) = model_under_gravity(&session.registry, &self.model, self.gravity)?;
         let job = Job {
             model,
             preprocessing: self.fitting.preprocessing(),
             instrument: self.fitting.instrument(),
             options: self.fitting.calibration(),
+            scopes: TermScopes::default(),
         };
         let progress = terminal.progress(3 * self.data.len() + 1);
         let assigned = job.read(self.data.iter().map(|f| self.reading.source(f)), [], &progress)?;
@@ -92,10 +96,11 @@ impl Calibrate {
 
 /// The robot model of a file, mounted as `gravity` says, and what there is to note about that.
 pub fn model_under_gravity(
+    registry: &Registry,
     path: &std::path::Path,
     gravity: Option<Gravity>,
 ) -> Result<(RobotModel, Vec<String>), Failure> {
-    let model = read_robot_model(path, &Registry::linked()?)?;
+    let model = read_robot_model(path, registry)?;
     let compiled = Gravity(model.rigid_body().gravity_m_s2());
     let Some(gravity) = gravity.filter(|g| *g != compiled) else { return Ok((model, Vec::new())) };
     let rigid_body = Arc::from(model.rigid_body().with_gravity(gravity.0));

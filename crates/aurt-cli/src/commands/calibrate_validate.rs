@@ -3,10 +3,12 @@
 
 use std::path::PathBuf;
 
+use aurt_calibration::TermScopes;
 use clap::Args;
 use serde_json::json;
 
 use super::{
+    Session,
     calibrate::model_under_gravity,
     data_options::{FittingOptions, ReadingOptions},
     run::written_text,
@@ -17,7 +19,7 @@ use crate::{
     failure::Failure,
     fitting::{Assigned, Job},
     output::{OutputFile, distinct},
-    rendering::terminal::{Report, Terminal},
+    rendering::terminal::Report,
     results::{
         metrics::{Results, Role},
         parameters,
@@ -61,7 +63,8 @@ pub struct CalibrateValidate {
 
 impl CalibrateValidate {
     /// Calibrates and validates.
-    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+        let terminal = session.terminal;
         let inputs = [self.model.as_path(), self.data.as_path()];
         let params = OutputFile::new("--out-params", &self.out_params, &inputs)?;
         let calibrated_model =
@@ -73,12 +76,13 @@ impl CalibrateValidate {
             ("--out-prediction", prediction.path()),
         ])?;
 
-        let (model, notes) = model_under_gravity(&self.model, self.gravity)?;
+        let (model, notes) = model_under_gravity(&session.registry, &self.model, self.gravity)?;
         let job = Job {
             model,
             preprocessing: self.fitting.preprocessing(),
             instrument: self.fitting.instrument(),
             options: self.fitting.calibration(),
+            scopes: TermScopes::default(),
         };
         let progress = terminal.progress(6);
         let whole = job.read([self.reading.source(&self.data)], [], &progress)?;

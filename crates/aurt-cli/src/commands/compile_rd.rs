@@ -12,6 +12,7 @@ use aurt_traits::{
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
+use super::Session;
 use crate::{
     calibrated_file::file_contents,
     failure::Failure,
@@ -67,16 +68,15 @@ impl LoadDependence {
 
 impl CompileRd {
     /// Compiles.
-    pub fn run(&self) -> Result<Report, Failure> {
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let mut inputs = vec![self.model_rbd.as_path()];
         inputs.extend(self.experiment.as_deref());
         let out = OutputFile::new("--out", &self.out, &inputs)?;
         let dynamics = read_rigid_body(&self.model_rbd)?;
         let joints = dynamics.rigid_body.joints();
-        let mut registry = Registry::linked()?;
         let (stacks, arm_terms) = match &self.experiment {
             Some(path) => {
-                let experiment = Experiment::read(path, &mut registry)?;
+                let experiment = Experiment::read(path, &mut session.registry)?;
                 if experiment.joints() != joints {
                     return Err(Failure::Argument {
                         option: "--experiment",
@@ -91,7 +91,7 @@ impl CompileRd {
                 }
                 (experiment.joint_dynamics.stacks(joints).map_err(Failure::Models)?, experiment.arm_terms)
             }
-            None => (vec![self.stack(&registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
+            None => (vec![self.stack(&session.registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
         };
         let model = dynamics.with_joint_dynamics(stacks, arm_terms)?;
         out.write(&file_contents(robot_model_to_json(&model)?))?;

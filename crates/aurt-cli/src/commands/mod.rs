@@ -5,9 +5,14 @@ mod calibrate_validate;
 mod compile_rbd;
 mod compile_rd;
 mod data_options;
+mod diagnose;
+mod explain;
+mod models;
+mod new_plugin;
 mod predict;
 mod run;
 
+use aurt_plugins::Registry;
 use clap::Subcommand;
 
 use crate::{
@@ -24,19 +29,38 @@ pub enum Command {
     Calibrate(calibrate::Calibrate),
     CalibrateValidate(calibrate_validate::CalibrateValidate),
     Predict(predict::Predict),
+    Diagnose(diagnose::Diagnose),
+    Models(models::Models),
+    Explain(explain::Explain),
+    NewPlugin(new_plugin::NewPlugin),
 }
 
-/// Does it.
-///
-/// # Errors
-/// Why it could not be done.
-pub fn run(command: &Command, terminal: &Terminal) -> Result<Report, Failure> {
-    match command {
-        Command::Run(command) => command.run(terminal),
-        Command::CompileRbd(command) => command.run(),
-        Command::CompileRd(command) => command.run(),
-        Command::Calibrate(command) => command.run(terminal),
-        Command::CalibrateValidate(command) => command.run(terminal),
-        Command::Predict(command) => command.run(terminal),
+/// What every command has at hand.
+#[derive(Debug)]
+pub struct Session<'a> {
+    /// Where it reports.
+    pub terminal: &'a Terminal,
+    /// The models that can be named.
+    pub registry: Registry,
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// Why it could not be done.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        match self {
+            Self::Run(command) => command.run(session),
+            Self::CompileRbd(command) => command.run(),
+            Self::CompileRd(command) => command.run(session),
+            Self::Calibrate(command) => command.run(session),
+            Self::CalibrateValidate(command) => command.run(session),
+            Self::Predict(command) => command.run(session),
+            Self::Diagnose(command) => command.run(session.terminal),
+            Self::Models(command) => command.run(session),
+            Self::Explain(command) => command.run(session),
+            Self::NewPlugin(command) => command.run(),
+        }
     }
 }

@@ -3,19 +3,21 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt_calibration::extrapolations;
-use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics};
+use aurt_plugins::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use clap::Args;
 use serde_json::json;
 
-use super::data_options::ReadingOptions;
+use super::{Session, data_options::ReadingOptions};
 use crate::{
     arguments::{Gravity, parse_gravity},
     calibrated_file::CalibratedModel,
     data::Purpose,
     failure::Failure,
     output::OutputFile,
-    rendering::terminal::{Emphasis, Report, Terminal},
-    results::metrics::wrapped,
+    rendering::{
+        terminal::{Emphasis, Report},
+        text::wrapped,
+    },
 };
 
 /// Predict currents or torques of a motion.
@@ -43,9 +45,9 @@ pub struct Predict {
 
 impl Predict {
     /// Predicts.
-    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
-        let calibrated = self.mounted(CalibratedModel::read(&self.model, &Registry::linked()?)?)?;
+        let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
         let contents = calibrated.predict(&loaded)?;
@@ -65,7 +67,7 @@ impl Predict {
             self.data.display()
         );
         text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
-        let warning = terminal.emphasise(Emphasis::Warning, "warning");
+        let warning = session.terminal.emphasise(Emphasis::Warning, "warning");
         text.extend(warnings.iter().map(|w| wrapped(&format!("{warning}: {w}"))));
         text.push_str(&format!("written: {}\n", out.path().display()));
         let json = json!({

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
-use aurt_plugins::{Experiment, Registry, experiment};
+use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
+use aurt_plugins::{Experiment, experiment};
 use clap::Args;
 use serde_json::json;
 
+use super::Session;
 use crate::{
     data::{Instrument, Preprocessing, Source},
     failure::Failure,
@@ -36,10 +37,10 @@ pub struct Run {
 
 impl Run {
     /// Runs.
-    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
-        let experiment = Experiment::read(&self.experiment, &mut Registry::linked()?)?;
-        run_experiment(&experiment, &folder, terminal)
+        let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
+        run_experiment(&experiment, &folder, session.terminal)
     }
 }
 
@@ -61,6 +62,7 @@ pub fn run_experiment(
         preprocessing: Preprocessing::of(experiment),
         instrument: Instrument::of(experiment),
         options: calibration_options(experiment),
+        scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
     };
     let assigned = job.read(
         recordings.calibration.iter().map(Source::from),
@@ -103,7 +105,7 @@ pub fn written_text(files: &[impl AsRef<Path>]) -> String {
 }
 
 /// `[calibration]` and what of `[preprocess]` concerns it.
-fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
+pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
     let experiment::Calibration { estimator, load_torque, rest } = experiment.calibration;
     CalibrationOptions {
         estimator: match estimator {

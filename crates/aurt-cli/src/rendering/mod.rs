@@ -6,3 +6,4 @@ pub mod number;
 pub mod problem;
 pub mod table;
 pub mod terminal;
+pub mod text;

@@ -1,5 +1,7 @@
 //! Tables of right-aligned columns, for terminals of 80 columns.
 
+use super::text::{WIDTH, lines};
+
 /// A table under construction.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
@@ -30,6 +32,11 @@ impl Table {
         self
     }
 
+    /// Whether there is no row.
+    pub const fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// Adds a row.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());
@@ -42,6 +49,12 @@ impl Table {
             for (w, cell) in widths.iter_mut().zip(row) {
                 *w = (*w).max(width(cell));
             }
+        }
+        let last = widths.len() - 1;
+        if self.left_aligned > last {
+            // The last column takes what is left of the terminal, and wraps.
+            let taken = widths[..last].iter().map(|w| w + GAP).sum::<usize>() + GAP;
+            widths[last] = widths[last].min(WIDTH.saturating_sub(taken).max(24));
         }
         let mut out = String::new();
         if !self.groups.is_empty() {
@@ -58,20 +71,27 @@ impl Table {
             out.push('\n');
         }
         for row in std::iter::once(&self.header).chain(&self.rows) {
+            let mut indent = 0;
             let mut line = String::new();
+            let mut further = Vec::new();
             for (k, (cell, w)) in row.iter().zip(&widths).enumerate() {
                 line.push_str(&" ".repeat(GAP));
-                let padding = " ".repeat(w.saturating_sub(width(cell)));
+                indent = width(&line);
+                let mut pieces = if width(cell) > *w { lines(cell, *w) } else { vec![cell.clone()] };
+                let cell = pieces.remove(0);
+                further = pieces;
+                let padding = " ".repeat(w.saturating_sub(width(&cell)));
                 if k < self.left_aligned {
-                    line.push_str(cell);
+                    line.push_str(&cell);
                     line.push_str(&padding);
                 } else {
                     line.push_str(&padding);
-                    line.push_str(cell);
+                    line.push_str(&cell);
                 }
             }
             out.push_str(line.trim_end());
             out.push('\n');
+            out.extend(further.iter().map(|piece| format!("{}{piece}\n", " ".repeat(indent))));
         }
         out
     }

@@ -8,6 +8,7 @@ use crate::rendering::{
     number::{percent, significant},
     table::Table,
     terminal::{Emphasis, Terminal},
+    text::wrapped,
 };
 
 /// What a recording was used for.
@@ -193,27 +194,6 @@ impl Results<'_> {
         }
         table.render()
     }
-}
-
-/// A sentence on lines of at most 80 columns, continued ones indented.
-pub fn wrapped(sentence: &str) -> String {
-    const WIDTH: usize = 80;
-    let mut text = String::from("  ");
-    let mut column = 2;
-    for (i, word) in sentence.split(' ').enumerate() {
-        let width = word.chars().count();
-        if i > 0 && column + 1 + width > WIDTH {
-            text.push_str("\n    ");
-            column = 4;
-        } else if i > 0 {
-            text.push(' ');
-            column += 1;
-        }
-        text.push_str(word);
-        column += width;
-    }
-    text.push('\n');
-    text
 }
 
 /// Rows per joint, as one number where all joints have the same.
