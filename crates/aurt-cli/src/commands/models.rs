@@ -1,0 +1,85 @@
+//! `aurt models`: what can be named in an experiment.
+
+use aurt_plugins::{ModelListing, Origin, Registry};
+use aurt_traits::Slot;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::Session;
+use crate::{
+    failure::Failure,
+    rendering::{
+        table::Table,
+        terminal::{Emphasis, Report},
+    },
+};
+
+/// Joints of the robot for which arm terms tell their parameters.
+pub const EXAMPLE_JOINTS: usize = 6;
+
+/// List the models of friction and of other physics that experiments can name.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt models\n  aurt explain maxwell_slip")]
+pub struct Models {}
+
+impl Models {
+    /// Lists.
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+        let registry = &session.registry;
+        let mut text = String::new();
+        for slot in Registry::SLOTS {
+            let mut table = Table::new(["model", "summary"]).left(2);
+            for model in registry.models_of(slot) {
+                let summary = match &model.origin {
+                    Origin::Crate(_) => model.summary.clone(),
+                    library => format!("{} ({library})", model.summary),
+                };
+                table.row([model.name.clone(), summary]);
+            }
+            let title = session.terminal.emphasise(Emphasis::Title, &title(slot));
+            text.push_str(&format!("{title}\n{}\n", table.render()));
+        }
+        text.push_str("`aurt explain MODEL` prints equation, parameters, source and an example.\n");
+        let models: Vec<Value> =
+            registry.models().map(|model| describe(registry, model)).collect::<Result<_, _>>()?;
+        Ok(Report { text, json: json!({ "command": "models", "models": models }), findings: false })
+    }
+}
+
+/// What a slot is, and how experiments fill it.
+fn title(slot: Slot) -> String {
+    match slot {
+        Slot::Coulomb => "Coulomb friction, f_C(τ_J): coulomb = { model = … }".into(),
+        Slot::Hysteresis => "hysteresis, H(z, q̇): hysteresis = { model = … }".into(),
+        Slot::Viscous => "viscous friction, f_v(q̇): viscous = { model = … }".into(),
+        Slot::ArmTerm => "other physics of the arm: [[arm_terms]] model = …".into(),
+    }
+}
+
+/// Everything that is known of a model.
+///
+/// # Errors
+/// If its example gives no model.
+pub fn describe(registry: &Registry, model: &ModelListing) -> Result<Value, Failure> {
+    let description = registry.describe(model, EXAMPLE_JOINTS).map_err(Failure::Build)?;
+    let columns: Vec<Value> =
+        description.columns.iter().map(|p| json!({ "name": p.name, "unit": p.unit })).collect();
+    let shape: Vec<Value> = description
+        .shape_parameters
+        .iter()
+        .map(|p| json!({ "name": p.name, "unit": p.unit, "value": p.value, "lower": p.lower, "upper": p.upper }))
+        .collect();
+    Ok(json!({
+        "kind": model.slot.name(),
+        "name": model.name,
+        "summary": model.summary,
+        "equation": model.equation,
+        "use_when": model.use_when,
+        "source": model.source,
+        "example": model.example,
+        "origin": model.origin.to_string(),
+        "parameters": columns,
+        "shape_parameters": shape,
+        "invariants": description.invariants.iter().map(|i| i.in_words()).collect::<Vec<_>>(),
+    }))
+}

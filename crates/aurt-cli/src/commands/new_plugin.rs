@@ -1,0 +1,65 @@
+//! `aurt new-plugin`: a friction model of one's own to start from.
+
+use std::path::PathBuf;
+
+use aurt_plugins::{PluginLanguage, new_plugin};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use crate::{failure::Failure, rendering::terminal::Report};
+
+/// Write a plugin with a model of your own to start from.
+///
+/// A Rust crate, usable linked or as a library, or a C file. It builds, tests itself, and its model can be named
+/// in experiments at once.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  aurt new-plugin my-friction\n  aurt new-plugin my-friction --lang c --path plugins/mine"
+)]
+pub struct NewPlugin {
+    /// Name of the plugin: lower-case letters, digits, - and _
+    #[arg(value_name = "NAME")]
+    name: String,
+    /// Language of the plugin
+    #[arg(long, value_enum, default_value = "rust")]
+    lang: Language,
+    /// Folder to write; by default the name, here
+    #[arg(long, value_name = "DIR")]
+    path: Option<PathBuf>,
+}
+
+/// The language of a plugin.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Language {
+    /// A crate, linked statically or built as a library
+    Rust,
+    /// A file, built as a library
+    C,
+}
+
+impl NewPlugin {
+    /// Writes the plugin.
+    pub fn run(&self) -> Result<Report, Failure> {
+        let language = match self.lang {
+            Language::Rust => PluginLanguage::Rust,
+            Language::C => PluginLanguage::C,
+        };
+        let folder = self.path.clone().unwrap_or_else(|| PathBuf::from(&self.name));
+        let plugin = new_plugin(&self.name, language, &folder)?;
+        let library = plugin.folder.join(&plugin.library);
+        let mut text = format!("plugin with the model `{}` in {}\n", plugin.model, plugin.folder.display());
+        text.extend(plugin.files.iter().map(|f| format!("  {}\n", f.display())));
+        text.push_str(&format!("\nnext\n  cd {}\n", plugin.folder.display()));
+        text.extend(plugin.commands.iter().map(|c| format!("  {c}\n")));
+        text.push_str(&format!("  aurt --plugin {} models\n", plugin.library.display()));
+        let json = json!({
+            "command": "new-plugin",
+            "folder": plugin.folder,
+            "files": plugin.files,
+            "model": plugin.model,
+            "library": library,
+            "commands": plugin.commands,
+        });
+        Ok(Report { text, json, findings: false })
+    }
+}

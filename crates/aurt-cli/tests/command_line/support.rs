@@ -1,0 +1,121 @@
+//! Running the command in a folder of its own.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder that is gone after the test.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// Names of what lies in the folder, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.0.path())
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `aurt` in this folder.
+    pub fn aurt<S: AsRef<std::ffi::OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
+        let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env_remove("NO_COLOR")
+            .output()
+            .unwrap();
+        Run(output)
+    }
+}
+
+/// A finished run.
+pub struct Run(Output);
+
+impl Run {
+    pub fn stdout(&self) -> String {
+        String::from_utf8(self.0.stdout.clone()).unwrap()
+    }
+
+    pub fn stderr(&self) -> String {
+        String::from_utf8(self.0.stderr.clone()).unwrap()
+    }
+
+    pub fn status(&self) -> i32 {
+        self.0.status.code().unwrap()
+    }
+
+    /// Asserts that all went well.
+    #[track_caller]
+    pub fn succeeded(self) -> Self {
+        assert_eq!(self.status(), 0, "{}{}", self.stdout(), self.stderr());
+        self
+    }
+
+    /// Asserts that the command refused with status 2 and said all of `words`; hands over what it said.
+    #[track_caller]
+    pub fn refused(self, words: &[&str]) -> String {
+        let said = self.stderr();
+        assert_eq!(self.status(), 2, "{}{said}", self.stdout());
+        assert_eq!(self.stdout(), "", "a refusal belongs to standard error");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is missing in:\n{said}");
+        }
+        assert!(!said.contains("panicked"), "{said}");
+        said
+    }
+}
+
+/// The folder of real recordings, or a printed reason why a test is skipped.
+pub fn real_recordings(test: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("AURT_DATA").map(PathBuf::from);
+    match folder {
+        Some(folder) if folder.is_dir() => Some(folder),
+        _ => {
+            println!(
+                "skipped: {test} needs real recordings in the folder AURT_DATA (docs/real-recordings.md)"
+            );
+            None
+        }
+    }
+}
+
+/// A list of numbers in a JSON document.
+#[track_caller]
+pub fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap_or_else(|| panic!("no list: {value}"));
+    list.iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// A path as TOML and command lines take it.
+pub fn text(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
