@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use crate::kernel::Place;
 use crate::{MdhTable, RbdError};
 
 /// A chain of N ≥ 1 links on a fixed base, joined by revolute joints.
@@ -12,6 +13,7 @@ use crate::{MdhTable, RbdError};
 pub struct SerialChain {
     joints: Vec<Joint>,
     frames: Vec<JointFrame>,
+    places: Vec<Place>,
     gravity_m_s2: [f64; 3],
 }
 
@@ -142,8 +144,11 @@ impl SerialChain {
         if !gravity_m_s2.iter().all(|g| g.is_finite()) {
             return Err(RbdError::Gravity { gravity_m_s2 });
         }
-        let frames = joints.iter().map(|j| j.placement.frame()).collect();
-        Ok(Self { joints, frames, gravity_m_s2 })
+        let frames: Vec<_> = joints.iter().map(|j| j.placement.frame()).collect();
+        let places = (0..joints.len())
+            .map(|j| Place::new(&frames[j], if j == 0 { 1.0 } else { joints[j - 1].sign }))
+            .collect();
+        Ok(Self { joints, frames, places, gravity_m_s2 })
     }
 
     /// The chain of a table of modified Denavit–Hartenberg parameters.
@@ -169,6 +174,11 @@ impl SerialChain {
     /// The joints' constant placements as numbers.
     pub(crate) fn frames(&self) -> &[JointFrame] {
         &self.frames
+    }
+
+    /// The joints' constant placements as the regressor kernel wants them.
+    pub(crate) fn places(&self) -> &[Place] {
+        &self.places
     }
 
     /// The same bodies under another gravity vector.

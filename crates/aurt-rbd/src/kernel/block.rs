@@ -1,75 +1,170 @@
+use aurt_traits::RegressorTile;
+
 use super::lanes::Lanes;
-use super::motion::{LinkMotion, Twist};
+use super::motion::{JointLanes, LinkMotion, Twist};
 use super::turn::dot;
+use crate::INERTIAL_PARAMETERS;
 
-/// The offset of an entry that is not wanted.
-pub(super) const UNWANTED: usize = usize::MAX;
+/// Which entries of a (joint, link) block are wanted, and where their columns start in the tile.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    /// Bit k is set if entry k is wanted.
+    wanted: u16,
+    /// Where the columns of the wanted entries start.
+    offsets: [usize; INERTIAL_PARAMETERS],
+}
 
-/// Writes entry `$k` if it is wanted; its value is not computed otherwise. A macro rather than a closure, which
-/// would be compiled for the baseline instruction set where it is not inlined.
+/// All ten entries.
+pub(super) const ALL: u16 = 0b11_1111_1111;
+/// The entries that most base parameter sets keep: all but YY, mZ and m.
+const USUAL_BASE: u16 = 0b00_1111_0111;
+/// Whatever the block's own mask says.
+const AS_WANTED: u16 = 0;
+
+/// The entries of a link's block that can load its own joint: its mass and its first moment along the axis
+/// cannot.
+pub(crate) const OWN: u16 = 0b00_1111_1111;
+/// The entries of the first link's block that can load its joint, whose axis is fixed in space: of the
+/// inertias only ZZ.
+pub(crate) const OWN_ON_BASE: u16 = 0b00_1110_0000;
+
+impl Block {
+    /// The wanted ones of the entries in the mask `possible`, from their destinations in the tile.
+    pub fn new(destinations: &[u32; INERTIAL_PARAMETERS], possible: u16, stride: usize) -> Self {
+        let mut block = Self { wanted: 0, offsets: [0; INERTIAL_PARAMETERS] };
+        for (k, destination) in destinations.iter().enumerate() {
+            block.offsets[k] = *destination as usize * stride;
+            block.wanted |= u16::from(*destination != RegressorTile::UNWANTED) << k;
+        }
+        block.wanted &= possible;
+        block
+    }
+
+    /// Whether entry `k` is wanted.
+    const fn wants(&self, k: usize) -> bool {
+        self.wanted & (1 << k) != 0
+    }
+
+    /// The largest offset of a wanted entry.
+    pub fn largest_offset(&self) -> Option<usize> {
+        (0..INERTIAL_PARAMETERS).filter(|k| self.wants(*k)).map(|k| self.offsets[k]).max()
+    }
+
+    /// Replaces the offsets of all wanted entries.
+    pub fn map_offsets(&mut self, mut replace: impl FnMut(usize) -> usize) {
+        for k in 0..INERTIAL_PARAMETERS {
+            if self.wants(k) {
+                self.offsets[k] = replace(self.offsets[k]);
+            }
+        }
+    }
+}
+
+/// Writes entry `$k` if it is wanted; its value is not calculated otherwise. With a mask that is known where the
+/// code is compiled there is no branch. A macro rather than a closure, which would be compiled for the baseline
+/// instruction set wherever it is not inlined.
 macro_rules! write_entry {
-    ($offsets:ident, $data:ident, $first:ident, $k:expr, $value:expr) => {
-        if $offsets[$k] != UNWANTED {
-            $value.store(&mut $data[$offsets[$k] + $first..]);
+    ($mask:ident, $block:ident, $to:ident, $k:literal, $value:expr) => {
+        if ($mask == AS_WANTED && $block.wants($k)) || $mask & (1 << $k) != 0 {
+            // SAFETY: the caller's promise for wanted entries.
+            unsafe { $value.store_at($to.add($block.offsets[$k])) };
         }
     };
 }
 
-/// The block of a joint and a later link: the link's wrench regressor projected on the joint's unit twist.
+/// The blocks of one link and the joints before it: the link's wrench regressor projected on the joints' unit
+/// twists.
 ///
 /// With ω, ω̇ and the origin's acceleration a of the link, a link of inertia I about the origin, first moment
 /// h and mass m needs the force m a + B h and the moment I ω̇ + ω × I ω + h × a.
 ///
-/// `offsets` are those of the block's ten columns in `data`, `first` is the sample of the first lane.
+/// `link` and twists are those of this `member` of the group.
+///
+/// # Safety
+/// For every wanted entry of `blocks`, as many values as there are lanes can be written at its offset from `to`.
 #[inline(always)]
-pub(super) fn other_block<T: Lanes>(
+pub(super) unsafe fn other_blocks<T: Lanes>(
+    link: &LinkMotion<T>,
+    joints: &[JointLanes<T>],
+    member: usize,
+    blocks: &[Block],
+    to: *mut f64,
+) {
+    let Some(wanted) = blocks.first().map(|block| block.wanted) else { return };
+    let alike = blocks.iter().all(|block| block.wanted == wanted);
+    // SAFETY: the caller's promise, and all masks are what the block says.
+    unsafe {
+        match wanted {
+            ALL if alike => masked_blocks::<T, ALL>(*link, joints, member, blocks, to),
+            USUAL_BASE if alike => masked_blocks::<T, USUAL_BASE>(*link, joints, member, blocks, to),
+            0 if alike => (),
+            _ => masked_blocks::<T, AS_WANTED>(*link, joints, member, blocks, to),
+        }
+    }
+}
+
+/// Takes the link's motion by value, so that it is in registers: between the writes, which might overlap it for
+/// all that the processor knows, it would be slow to read.
+///
+/// # Safety
+/// As for [`other_blocks`]; `MASK` is the mask of all blocks or [`AS_WANTED`].
+#[inline(always)]
+unsafe fn masked_blocks<T: Lanes, const MASK: u16>(
+    link: LinkMotion<T>,
+    joints: &[JointLanes<T>],
+    member: usize,
+    blocks: &[Block],
+    to: *mut f64,
+) {
+    for (joint, block) in joints.iter().zip(blocks) {
+        // SAFETY: the caller's promise.
+        unsafe { masked_block::<T, MASK>(&link, &joint.twists[member], block, to) };
+    }
+}
+
+/// # Safety
+/// As for [`masked_blocks`].
+#[inline(always)]
+unsafe fn masked_block<T: Lanes, const MASK: u16>(
     link: &LinkMotion<T>,
     twist: &Twist<T>,
-    offsets: &[usize; 10],
-    first: usize,
-    data: &mut [f64],
+    block: &Block,
+    to: *mut f64,
 ) {
     let [sx, sy, sz] = twist.omega;
     let v = &twist.velocity;
     let [dx, dy, dz] = link.omega_dot;
     let [[b00, b01, b02], [b10, b11, b12], [b20, b21, b22]] = link.b;
-    let (bx, by, bz) = ([b00, b10, b20], [b01, b11, b21], [b02, b12, b22]);
     let [xy, xz, yz] = link.products;
     let [xx_yy, zz_xx, yy_zz] = link.differences;
-    write_entry!(offsets, data, first, 0, sz.neg_mul_add(xy, sy.mul_add(xz, sx * dx)));
-    write_entry!(offsets, data, first, 1, sx.neg_mul_add(b20, sy.mul_add(b21, sz * xx_yy)));
-    write_entry!(offsets, data, first, 2, sz.neg_mul_add(b12, sx.mul_add(b10, sy * zz_xx)));
-    write_entry!(offsets, data, first, 3, sx.neg_mul_add(yz, sz.mul_add(xy, sy * dy)));
-    write_entry!(offsets, data, first, 4, sy.neg_mul_add(b01, sz.mul_add(b02, sx * yy_zz)));
-    write_entry!(offsets, data, first, 5, sy.neg_mul_add(xz, sx.mul_add(yz, sz * dz)));
+    write_entry!(MASK, block, to, 0, sz.neg_mul_add(xy, sy.mul_add(xz, sx * dx)));
+    write_entry!(MASK, block, to, 1, sx.neg_mul_add(b20, sy.mul_add(b21, sz * xx_yy)));
+    write_entry!(MASK, block, to, 2, sz.neg_mul_add(b12, sx.mul_add(b10, sy * zz_xx)));
+    write_entry!(MASK, block, to, 3, sx.neg_mul_add(yz, sz.mul_add(xy, sy * dy)));
+    write_entry!(MASK, block, to, 4, sy.neg_mul_add(b01, sz.mul_add(b02, sx * yy_zz)));
+    write_entry!(MASK, block, to, 5, sy.neg_mul_add(xz, sx.mul_add(yz, sz * dz)));
     let [ax, ay, az] = link.accel;
-    write_entry!(offsets, data, first, 6, ay.mul_add(sz, az.neg_mul_add(sy, dot(&bx, v))));
-    write_entry!(offsets, data, first, 7, az.mul_add(sx, ax.neg_mul_add(sz, dot(&by, v))));
-    write_entry!(offsets, data, first, 8, ax.mul_add(sy, ay.neg_mul_add(sx, dot(&bz, v))));
-    write_entry!(offsets, data, first, 9, dot(v, &link.accel));
+    write_entry!(MASK, block, to, 6, ay.mul_add(sz, az.neg_mul_add(sy, dot(&[b00, b10, b20], v))));
+    write_entry!(MASK, block, to, 7, az.mul_add(sx, ax.neg_mul_add(sz, dot(&[b01, b11, b21], v))));
+    write_entry!(MASK, block, to, 8, ax.mul_add(sy, ay.neg_mul_add(sx, dot(&[b02, b12, b22], v))));
+    write_entry!(MASK, block, to, 9, dot(v, &link.accel));
 }
 
-/// The block of a joint and its own link: the z component of the moment. The entries of mZ and m are zero
-/// by construction and not written; on a fixed base (`on_base`), so are those of all inertias but ZZ.
+/// The block of a joint and its own link: the z component of the moment.
+///
+/// # Safety
+/// As for [`other_blocks`].
 #[inline(always)]
-pub(super) fn own_block<T: Lanes>(
-    link: &LinkMotion<T>,
-    sign: f64,
-    on_base: bool,
-    offsets: &[usize; 10],
-    first: usize,
-    data: &mut [f64],
-) {
+pub(super) unsafe fn own_block<T: Lanes>(link: &LinkMotion<T>, sign: f64, block: &Block, to: *mut f64) {
+    const MASK: u16 = AS_WANTED;
     let sign = T::splat(sign);
     let [xy, ..] = link.products;
-    if !on_base {
-        write_entry!(offsets, data, first, 0, -(xy * sign));
-        write_entry!(offsets, data, first, 1, (link.differences[0] * sign));
-        write_entry!(offsets, data, first, 2, -(link.b[1][2] * sign));
-        write_entry!(offsets, data, first, 3, (xy * sign));
-        write_entry!(offsets, data, first, 4, (link.b[0][2] * sign));
-    }
-    write_entry!(offsets, data, first, 5, (link.omega_dot[2] * sign));
-    write_entry!(offsets, data, first, 6, (link.accel[1] * sign));
-    write_entry!(offsets, data, first, 7, -(link.accel[0] * sign));
+    write_entry!(MASK, block, to, 0, -(xy * sign));
+    write_entry!(MASK, block, to, 1, (link.differences[0] * sign));
+    write_entry!(MASK, block, to, 2, -(link.b[1][2] * sign));
+    write_entry!(MASK, block, to, 3, (xy * sign));
+    write_entry!(MASK, block, to, 4, (link.b[0][2] * sign));
+    write_entry!(MASK, block, to, 5, (link.omega_dot[2] * sign));
+    write_entry!(MASK, block, to, 6, (link.accel[1] * sign));
+    write_entry!(MASK, block, to, 7, -(link.accel[0] * sign));
 }

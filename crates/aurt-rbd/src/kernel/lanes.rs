@@ -18,8 +18,11 @@ pub(crate) trait Lanes:
     fn splat(value: f64) -> Self;
     /// The first values of `from`, which has at least as many as there are lanes.
     fn load(from: &[f64]) -> Self;
-    /// Writes the lanes to the front of `to`, which has at least as many places as there are lanes.
-    fn store(self, to: &mut [f64]);
+    /// Writes the lanes.
+    ///
+    /// # Safety
+    /// As many values as there are lanes can be written at `to`.
+    unsafe fn store_at(self, to: *mut f64);
     /// self · b + c, rounded once if the instruction set can.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// c − self · b, rounded once if the instruction set can.
@@ -49,8 +52,9 @@ impl Lanes for Array2 {
     }
 
     #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        to[..2].copy_from_slice(&self.0);
+    unsafe fn store_at(self, to: *mut f64) {
+        // SAFETY: the caller's promise.
+        unsafe { to.cast::<[f64; 2]>().write(self.0) };
     }
 
     #[inline(always)]

@@ -1,12 +1,19 @@
 use super::lanes::Lanes;
 use super::sine_cosine::sine_cosine;
-use super::turn::{AboutX, Any, Down, Straight, Turn, Turned, Up, Vector};
+use super::turn::{Shift, Shifted, Turn, Turned, Vector, with_shift, with_turn};
 use crate::chain::{Joint, JointFrame};
 
-/// What the kernel needs of a joint's place: its constant turn and where its origin is.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+/// How many vectors of samples go through each step of the calculation side by side: the steps are chains of
+/// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.
+pub(super) const GROUP: usize = 4;
+
+/// What the kernel needs of a joint's place on the previous link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
     turn: Turn,
+    /// The origin in the joint's own axes, as a [`Shift`].
+    shift: Shift,
+    /// The origin in the previous link frame, in m.
     translation_m: [f64; 3],
     /// The unit twist of the previous joint, carried to this joint but not yet turned by its angle: the same
     /// in every sample.
@@ -17,13 +24,18 @@ pub(super) struct Place {
 impl Place {
     /// The place of a joint behind one whose sense is `previous_sign`.
     pub fn new(frame: &JointFrame, previous_sign: f64) -> Self {
-        let [px, py, _] = frame.translation_m;
         let z = previous_sign;
+        let p = frame.translation_m;
+        let shift = transpose_times(&frame.rotation, p);
+        // What is zero but for the rounding of the product is meant to be zero; the kernel's results do not
+        // notice, its speed does.
+        let dust = 4.0 * f64::EPSILON * p.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self {
-            turn: Turn::of(frame),
-            translation_m: frame.translation_m,
+            turn: Turn::of(&frame.rotation),
+            shift: Shift::of(shift.map(|v| if v.abs() <= dust { 0.0 } else { v })),
+            translation_m: p,
             previous_omega: transpose_times(&frame.rotation, [0.0, 0.0, z]),
-            previous_velocity: transpose_times(&frame.rotation, [-z * py, z * px, 0.0]),
+            previous_velocity: transpose_times(&frame.rotation, [-z * p[1], z * p[0], 0.0]),
         }
     }
 }
@@ -33,63 +45,40 @@ fn transpose_times(r: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| r[0][c] * v[0] + r[1][c] * v[1] + r[2][c] * v[2])
 }
 
-/// Runs `$body` with `$turn` bound to the compile-time form of a [`Turn`], so that the choice is made once
-/// per link and not once per vector.
-macro_rules! with_turn {
-    ($place:expr, $turn:ident => $body:expr) => {
-        match $place.turn {
-            Turn::Straight => {
-                let $turn = Straight;
-                $body
-            }
-            Turn::Up => {
-                let $turn = Up;
-                $body
-            }
-            Turn::Down => {
-                let $turn = Down;
-                $body
-            }
-            Turn::AboutX(cosine, sine) => {
-                let $turn = AboutX(cosine, sine);
-                $body
-            }
-            Turn::Any(matrix) => {
-                let $turn = Any(matrix);
-                $body
-            }
-        }
-    };
-}
-
-/// The state of a joint in the lanes: sine and cosine of its angle, its rate and acceleration about z.
+/// Sine and cosine of a joint's angle in the lanes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct JointState<T> {
+pub(super) struct Angle<T> {
     sine: T,
     cosine: T,
-    rate: T,
-    acceleration: T,
 }
 
-impl<T: Lanes> JointState<T> {
-    /// At rest at the angle 0, but for the cosine.
+impl<T: Lanes> Angle<T> {
+    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
-        let zero = T::splat(0.0);
-        Self { sine: zero, cosine: zero, rate: zero, acceleration: zero }
-    }
-
-    #[inline(always)]
-    pub fn new(joint: &Joint, q: T, qd: T, qdd: T) -> Self {
-        let sign = T::splat(joint.sign);
-        let (sine, cosine) = sine_cosine(q.mul_add(sign, T::splat(joint.theta_offset_rad)));
-        Self { sine, cosine, rate: qd * sign, acceleration: qdd * sign }
+        Self { sine: T::splat(0.0), cosine: T::splat(0.0) }
     }
 
     /// Rot_z(θ)ᵀ v.
     #[inline(always)]
     fn into_link(&self, [x, y, z]: Vector<T>) -> Vector<T> {
         [self.sine.mul_add(y, self.cosine * x), self.sine.neg_mul_add(x, self.cosine * y), z]
+    }
+}
+
+/// A joint's rates about z: θ̇ and θ̈.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rates<'a> {
+    pub sign: f64,
+    pub velocity: &'a [f64],
+    pub acceleration: &'a [f64],
+}
+
+impl Rates<'_> {
+    #[inline(always)]
+    fn at<T: Lanes>(&self, first: usize) -> (T, T) {
+        let sign = T::splat(self.sign);
+        (T::load(&self.velocity[first..]) * sign, T::load(&self.acceleration[first..]) * sign)
     }
 }
 
@@ -111,42 +100,11 @@ pub(super) struct LinkMotion<T> {
 }
 
 impl<T: Lanes> LinkMotion<T> {
-    /// At rest without gravity.
+    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         let zero = [T::splat(0.0); 3];
         Self { omega: zero, omega_dot: zero, accel: zero, b: [zero; 3], products: zero, differences: zero }
-    }
-
-    /// The first link, on a base at rest.
-    #[inline(always)]
-    pub fn first(gravity_m_s2: [f64; 3], place: &Place, state: &JointState<T>) -> Self {
-        let zero = T::splat(0.0);
-        let base = [T::splat(-gravity_m_s2[0]), T::splat(-gravity_m_s2[1]), T::splat(-gravity_m_s2[2])];
-        let accel = with_turn!(place, turn => state.into_link(turn.into_joint(&base)));
-        Self::from_rates([zero, zero, state.rate], [zero, zero, state.acceleration], accel)
-    }
-
-    /// The next link, across its joint.
-    #[inline(always)]
-    pub fn next(&self, place: &Place, state: &JointState<T>) -> Self {
-        let mut at_joint = self.accel;
-        for c in 0..3 {
-            if place.translation_m[c] != 0.0 {
-                let p = T::splat(place.translation_m[c]);
-                for r in 0..3 {
-                    at_joint[r] = self.b[r][c].mul_add(p, at_joint[r]);
-                }
-            }
-        }
-        with_turn!(place, turn => {
-            let accel = state.into_link(turn.into_joint(&at_joint));
-            let [ox, oy, oz] = state.into_link(turn.into_joint(&self.omega));
-            let [dx, dy, dz] = state.into_link(turn.into_joint(&self.omega_dot));
-            let rate = state.rate;
-            let omega_dot = [oy.mul_add(rate, dx), ox.neg_mul_add(rate, dy), dz + state.acceleration];
-            Self::from_rates([ox, oy, oz + rate], omega_dot, accel)
-        })
     }
 
     #[inline(always)]
@@ -171,49 +129,122 @@ pub(super) struct Twist<T> {
 }
 
 impl<T: Lanes> Twist<T> {
-    /// No motion.
+    /// Zeros, to be overwritten.
     #[inline(always)]
     pub fn zero() -> Self {
         Self { omega: [T::splat(0.0); 3], velocity: [T::splat(0.0); 3] }
     }
+}
 
-    /// The twist of the joint before the one at `place`, carried across the latter.
-    #[inline(always)]
-    pub fn of_previous(place: &Place, state: &JointState<T>) -> Self {
-        let [ox, oy, oz] = place.previous_omega;
-        let [vx, vy, vz] = place.previous_velocity;
-        Self {
-            omega: state.into_link([T::splat(ox), T::splat(oy), T::splat(oz)]),
-            velocity: state.into_link([T::splat(vx), T::splat(vy), T::splat(vz)]),
-        }
+/// The angles of a joint at the samples from each of `group` on.
+#[inline(always)]
+pub(super) fn joint_angles<T: Lanes>(
+    joint: &Joint,
+    position: &[f64],
+    group: &[usize],
+    angles: &mut [Angle<T>],
+) {
+    let (sign, offset) = (T::splat(joint.sign), T::splat(joint.theta_offset_rad));
+    for (angle, first) in angles.iter_mut().zip(group) {
+        let (sine, cosine) = sine_cosine(T::load(&position[*first..]).mul_add(sign, offset));
+        *angle = Angle { sine, cosine };
     }
 }
 
-/// Carries twists of the previous link frame into the next, across the joint at `place`.
+/// The motion of the first link, on a base at rest.
 #[inline(always)]
-pub(super) fn carry<T: Lanes>(twists: &mut [Twist<T>], place: &Place, state: &JointState<T>) {
-    let [px, py, pz] = place.translation_m;
-    with_turn!(place, turn => {
-        for twist in twists {
-            let [ox, oy, oz] = twist.omega;
-            let [mut vx, mut vy, mut vz] = twist.velocity;
-            if px != 0.0 {
-                let p = T::splat(px);
-                vy = oz.mul_add(p, vy);
-                vz = oy.neg_mul_add(p, vz);
-            }
-            if py != 0.0 {
-                let p = T::splat(py);
-                vx = oz.neg_mul_add(p, vx);
-                vz = ox.mul_add(p, vz);
-            }
-            if pz != 0.0 {
-                let p = T::splat(pz);
-                vx = oy.mul_add(p, vx);
-                vy = ox.neg_mul_add(p, vy);
-            }
-            twist.omega = state.into_link(turn.into_joint(&twist.omega));
-            twist.velocity = state.into_link(turn.into_joint(&[vx, vy, vz]));
+pub(super) fn first_link<T: Lanes>(
+    gravity_m_s2: [f64; 3],
+    place: &Place,
+    rates: &Rates<'_>,
+    group: &[usize],
+    angles: &[Angle<T>],
+    links: &mut [LinkMotion<T>],
+) {
+    let zero = T::splat(0.0);
+    let base = [T::splat(-gravity_m_s2[0]), T::splat(-gravity_m_s2[1]), T::splat(-gravity_m_s2[2])];
+    with_turn!(place.turn, turn => {
+        let base = turn.into_joint(&base);
+        for ((link, angle), first) in links.iter_mut().zip(angles).zip(group) {
+            let (rate, acceleration) = rates.at(*first);
+            let accel = angle.into_link(base);
+            *link = LinkMotion::from_rates([zero, zero, rate], [zero, zero, acceleration], accel);
         }
     });
+}
+
+/// Moves on to the motion of the next link, across the joint at `place`.
+#[inline(always)]
+pub(super) fn next_link<T: Lanes>(
+    place: &Place,
+    rates: &Rates<'_>,
+    group: &[usize],
+    angles: &[Angle<T>],
+    links: &mut [LinkMotion<T>],
+) {
+    let p = place.translation_m;
+    with_turn!(place.turn, turn => {
+        for ((link, angle), first) in links.iter_mut().zip(angles).zip(group) {
+            let mut at_joint = link.accel;
+            for c in 0..3 {
+                if p[c] != 0.0 {
+                    let p = T::splat(p[c]);
+                    for r in 0..3 {
+                        at_joint[r] = link.b[r][c].mul_add(p, at_joint[r]);
+                    }
+                }
+            }
+            let (rate, acceleration) = rates.at(*first);
+            let accel = angle.into_link(turn.into_joint(&at_joint));
+            let [ox, oy, oz] = angle.into_link(turn.into_joint(&link.omega));
+            let [dx, dy, dz] = angle.into_link(turn.into_joint(&link.omega_dot));
+            let omega_dot = [oy.mul_add(rate, dx), ox.neg_mul_add(rate, dy), dz + acceleration];
+            *link = LinkMotion::from_rates([ox, oy, oz + rate], omega_dot, accel);
+        }
+    });
+}
+
+/// What is remembered of each joint of a group.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointLanes<T> {
+    /// The joint's angles.
+    pub angles: [Angle<T>; GROUP],
+    /// The joint's unit twists in the link frame at work.
+    pub twists: [Twist<T>; GROUP],
+}
+
+impl<T: Lanes> JointLanes<T> {
+    /// Zeros, to be overwritten.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { angles: [Angle::zero(); GROUP], twists: [Twist::zero(); GROUP] }
+    }
+}
+
+/// Carries the twists of `joints` from the previous link frame into the next, across the joint at `place`.
+#[inline(always)]
+pub(super) fn carry<T: Lanes>(joints: &mut [JointLanes<T>], place: &Place, angles: &[Angle<T>]) {
+    with_turn!(place.turn, turn => with_shift!(place.shift, shift => {
+        for joint in joints {
+            for (twist, angle) in joint.twists.iter_mut().zip(angles) {
+                let omega = turn.into_joint(&twist.omega);
+                let velocity = shift.swing(&omega, &turn.into_joint(&twist.velocity));
+                twist.omega = angle.into_link(omega);
+                twist.velocity = angle.into_link(velocity);
+            }
+        }
+    }));
+}
+
+/// The twists of the joint before the one at `place`, carried across the latter.
+#[inline(always)]
+pub(super) fn carry_previous<T: Lanes>(previous: &mut JointLanes<T>, place: &Place, angles: &[Angle<T>]) {
+    let [ox, oy, oz] = place.previous_omega;
+    let [vx, vy, vz] = place.previous_velocity;
+    let omega = [T::splat(ox), T::splat(oy), T::splat(oz)];
+    let velocity = [T::splat(vx), T::splat(vy), T::splat(vz)];
+    for (twist, angle) in previous.twists.iter_mut().zip(angles) {
+        twist.omega = angle.into_link(omega);
+        twist.velocity = angle.into_link(velocity);
+    }
 }

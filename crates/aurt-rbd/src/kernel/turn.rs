@@ -1,5 +1,4 @@
 use super::lanes::Lanes;
-use crate::chain::JointFrame;
 
 /// A vector of three in the lanes.
 pub(super) type Vector<T> = [T; 3];
@@ -8,7 +7,7 @@ pub(super) type Vector<T> = [T; 3];
 ///
 /// Real robots turn by right angles about x almost everywhere, which costs nothing but a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Turn {
+pub(super) enum Turn {
     /// None.
     Straight,
     /// By +90° about x.
@@ -22,22 +21,102 @@ pub(crate) enum Turn {
 }
 
 impl Turn {
-    pub fn of(frame: &JointFrame) -> Self {
-        let r = frame.rotation;
+    /// The turn of a rotation matrix that maps the new frame's coordinates to the old one's.
+    pub fn of(r: &[[f64; 3]; 3]) -> Self {
         let about_x = r[0] == [1.0, 0.0, 0.0] && r[1][0] == 0.0 && r[2][0] == 0.0;
         match (about_x, r[1][1], r[2][1]) {
             (true, 1.0, 0.0) => Self::Straight,
             (true, 0.0, 1.0) => Self::Up,
             (true, 0.0, -1.0) => Self::Down,
             (true, cosine, sine) => Self::AboutX(cosine, sine),
-            (false, ..) => Self::Any(r),
+            (false, ..) => Self::Any(*r),
         }
     }
 }
 
+/// The constant translation of a placement, in the new frame's axes, in the cheapest form that it has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Shift {
+    /// None.
+    Nowhere,
+    /// Along x.
+    AlongX(f64),
+    /// Along z.
+    AlongZ(f64),
+    /// Any other.
+    Anywhere([f64; 3]),
+}
+
+impl Shift {
+    /// The cheapest form of a translation.
+    pub fn of(p: [f64; 3]) -> Self {
+        match p {
+            [0.0, 0.0, 0.0] => Self::Nowhere,
+            [x, 0.0, 0.0] => Self::AlongX(x),
+            [0.0, 0.0, z] => Self::AlongZ(z),
+            _ => Self::Anywhere(p),
+        }
+    }
+}
+
+/// Runs `$body` with `$turn` bound to the compile-time form of a [`Turn`], so that the choice is made once and
+/// not for every vector.
+macro_rules! with_turn {
+    ($turn_of:expr, $turn:ident => $body:expr) => {
+        match $turn_of {
+            $crate::kernel::turn::Turn::Straight => {
+                let $turn = $crate::kernel::turn::Straight;
+                $body
+            }
+            $crate::kernel::turn::Turn::Up => {
+                let $turn = $crate::kernel::turn::Up;
+                $body
+            }
+            $crate::kernel::turn::Turn::Down => {
+                let $turn = $crate::kernel::turn::Down;
+                $body
+            }
+            $crate::kernel::turn::Turn::AboutX(cosine, sine) => {
+                let $turn = $crate::kernel::turn::AboutX(cosine, sine);
+                $body
+            }
+            $crate::kernel::turn::Turn::Any(matrix) => {
+                let $turn = $crate::kernel::turn::Any(matrix);
+                $body
+            }
+        }
+    };
+}
+
+/// As [`with_turn`], for a [`Shift`].
+macro_rules! with_shift {
+    ($shift_of:expr, $shift:ident => $body:expr) => {
+        match $shift_of {
+            $crate::kernel::turn::Shift::Nowhere => {
+                let $shift = $crate::kernel::turn::Nowhere;
+                $body
+            }
+            $crate::kernel::turn::Shift::AlongX(x) => {
+                let $shift = $crate::kernel::turn::AlongX(x);
+                $body
+            }
+            $crate::kernel::turn::Shift::AlongZ(z) => {
+                let $shift = $crate::kernel::turn::AlongZ(z);
+                $body
+            }
+            $crate::kernel::turn::Shift::Anywhere(p) => {
+                let $shift = $crate::kernel::turn::Anywhere(p);
+                $body
+            }
+        }
+    };
+}
+
+pub(super) use {with_shift, with_turn};
+
 /// A [`Turn`] that is known where the code is compiled.
 pub(super) trait Turned: Copy {
-    /// A vector of the previous link frame in the coordinates of the joint: Rᵀ v.
+    /// A vector of the previous link frame in the axes of the joint: Rᵀ v.
     fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T>;
 }
 
@@ -92,6 +171,56 @@ impl Turned for Any {
 #[inline(always)]
 fn column_dot<T: Lanes>(r: &[[f64; 3]; 3], c: usize, v: &Vector<T>) -> T {
     dot(&[T::splat(r[0][c]), T::splat(r[1][c]), T::splat(r[2][c])], v)
+}
+
+/// A [`Shift`] that is known where the code is compiled.
+pub(super) trait Shifted: Copy {
+    /// v + ω × p: the velocity of the shifted origin.
+    fn swing<T: Lanes>(self, omega: &Vector<T>, v: &Vector<T>) -> Vector<T>;
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Nowhere;
+#[derive(Clone, Copy)]
+pub(super) struct AlongX(pub f64);
+#[derive(Clone, Copy)]
+pub(super) struct AlongZ(pub f64);
+#[derive(Clone, Copy)]
+pub(super) struct Anywhere(pub [f64; 3]);
+
+impl Shifted for Nowhere {
+    #[inline(always)]
+    fn swing<T: Lanes>(self, _: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+        *v
+    }
+}
+
+impl Shifted for AlongX {
+    #[inline(always)]
+    fn swing<T: Lanes>(self, [_, oy, oz]: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+        let p = T::splat(self.0);
+        [v[0], oz.mul_add(p, v[1]), oy.neg_mul_add(p, v[2])]
+    }
+}
+
+impl Shifted for AlongZ {
+    #[inline(always)]
+    fn swing<T: Lanes>(self, [ox, oy, _]: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+        let p = T::splat(self.0);
+        [oy.mul_add(p, v[0]), ox.neg_mul_add(p, v[1]), v[2]]
+    }
+}
+
+impl Shifted for Anywhere {
+    #[inline(always)]
+    fn swing<T: Lanes>(self, [ox, oy, oz]: &Vector<T>, v: &Vector<T>) -> Vector<T> {
+        let [px, py, pz] = [T::splat(self.0[0]), T::splat(self.0[1]), T::splat(self.0[2])];
+        [
+            oz.neg_mul_add(py, oy.mul_add(pz, v[0])),
+            ox.neg_mul_add(pz, oz.mul_add(px, v[1])),
+            oy.neg_mul_add(px, ox.mul_add(py, v[2])),
+        ]
+    }
 }
 
 #[inline(always)]

@@ -36,10 +36,9 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn store(self, to: &mut [f64]) {
-                let to = &mut to[..$lanes];
-                // SAFETY: as in `splat`, and the slice has as many places as are written.
-                unsafe { $storeu(to.as_mut_ptr(), self.0) }
+            unsafe fn store_at(self, to: *mut f64) {
+                // SAFETY: as in `splat`, and the caller's promise.
+                unsafe { $storeu(to, self.0) }
             }
 
             #[inline(always)]

@@ -1,0 +1,105 @@
+use aurt_traits::{MotionView, RegressorTile};
+
+use super::block::{ALL, Block, OWN, OWN_ON_BASE};
+use super::motion::Place;
+use crate::chain::Joint;
+use crate::{INERTIAL_PARAMETERS, SerialChain};
+
+/// One call's work, prepared for the lanes.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    pub gravity_m_s2: [f64; 3],
+    pub joints: &'a [Joint],
+    pub places: &'a [Place],
+    /// Position, velocity and acceleration of each joint.
+    pub series: Vec<[&'a [f64]; 3]>,
+    pub samples: usize,
+    /// The blocks of link after link, of each the joints from 0 up to its own.
+    blocks: Vec<Block>,
+    /// The largest offset in `blocks`.
+    largest_offset: Option<usize>,
+}
+
+impl<'a> Plan<'a> {
+    pub fn new(chain: &'a SerialChain, motion: MotionView<'a>, tile: &mut RegressorTile<'_>) -> Self {
+        let joints = chain.joints();
+        let (destinations, stride, _) = tile.raw_mut();
+        let mut largest_offset = None;
+        let mut blocks = Vec::with_capacity(joints.len() * (joints.len() + 1) / 2);
+        // One group of ten destinations for each (joint, link).
+        let (groups, _) = destinations.as_chunks::<INERTIAL_PARAMETERS>();
+        for link in 0..joints.len() {
+            for joint in 0..=link {
+                let possible = match link {
+                    _ if joint < link => ALL,
+                    0 => OWN_ON_BASE,
+                    _ => OWN,
+                };
+                let block = Block::new(&groups[joint * joints.len() + link], possible, stride);
+                largest_offset = largest_offset.max(block.largest_offset());
+                blocks.push(block);
+            }
+        }
+        Self {
+            gravity_m_s2: chain.gravity_m_s2(),
+            joints,
+            places: chain.places(),
+            series: (0..joints.len())
+                .map(|j| [motion.position_rad(j), motion.velocity_rad_s(j), motion.acceleration_rad_s2(j)])
+                .collect(),
+            samples: motion.samples(),
+            blocks,
+            largest_offset,
+        }
+    }
+
+    /// The blocks of a link and the joints from 0 up to its own.
+    #[inline(always)]
+    pub fn blocks_of(&self, link: usize) -> &[Block] {
+        let start = link * (link + 1) / 2;
+        &self.blocks[start..=start + link]
+    }
+
+    /// Refuses work whose columns do not have `end` samples in `length` values.
+    #[inline(always)]
+    pub fn assert_fits(&self, end: usize, length: usize) {
+        assert!(
+            self.largest_offset.is_none_or(|offset| offset + end <= length),
+            "a column ends outside the tile"
+        );
+    }
+
+    /// Whether there is nothing to write.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0 || self.largest_offset.is_none()
+    }
+
+    /// Copies of all series, each filled up with zeros to `lanes` values.
+    pub fn padded_series(&self, lanes: usize) -> Vec<f64> {
+        let mut padded = vec![0.0; 3 * self.joints.len() * lanes];
+        for (from, to) in self.series.iter().flatten().zip(padded.chunks_exact_mut(lanes)) {
+            to[..self.samples].copy_from_slice(from);
+        }
+        padded
+    }
+
+    /// The same work on [`Self::padded_series`], with its columns side by side, `lanes` apart; and where each
+    /// of these columns belongs.
+    pub fn on_padded(mut self, padded: &'a [f64], lanes: usize) -> (Self, Vec<usize>) {
+        let mut targets = Vec::new();
+        for block in &mut self.blocks {
+            block.map_offsets(|offset| {
+                targets.push(offset);
+                (targets.len() - 1) * lanes
+            });
+        }
+        let of_joint = |s: &'a [f64]| [&s[..lanes], &s[lanes..2 * lanes], &s[2 * lanes..]];
+        let plan = Plan {
+            series: padded.chunks_exact(3 * lanes).map(of_joint).collect(),
+            samples: lanes,
+            largest_offset: targets.len().checked_sub(1).map(|last| last * lanes),
+            ..self
+        };
+        (plan, targets)
+    }
+}
