@@ -5,6 +5,20 @@
 //! - [`RigidBodyDynamics`] and [`Experiment::robot_model`] compose the robot model;
 //! - [`model_file`] writes and reads models as JSON;
 //! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from.
+//!
+//! ```
+//! use aurt_plugins::{Node, Registry};
+//! use aurt_traits::{CoulombModel, Slot};
+//!
+//! let registry = Registry::linked()?;
+//! let absolute = registry.model(Slot::Coulomb, "absolute")?;
+//! let model = registry.build::<dyn CoulombModel>(&absolute.example_table()?).map_err(|e| e[0].clone())?;
+//! assert_eq!(model.columns().len(), 2);
+//!
+//! let unknown = registry.model(Slot::Coulomb, "absolut").unwrap_err();
+//! assert!(unknown.help().is_some_and(|help| help.starts_with("did you mean `absolute`?")));
+//! # Ok::<(), aurt_plugins::Error>(())
+//! ```
 
 mod assemble;
 mod build;
