@@ -151,6 +151,12 @@ pub enum SimulationError {
         /// Why.
         source: std::io::Error,
     },
+    /// A simulated recording cannot be preprocessed.
+    #[error("the simulated recording cannot be preprocessed: {reason}")]
+    Preprocessing {
+        /// What preprocessing says.
+        reason: String,
+    },
     /// The rigid bodies refused.
     #[error(transparent)]
     RigidBody(#[from] RbdError),

@@ -2,6 +2,7 @@
 
 pub mod effects;
 mod error;
+pub mod fit;
 pub mod plant;
 mod random;
 pub mod robots;

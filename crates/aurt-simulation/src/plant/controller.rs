@@ -29,11 +29,11 @@ pub struct Controller {
 impl Default for Controller {
     fn default() -> Self {
         Self {
-            bandwidth_hz: 8.0,
+            bandwidth_hz: 25.0,
             damping_ratio: 0.9,
             feed_forward: 1.0,
             friction_feed_forward: 1.0,
-            friction_width_rad_s: 2e-3,
+            friction_width_rad_s: 5e-4,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arm::{Arm, LOCKED_KG_M2};
 use super::controller::TrackingLoop;
-use super::machine::{Gear, Instant, Machine};
+use super::machine::{Gear, Instant, Machine, Stretch};
 use crate::SimulationError;
 
 /// What a dry contact does.
@@ -216,11 +216,17 @@ impl Plant {
                 Mode::Holds => 0.0,
                 Mode::Absent => match &physics.bristle {
                     Some(bristle) => {
-                        let level = dry * physics.level_nm(j, &at, if velocity < 0.0 { -1.0 } else { 1.0 });
-                        let moved = at.shaft_rad[j] - self.shaft_then_rad[j];
-                        let (share, beside) = bristle.share(&self.bristles[j], moved, velocity, level);
-                        friction += level * share + beside;
-                        share
+                        let level_nm =
+                            dry * physics.level_nm(j, &at, if velocity < 0.0 { -1.0 } else { 1.0 });
+                        let way = Stretch {
+                            moved_rad: at.shaft_rad[j] - self.shaft_then_rad[j],
+                            elapsed_s: time_s - self.then_s,
+                            velocity_rad_s: velocity,
+                            level_nm,
+                        };
+                        let [torque, beside] = bristle.torque_nm(&self.bristles[j], way);
+                        friction += torque + beside;
+                        if level_nm > 0.0 { (torque / level_nm).clamp(-1.0, 1.0) } else { 0.0 }
                     }
                     None => 0.0,
                 },
@@ -417,9 +423,13 @@ impl Plant {
                     last_qdd_rad_s2: &self.last_qdd_rad_s2,
                 };
                 let direction = if velocity < 0.0 { -1.0 } else { 1.0 };
-                let level = self.warmth_factor[j][0] * physics.level_nm(j, &at, direction);
-                let moved = self.shaft_rad[j] - self.shaft_then_rad[j];
-                bristle.advance(&mut self.bristles[j], moved, velocity, level);
+                let way = Stretch {
+                    moved_rad: self.shaft_rad[j] - self.shaft_then_rad[j],
+                    elapsed_s: dt_s,
+                    velocity_rad_s: velocity,
+                    level_nm: self.warmth_factor[j][0] * physics.level_nm(j, &at, direction),
+                };
+                bristle.advance(&mut self.bristles[j], way);
             }
             if let Some(warmth) = &physics.warmth {
                 self.warmth_k[j] = warmth.advance(self.warmth_k[j], self.friction_w[j], dt_s);

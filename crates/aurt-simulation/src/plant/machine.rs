@@ -70,22 +70,35 @@ impl ViscousLaw for LinearViscous {
     }
 }
 
-/// Dry friction with memory: a force that follows the path of the shaft.
+/// The way of a shaft since the last completed step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stretch {
+    /// How far it has moved, rad.
+    pub moved_rad: f64,
+    /// How long that took, s.
+    pub elapsed_s: f64,
+    /// Its velocity at the end, rad/s.
+    pub velocity_rad_s: f64,
+    /// The level of dry friction at the end, Nm.
+    pub level_nm: f64,
+}
+
+/// Dry friction with memory in the place of the jump at zero velocity: a torque that follows the path.
 pub trait Bristle: Debug + Send + Sync {
-    /// Number of state variables.
+    /// Number of state variables; they start at 0.
     fn state_len(&self) -> usize;
 
-    /// The friction as a share of its level, and a torque in Nm beside it, after the shaft has moved by
-    /// `moved_rad` since `state` was valid and has now the velocity `velocity_rad_s`.
-    fn share(&self, state: &[f64], moved_rad: f64, velocity_rad_s: f64, level_nm: f64) -> (f64, f64);
+    /// Two torques that oppose the motion at the end of `way`, which began in `state`: the dry friction, at
+    /// most about its level, and what acts beside it, Nm.
+    fn torque_nm(&self, state: &[f64], way: Stretch) -> [f64; 2];
 
-    /// Moves `state` to the end of that path.
-    fn advance(&self, state: &mut [f64], moved_rad: f64, velocity_rad_s: f64, level_nm: f64);
+    /// Moves `state` to the end of `way`.
+    fn advance(&self, state: &mut [f64], way: Stretch);
 
-    /// The steepest slope of the share against the path, 1/rad.
-    fn stiffness_per_rad(&self) -> f64;
+    /// The steepest slope of the torque against the path, for a level of `level_nm`, Nm/rad.
+    fn stiffness_nm_rad(&self, level_nm: f64) -> f64;
 
-    /// Torque per velocity beside the share, Nm s/rad.
+    /// Torque per velocity beside the dry friction, Nm s/rad.
     fn damping_nm_s(&self) -> f64 {
         0.0
     }

@@ -13,6 +13,7 @@
 //! the classical Runge–Kutta method in steps that resolve the fastest rate of the machine.
 
 mod arm;
+pub mod bristles;
 pub(crate) mod controller;
 mod dynamics;
 mod machine;
@@ -22,7 +23,7 @@ mod warmth;
 pub use controller::Controller;
 pub use machine::{
     Bristle, CoupledRotor, DryTerm, Gear, Instant, JointPhysics, LinearViscous, LinkTorque, Machine,
-    ShaftTorque, ViscousLaw,
+    ShaftTorque, Stretch, ViscousLaw,
 };
 pub use warmth::Warmth;
 

@@ -282,7 +282,7 @@ pub(crate) fn step_s(plant: &mut Plant, home_rad: &[f64], sample_s: f64) -> Resu
         note(physics.viscous.steepest_nm_s() / shaft, "viscous friction", j);
         if let Some(bristle) = &physics.bristle {
             let level = physics.coulomb_nm[0].max(physics.coulomb_nm[1]);
-            note((level * bristle.stiffness_per_rad() / shaft).sqrt(), "presliding stiffness", j);
+            note((bristle.stiffness_nm_rad(level) / shaft).sqrt(), "presliding stiffness", j);
             note(bristle.damping_nm_s() / shaft, "presliding damping", j);
         }
         if let super::dynamics::Command::Track(tracking) = &plant.command {

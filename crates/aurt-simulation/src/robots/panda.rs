@@ -28,7 +28,7 @@ pub fn panda() -> Robot {
         home_rad: 0.0,
         encoder_resolution_rad: 3.8e-6,
         encoder_noise_rad: 1.5e-6,
-        torque_noise_nm: 0.12,
+        torque_noise_nm: 0.15,
     };
     let wrist = Drive {
         rotor_inertia_kg_m2: 0.2,
@@ -38,7 +38,7 @@ pub fn panda() -> Robot {
         acceleration_limit_rad_s2: 10.0,
         torque_limit_nm: 12.0,
         torque_rate_limit_nm_s: 4.0e3,
-        torque_noise_nm: 0.045,
+        torque_noise_nm: 0.06,
         ..arm
     };
     Robot {
@@ -92,12 +92,12 @@ pub fn panda() -> Robot {
         ],
         drives: vec![
             arm,
-            Drive { position_limit_rad: [-1.7, 1.7], home_rad: -0.4, torque_noise_nm: 0.14, ..arm },
+            Drive { position_limit_rad: [-1.7, 1.7], home_rad: -0.4, torque_noise_nm: 0.2, ..arm },
             Drive {
                 coulomb_nm: 0.4,
                 viscous_nm_s: 0.45,
                 rotor_inertia_kg_m2: 0.45,
-                torque_noise_nm: 0.09,
+                torque_noise_nm: 0.15,
                 ..arm
             },
             Drive {
@@ -106,7 +106,7 @@ pub fn panda() -> Robot {
                 rotor_inertia_kg_m2: 0.45,
                 position_limit_rad: [-3.0, -0.1],
                 home_rad: -1.7,
-                torque_noise_nm: 0.1,
+                torque_noise_nm: 0.15,
                 ..arm
             },
             Drive { coulomb_nm: 0.32, viscous_nm_s: 0.3, ..wrist },
@@ -122,7 +122,7 @@ pub fn panda() -> Robot {
                 viscous_nm_s: 0.25,
                 rotor_inertia_kg_m2: 0.15,
                 home_rad: 0.6,
-                torque_noise_nm: 0.03,
+                torque_noise_nm: 0.035,
                 ..wrist
             },
         ],

@@ -8,7 +8,8 @@ use super::{Drive, Robot, body, row};
 ///
 /// Geometry: the MDH table of the public figaroh example. Friction and rotor inertia: rounded from the tables
 /// of Gautier, Janot and Vandanjon (2013) and Janot et al. (2014). The masses sum to the moving part of the
-/// 27 kg arm; link shapes are capsules along the link. Limits: data sheet, the acceleration that of the
+/// 27 kg arm; link shapes are capsules along the link. Noise: the level
+/// of the public recording's torques above 60 Hz. Limits: data sheet, the acceleration that of the
 /// published exciting motions.
 #[must_use]
 pub fn tx40() -> Robot {
@@ -28,7 +29,7 @@ pub fn tx40() -> Robot {
         home_rad: 0.0,
         encoder_resolution_rad: 1.5e-6,
         encoder_noise_rad: 1.5e-6,
-        torque_noise_nm: 0.45,
+        torque_noise_nm: 3.0,
     };
     let wrist = Drive {
         gear_ratio: 45.0,
@@ -41,7 +42,7 @@ pub fn tx40() -> Robot {
         acceleration_limit_rad_s2: 60.0,
         torque_limit_nm: 30.0,
         torque_rate_limit_nm_s: 1.0e4,
-        torque_noise_nm: 0.09,
+        torque_noise_nm: 0.4,
         ..base
     };
     Robot {
@@ -71,7 +72,7 @@ pub fn tx40() -> Robot {
                 viscous_nm_s: 5.6,
                 position_limit_rad: [-2.1, 2.1],
                 home_rad: -0.5,
-                torque_noise_nm: 0.5,
+                torque_noise_nm: 2.6,
                 ..base
             },
             Drive {
@@ -82,7 +83,7 @@ pub fn tx40() -> Robot {
                 position_limit_rad: [-2.4, 2.4],
                 home_rad: 1.2,
                 torque_limit_nm: 90.0,
-                torque_noise_nm: 0.28,
+                torque_noise_nm: 1.1,
                 ..base
             },
             Drive { rotor_inertia_kg_m2: 0.0315, coulomb_nm: 2.4, viscous_nm_s: 1.15, ..wrist },
@@ -94,7 +95,7 @@ pub fn tx40() -> Robot {
                 viscous_nm_s: 0.65,
                 gear_stiffness_nm_rad: 2.5e3,
                 torque_limit_nm: 15.0,
-                torque_noise_nm: 0.05,
+                torque_noise_nm: 0.25,
                 ..wrist
             },
         ],

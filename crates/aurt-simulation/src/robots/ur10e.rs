@@ -10,7 +10,8 @@ use super::{Drive, Robot, body, row};
 /// *DH parameters for calculations of kinematics and dynamics*, turned from the distal frames given there into
 /// the frames used here; the last link's tensor, which is given as (0, 0.0004, 0.0003) and belongs to no body,
 /// is a short cylinder's here. Torque constants: desired torque over desired current at rest on the public
-/// recordings of Mamedov and Mikhel (2020). Friction: within 3–17 Nm and 2.6–14 Nm s, as fitted to these.
+/// recordings of Mamedov and Mikhel (2020). Friction: within 3–17 Nm and 2.6–14 Nm s, as fitted to these; noise: the level of their currents between 30 and 45 Hz.
+///
 /// Limits: data sheet.
 #[must_use]
 pub fn ur10e() -> Robot {
@@ -30,7 +31,7 @@ pub fn ur10e() -> Robot {
         home_rad: 0.0,
         encoder_resolution_rad: 6.0e-6,
         encoder_noise_rad: 2.0e-6,
-        torque_noise_nm: 1.0,
+        torque_noise_nm: 1.6,
     };
     let size_2 = Drive {
         rotor_inertia_kg_m2: 0.22,
@@ -42,7 +43,7 @@ pub fn ur10e() -> Robot {
         acceleration_limit_rad_s2: 18.0,
         torque_limit_nm: 56.0,
         torque_rate_limit_nm_s: 8.0e3,
-        torque_noise_nm: 0.3,
+        torque_noise_nm: 0.32,
         ..size_4
     };
     let wrist = [0.003, 0.0, 0.0, 0.0026, 0.0002, 0.0022];
@@ -67,7 +68,7 @@ pub fn ur10e() -> Robot {
         ],
         drives: vec![
             size_4,
-            Drive { coulomb_nm: 14.0, viscous_nm_s: 13.0, home_rad: -1.55, torque_noise_nm: 1.1, ..size_4 },
+            Drive { coulomb_nm: 14.0, viscous_nm_s: 13.0, home_rad: -1.55, torque_noise_nm: 1.9, ..size_4 },
             Drive {
                 rotor_inertia_kg_m2: 0.7,
                 torque_constant_nm_per_a: 9.839,
@@ -78,7 +79,7 @@ pub fn ur10e() -> Robot {
                 torque_limit_nm: 150.0,
                 torque_rate_limit_nm_s: 1.5e4,
                 home_rad: 0.5,
-                torque_noise_nm: 0.6,
+                torque_noise_nm: 1.1,
                 ..size_4
             },
             Drive { home_rad: -1.5, ..size_2 },

@@ -30,7 +30,7 @@ pub fn ur5e() -> Robot {
         home_rad: 0.0,
         encoder_resolution_rad: 6.0e-6,
         encoder_noise_rad: 2.0e-6,
-        torque_noise_nm: 0.5,
+        torque_noise_nm: 0.9,
     };
     let size_1 = Drive {
         rotor_inertia_kg_m2: 0.12,
@@ -41,7 +41,7 @@ pub fn ur5e() -> Robot {
         acceleration_limit_rad_s2: 20.0,
         torque_limit_nm: 28.0,
         torque_rate_limit_nm_s: 4.0e3,
-        torque_noise_nm: 0.14,
+        torque_noise_nm: 0.19,
         ..size_3
     };
     Robot {
@@ -85,14 +85,14 @@ pub fn ur5e() -> Robot {
         ],
         drives: vec![
             size_3,
-            Drive { coulomb_nm: 7.1, viscous_nm_s: 7.9, home_rad: -1.5, torque_noise_nm: 0.55, ..size_3 },
+            Drive { coulomb_nm: 7.1, viscous_nm_s: 7.9, home_rad: -1.5, torque_noise_nm: 1.0, ..size_3 },
             Drive {
                 rotor_inertia_kg_m2: 0.6,
                 coulomb_nm: 4.9,
                 viscous_nm_s: 5.4,
                 position_limit_rad: [-3.0, 3.0],
                 home_rad: 0.7,
-                torque_noise_nm: 0.4,
+                torque_noise_nm: 0.8,
                 ..size_3
             },
             Drive { home_rad: -1.2, ..size_1 },

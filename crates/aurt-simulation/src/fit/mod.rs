@@ -1,0 +1,13 @@
+//! A small least squares of a robot's own structure, for measuring how much of an effect that structure could
+//! absorb and how much noise it leaves. It is no calibration: the structure is the simulator's, fixed, and
+//! nothing of it is reported but residuals.
+
+mod columns;
+mod gram;
+mod processed;
+
+pub use columns::{JointStructure, Structure};
+pub use processed::{ProcessedFit, processed_motion};
+
+pub(crate) use columns::Columns;
+pub(crate) use gram::Gram;
