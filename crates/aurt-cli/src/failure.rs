@@ -7,6 +7,7 @@ use aurt_diagnosis::DiagnosisError;
 use aurt_plugins::{BuildError, ExperimentErrors};
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
+use aurt_simulation::SimulationError;
 use aurt_traits::{MeasurementUnit, ModelError};
 use thiserror::Error;
 
@@ -34,9 +35,12 @@ pub enum Failure {
     /// Calibration, validation or prediction.
     #[error(transparent)]
     Calibration(CalibrationError),
+    /// A simulation.
+    #[error(transparent)]
+    Simulation(Box<SimulationError>),
     /// A diagnosis.
     #[error(transparent)]
-    Diagnosis(#[from] DiagnosisError),
+    Diagnosis(Box<DiagnosisError>),
     /// A prediction of another simulator cannot be used.
     #[error("{}: {reason}; {remedy}", path.display())]
     Simulated {
@@ -125,6 +129,18 @@ impl From<RbdError> for Failure {
             RbdError::Mdh(errors) => Self::Mdh(errors),
             other => Self::Rbd(other),
         }
+    }
+}
+
+impl From<DiagnosisError> for Failure {
+    fn from(error: DiagnosisError) -> Self {
+        Self::Diagnosis(Box::new(error))
+    }
+}
+
+impl From<SimulationError> for Failure {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(Box::new(error))
     }
 }
 

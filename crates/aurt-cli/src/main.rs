@@ -6,6 +6,7 @@ mod arguments;
 mod calibrated_file;
 mod commands;
 mod data;
+mod demo;
 mod failure;
 mod fitting;
 mod glossary;

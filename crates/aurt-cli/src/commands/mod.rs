@@ -5,6 +5,7 @@ mod calibrate_validate;
 mod compile_rbd;
 mod compile_rd;
 mod data_options;
+mod demo;
 mod diagnose;
 mod explain;
 mod models;
@@ -24,6 +25,7 @@ use crate::{
 #[derive(Debug, Subcommand)]
 pub enum Command {
     Run(run::Run),
+    Demo(demo::Demo),
     CompileRbd(compile_rbd::CompileRbd),
     CompileRd(compile_rd::CompileRd),
     Calibrate(calibrate::Calibrate),
@@ -52,6 +54,7 @@ impl Command {
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         match self {
             Self::Run(command) => command.run(session),
+            Self::Demo(command) => command.run(session),
             Self::CompileRbd(command) => command.run(),
             Self::CompileRd(command) => command.run(session),
             Self::Calibrate(command) => command.run(session),

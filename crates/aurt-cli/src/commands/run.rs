@@ -11,7 +11,7 @@ use super::Session;
 use crate::{
     data::{Instrument, Preprocessing, Source},
     failure::Failure,
-    fitting::Job,
+    fitting::{Job, Outcome},
     output::OutputFolder,
     rendering::{
         json::pretty,
@@ -53,6 +53,15 @@ pub fn run_experiment(
     folder: &OutputFolder,
     terminal: &Terminal,
 ) -> Result<Report, Failure> {
+    let outcome = fit_experiment(experiment, terminal)?;
+    write_results("run", experiment, outcome, folder, terminal)
+}
+
+/// Does what an experiment says, without writing anything.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn fit_experiment(experiment: &Experiment, terminal: &Terminal) -> Result<Outcome, Failure> {
     let recordings = &experiment.recordings;
     let count = recordings.calibration.len() + recordings.validation.len();
     let progress = terminal.progress(3 * count + 2);
@@ -69,9 +78,20 @@ pub fn run_experiment(
         recordings.validation.iter().map(Source::from),
         &progress,
     )?;
-    let outcome = job.fit(&assigned, &progress)?;
-    drop(progress);
+    job.fit(&assigned, &progress)
+}
 
+/// Fills `folder` with results and reports them.
+///
+/// # Errors
+/// If a file cannot be written; then the folder is as it was.
+pub fn write_results(
+    command: &str,
+    experiment: &Experiment,
+    outcome: Outcome,
+    folder: &OutputFolder,
+    terminal: &Terminal,
+) -> Result<Report, Failure> {
     let calibrated = &outcome.calibrated;
     let notes = experiment.robot.table.notes();
     let results = Results {
@@ -93,7 +113,7 @@ pub fn run_experiment(
     let mut text = results.to_text(terminal);
     text.push_str(&written_text(&written));
     let mut json = metrics;
-    json["command"] = json!("run");
+    json["command"] = json!(command);
     json["outputs"] = json!(written);
     Ok(Report { text, json, findings: false })
 }

@@ -1,0 +1,124 @@
+//! `aurt demo`: the whole chain on recordings made for it.
+
+use std::path::{Path, PathBuf};
+
+use aurt_calibration::CalibratedParameter;
+use aurt_plugins::Experiment;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::{
+    Session,
+    run::{fit_experiment, write_results},
+};
+use crate::{
+    demo,
+    failure::Failure,
+    output::OutputFolder,
+    rendering::{
+        number::significant,
+        table::Table,
+        terminal::{Emphasis, Report},
+    },
+};
+
+/// Calibrate and validate a model of a simulated six-joint robot.
+///
+/// Writes recordings of a robot whose friction is known, with noise, and an experiment file, runs the experiment,
+/// and compares what it found with what was put in. The files are a start for experiments of your own.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt demo\n  aurt run aurt-demo/experiment.toml --out results")]
+pub struct Demo {
+    /// Folder for recordings and results; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "aurt-demo")]
+    out: PathBuf,
+}
+
+impl Demo {
+    /// Runs.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        let folder = OutputFolder::new("--out", &self.out)?;
+        refuse_foreign_experiment(&self.out)?;
+        let progress = session.terminal.progress(1);
+        progress.step("simulating the robot");
+        let inputs = demo::files()?;
+        folder.write(&inputs)?;
+        drop(progress);
+
+        let experiment = Experiment::read(folder.path().join("experiment.toml"), &mut session.registry)?;
+        let outcome = fit_experiment(&experiment, session.terminal)?;
+        let compared = compare(&outcome.calibrated.calibration.parameters);
+        let mut report = write_results("demo", &experiment, outcome, &folder, session.terminal)?;
+        let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
+        let table = table(&compared);
+        let made: Vec<PathBuf> = inputs.iter().map(|(name, _)| folder.path().join(name)).collect();
+        let inputs: Vec<String> = made.iter().map(|f| format!("  {}\n", f.display())).collect();
+        report.text = format!(
+            "a simulated UR10e, 20 s of motion to calibrate on, 20 s of others to validate\n{}\n{}\n{title}\n{}",
+            inputs.concat(),
+            report.text,
+            table.render()
+        );
+        report.json["inputs"] = json!(made);
+        report.json["truth"] = compared
+            .iter()
+            .map(|c| json!({ "name": c.found.name, "value": c.found.value, "true": c.truth, "within_95": c.within() }))
+            .collect::<Vec<Value>>()
+            .into();
+        Ok(report)
+    }
+}
+
+/// An experiment of the user's own must not be overwritten.
+fn refuse_foreign_experiment(folder: &Path) -> Result<(), Failure> {
+    let path = folder.join("experiment.toml");
+    let ours = demo::EXPERIMENT.lines().next().unwrap_or_default();
+    match std::fs::read_to_string(&path) {
+        Ok(text) if !text.starts_with(ours) => Err(Failure::Output {
+            option: "--out",
+            path,
+            reason: "is an experiment of your own and would be overwritten".into(),
+            remedy: "name another folder".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// A parameter with its true value.
+#[derive(Debug)]
+struct Compared {
+    found: CalibratedParameter,
+    truth: f64,
+}
+
+impl Compared {
+    /// Whether the 95 % interval holds the true value.
+    fn within(&self) -> bool {
+        self.found.interval_95.is_some_and(|[lower, upper]| (lower..=upper).contains(&self.truth))
+    }
+}
+
+fn compare(parameters: &[CalibratedParameter]) -> Vec<Compared> {
+    let truth = demo::truth();
+    let of = |name: &str| truth.iter().find(|(n, _)| n == name).map(|(_, value)| *value);
+    parameters
+        .iter()
+        .filter_map(|found| Some(Compared { truth: of(&found.name)?, found: found.clone() }))
+        .collect()
+}
+
+fn table(compared: &[Compared]) -> Table {
+    let mut table = Table::new(["parameter", "unit", "true", "found", "± 95 %", ""]).left(2);
+    for parameter in compared {
+        let half = parameter.found.interval_95.map_or(f64::NAN, |[lower, upper]| 0.5 * (upper - lower));
+        table.row([
+            parameter.found.name.clone(),
+            parameter.found.unit.clone(),
+            significant(parameter.truth, 4),
+            significant(parameter.found.value, 4),
+            significant(half, 2),
+            if parameter.within() { String::new() } else { "outside".into() },
+        ]);
+    }
+    table
+}

@@ -1,0 +1,67 @@
+//! The recordings of `aurt demo`: a simulated UR10e whose friction is known.
+
+use aurt_simulation::{Logger, Motion, Robot, Scenario, SimulationError, robots, simulate};
+
+/// The experiment, as it is written into the demo's folder.
+pub const EXPERIMENT: &str = include_str!("experiment.toml");
+
+/// A file of the demo.
+pub type File = (String, Vec<u8>);
+
+/// Joints whose friction grows with the load, as in the experiment.
+const LOADED_JOINTS: [usize; 2] = [1, 2];
+/// Their dry friction per transmitted torque.
+const LOAD_COEFFICIENT: f64 = 0.08;
+
+/// The robot that the recordings are of.
+pub fn robot() -> Robot {
+    let mut robot = robots::ur10e();
+    for joint in LOADED_JOINTS {
+        robot.drives[joint].load_coefficient = LOAD_COEFFICIENT;
+    }
+    robot
+}
+
+/// Geometry, recordings and experiment.
+///
+/// # Errors
+/// What the simulator reports.
+pub fn files() -> Result<Vec<File>, SimulationError> {
+    let robot = robot();
+    let exciting = Motion::MultiSine { duration_s: 20.0, harmonics: 8, top_hz: 1.0, share: 0.6 };
+    let other = Motion::MultiSine { duration_s: 10.0, harmonics: 6, top_hz: 0.8, share: 0.5 };
+    let poses = Motion::PointToPoint { duration_s: 10.0, share: 0.4, rest_s: 0.5 };
+    let motions = [
+        ("exciting_motion.csv", exciting, 11),
+        ("other_motion.csv", other, 12),
+        ("point_to_point.csv", poses, 13),
+    ];
+    let mut files = vec![
+        ("mdh.csv".to_owned(), robot.mdh_csv().into_bytes()),
+        ("experiment.toml".to_owned(), EXPERIMENT.into()),
+    ];
+    for (name, motion, seed) in motions {
+        let mut scenario = Scenario::new(robot.clone(), motion.plan(&robot, seed)?, seed);
+        scenario.logger = Logger { rate_hz: 125.0, ..Logger::default() };
+        files.push((name.to_owned(), simulate(&scenario)?.csv()));
+    }
+    Ok(files)
+}
+
+/// The true values of those parameters of the experiment's model that are no inertial ones, by name.
+pub fn truth() -> Vec<(String, f64)> {
+    let robot = robot();
+    let mut truth = Vec::new();
+    for (joint, drive) in robot.drives.iter().enumerate() {
+        truth.push((format!("F_C0_{joint}"), drive.coulomb_nm));
+        if LOADED_JOINTS.contains(&joint) {
+            truth.push((format!("F_C1_{joint}"), drive.load_coefficient));
+        }
+        truth.push((format!("F_v1_{joint}"), drive.viscous_nm_s));
+    }
+    let rotors = robot.drives.iter().enumerate().skip(2);
+    truth.extend(
+        rotors.map(|(joint, drive)| (format!("rotor_inertia.I_a_{joint}"), drive.rotor_inertia_kg_m2)),
+    );
+    truth
+}
