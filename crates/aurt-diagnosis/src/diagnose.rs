@@ -142,11 +142,13 @@ pub fn investigate(
     let shares = |switches: &[Switch], coefficients: &[f64]| {
         shares(&rows, &partition, &layout, switches, coefficients)
     };
+    let misfit = misfit(&problem, &base_switches, &weights, &floor);
     let selector = Selector {
         problem: &problem,
         baseline: &base_switches,
         groups: &groups,
         floor: &floor,
+        misfit: &misfit,
         independent_share: &shares,
         options: &question.selection,
     };
@@ -319,6 +321,22 @@ fn groups(
         }
     }
     (groups, free)
+}
+
+/// Log of the ratio by which the baseline's cross-validated error on the calibration recordings exceeds the noise
+/// floor; zero where there are none.
+fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) -> Vec<f64> {
+    let errors = problem.held_out(&problem.nest(base, weights), &[]);
+    (0..problem.joints())
+        .map(|j| {
+            let rows = problem.rows(j, false) - problem.rows(j, true);
+            if rows < 1.0 {
+                0.0
+            } else {
+                (errors[0][j] / rows / floor[j].max(f64::MIN_POSITIVE)).ln().max(0.0)
+            }
+        })
+        .collect()
 }
 
 /// Mean noise floor over the fitted rows.

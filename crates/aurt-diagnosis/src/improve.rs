@@ -45,6 +45,8 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         .iter()
         .filter(|r| r.role != Role::Calibration)
         .map(|r| r.data.name.clone())
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
         .collect();
     let mut improvement = Improvement {
         calibrate_on_target: investigation.problem.has_target() && investigation.problem.has_reference(),

@@ -155,6 +155,9 @@ impl Problem {
             (0..self.joints)
                 .map(|joint| {
                     let m = &moments[kind][joint];
+                    if m.rows <= 0.0 {
+                        return 0.0;
+                    }
                     let map = &self.local[joint];
                     let terms: Vec<(usize, f64)> = switches
                         .iter()

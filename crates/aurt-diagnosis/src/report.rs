@@ -286,8 +286,13 @@ fn alternatives(
 
 fn sentence(finding: &Finding) -> String {
     let title = effects::find(&finding.effect).map_or(finding.effect.as_str(), |e| e.title());
+    let whole = effects::find(&finding.effect).is_some_and(|e| e.whole_arm());
+    let plural = match (whole, finding.joints.len()) {
+        (true, _) => "seen on joints",
+        (false, 1) => "on joint",
+        (false, _) => "on joints",
+    };
     let joints = list(&finding.joints);
-    let plural = if finding.joints.len() == 1 { "joint" } else { "joints" };
     let changed = finding.present_in == ["target"];
     let when = if changed { ", in the target recordings only" } else { "" };
     let key: Vec<String> = finding
@@ -303,7 +308,7 @@ fn sentence(finding: &Finding) -> String {
         .take(4)
         .collect();
     let key = if key.is_empty() { String::new() } else { format!(" ({})", key.join(", ")) };
-    format!("{title} on {plural} {joints}{when}{key}")
+    format!("{title} {plural} {joints}{when}{key}")
 }
 
 fn list(joints: &[usize]) -> String {

@@ -40,6 +40,10 @@ pub struct SelectionOptions {
     pub most: usize,
     /// Candidates whose score is within this factor of the best (or within 2) compete by parameter count.
     pub tie: f64,
+    /// A change that is not friction must, beyond that, lower a joint's log-MSE by this share of the log of the
+    /// ratio by which the calibration recordings themselves exceed the noise floor: where the structure is wrong,
+    /// whatever differs between two motions looks like a change.
+    pub change_share: f64,
     /// A group of which the baseline absorbs all but this share of torque is not decidable.
     pub free_share: f64,
 }
@@ -53,6 +57,7 @@ impl Default for SelectionOptions {
             share_same_kind: 0.25,
             most: 24,
             tie: 0.03,
+            change_share: 0.15,
             free_share: 0.02,
         }
     }
@@ -98,6 +103,8 @@ pub struct Selector<'a> {
     pub groups: &'a [Group],
     /// Mean squared error of each joint that noise alone leaves; improvements below it do not count.
     pub floor: &'a [f64],
+    /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor.
+    pub misfit: &'a [f64],
     /// Share of independent rows of each joint, from the autocorrelation of a residual with the given
     /// switches and coefficients.
     pub independent_share: &'a (dyn Fn(&[Switch], &[f64]) -> Vec<f64> + Sync),
@@ -135,10 +142,11 @@ impl Selector<'_> {
             let fit = self.fit(chosen);
             let now = self.mse(&fit, &[]);
             let ranked = self.rank(&fit, &now, |g| !chosen.contains(&g) && !barred.contains(&g));
+            let ranked: Vec<(usize, f64)> = ranked
+                .into_iter()
+                .filter(|(g, _)| self.enough(*g, &now, &self.mse(&fit, &self.groups[*g].switches)))
+                .collect();
             let Some(best) = self.frugal(&ranked) else { break };
-            if !self.enough(&now, &self.mse(&fit, &self.groups[best].switches)) {
-                break;
-            }
             chosen.push(best);
             progress(&format!("found: {} on {:?}", self.groups[best].effect, self.groups[best].joints));
         }
@@ -216,9 +224,20 @@ impl Selector<'_> {
             .map(|(g, _)| *g)
     }
 
-    fn enough(&self, before: &[f64], after: &[f64]) -> bool {
+    /// Whether a group lowers the error of some joint by as much as its kind must.
+    fn enough(&self, group: usize, before: &[f64], after: &[f64]) -> bool {
+        (0..before.len()).any(|j| self.log_ratio(j, before[j], after[j]) > self.least(group, j))
+    }
+
+    /// The log-MSE that a group must bring at a joint.
+    fn least(&self, group: usize, joint: usize) -> f64 {
         let least = -(1.0 - self.options.reduction).ln();
-        (0..before.len()).any(|j| self.log_ratio(j, before[j], after[j]) > least)
+        let group = &self.groups[group];
+        if group.target_only() && !is_friction(group.effect) {
+            least + self.options.change_share * self.misfit[joint]
+        } else {
+            least
+        }
     }
 
     /// Tries for each chosen group whether another on its joints does better in its place.
@@ -283,7 +302,7 @@ impl Selector<'_> {
         score > self.options.score
             && joint_loss.iter().enumerate().any(|(j, loss)| {
                 let gain = self.log_ratio(j, before[j], full[j]);
-                *loss > share * gain && *loss > -(1.0 - self.options.reduction).ln()
+                *loss > share * gain && *loss > self.least(chosen[i], j)
             })
     }
 
@@ -318,6 +337,11 @@ const ROUNDS: usize = 3;
 /// All but the i-th.
 fn without(chosen: &[usize], i: usize) -> Vec<usize> {
     chosen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect()
+}
+
+/// Effects whose change from one recording to the next is what real robots do.
+fn is_friction(effect: &str) -> bool {
+    kind(effect) == "friction" || effect == "load_dependent_friction"
 }
 
 /// Effects that describe the same force at the same place: a second one needs stronger evidence.

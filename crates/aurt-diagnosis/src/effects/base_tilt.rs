@@ -1,9 +1,35 @@
-//! x
+//! `base_tilt`: a base that is not mounted as the gravity vector says.
+//!
+//! # What it is
+//! Gravity in the base frame is turned by small angles about its x and y axes: to first order, τ = ρ Y(q; −x ×
+//! g) π + ϑ Y(q; −y × g) π, with Y the rigid-body regressor at rest and π the fitted inertial parameters.
+//! Floors slope, brackets bend, and mounting angles are typed in wrongly.
+//!
+//! - `roll_rad`, `pitch_rad`: ρ and ϑ, rad; usually some degrees (1° = 0.017 rad).
+//!
+//! # How it shows
+//! All joints that carry gravity show residuals that depend on pose alone and are tied to each other. On a
+//! robot with a vertical first axis, joint 0 suddenly carries gravity in proportion to sin q_0 and cos q_0.
+//!
+//! # Easily confused with
+//! - `payload`: also a pattern of gravity over all joints, but it never loads a vertical first axis, and it
+//!   brings inertia.
+//! - `torque_constant` of a joint that mainly holds gravity.
+//! - `spring`: depends on the joint's own angle alone.
+//! - first moments of the links, which a refit bends to take up part of the tilt.
+//!
+//! # What to record to be sure
+//! A spirit level on the base. Without one: static poses with joint 0 in several directions; a tilt turns with
+//! q_0, a load does not.
+//!
+//! # References
+//! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
+
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal, named};
 
 pub(super) struct BaseTilt;
 
@@ -33,25 +59,20 @@ impl Effect for BaseTilt {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        let columns: Vec<usize> = context.inertial.iter().map(|(c, _)| *c).collect();
-        let coefficients: Vec<f64> = context.inertial.iter().map(|(_, v)| *v).collect();
+        let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
         vec![Proposal {
             joints: (0..context.joints).collect(),
-            addition: Addition::Term(
-                json!({"model":"base_tilt","inertial_columns": columns, "inertial_values": coefficients, "first_axis": true}),
-            ),
+            addition: Addition::Term(json!({
+                "model": "base_tilt",
+                "inertial_columns": columns, "inertial_values": values, "first_axis": true,
+            })),
             nonnegative: vec![],
             presence: Presence::Any,
             fixed: BTreeMap::new(),
         }]
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
         named(&["roll_rad", "pitch_rad"], fitted)
     }
 }

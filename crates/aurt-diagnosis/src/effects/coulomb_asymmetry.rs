@@ -1,9 +1,32 @@
-//! x
-use std::collections::BTreeMap;
+//! `coulomb_asymmetry`: dry friction of another size in each direction.
+//!
+//! # What it is
+//! τ = F_C+ for q̇ > 0 and −F_C− for q̇ < 0. Gears, seals and belts that are preloaded on one side resist one
+//! direction more than the other.
+//!
+//! - `coulomb_pos_nm`, `coulomb_neg_nm`: F_C+ and F_C−, Nm, both ≥ 0; they usually differ by a few per cent.
+//!
+//! # How it shows
+//! While the joint moves, the difference is a constant, (F_C+ − F_C−)/2, on top of symmetric friction. It
+//! vanishes at rest, since a resting joint has no kinetic friction.
+//!
+//! # Easily confused with
+//! - `current_offset`: identical while the joint moves, so on recordings without rest the two are one class. An
+//!   offset is also there at rest.
+//! - `spring` with a constant torque, and the gravity of a joint that moves over a small range: constant there,
+//!   too.
+//! - `viscous_asymmetry`: grows with speed, which needs several speeds to be seen.
+//!
+//! # What to record to be sure
+//! The current at rest, with the brakes released and with them set, beside slow motion in both directions: what
+//! is there at rest with the brakes set is an offset, what only comes with motion is friction.
+//!
+//! # References
+//! - B. Armstrong-Hélouvry (1991), *Control of Machines with Friction*.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, named, raised};
 
 pub(super) struct CoulombAsymmetry;
 
@@ -21,7 +44,8 @@ impl Effect for CoulombAsymmetry {
     }
 
     fn decider(&self) -> &'static str {
-        "the current at rest, with the brakes released and with them set: an offset shows there, asymmetric friction does not"
+        "the current at rest, with the brakes released and with them set: an offset shows there, asymmetric \
+         friction does not"
     }
 
     fn source(&self) -> &'static str {
@@ -29,17 +53,22 @@ impl Effect for CoulombAsymmetry {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
+        // Beside the model's own level, the change in one direction may be negative.
         (0..context.joints)
-            .map(|j| Proposal::on_joint(j, json!({"model":"coulomb_asymmetric","joints":[j]}), vec![]))
+            .map(|j| Proposal::on_joint(j, json!({"model": "coulomb_asymmetric", "joints": [j]}), vec![]))
             .collect()
     }
 
-    fn parameters(
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        named(&["coulomb_pos_nm", "coulomb_neg_nm"], fitted)
+    }
+
+    fn parameters_beside(
         &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
-        named(&["half_difference_nm"], fitted)
+        _proposal: &Proposal,
+        fitted: &[FittedColumn],
+        own: &OwnFriction,
+    ) -> Parameters {
+        named(&["coulomb_pos_nm", "coulomb_neg_nm"], &raised(fitted, own.coulomb_nm))
     }
 }

@@ -1,9 +1,27 @@
-//! x
-use std::collections::BTreeMap;
+//! `current_offset`: a constant that the instrument adds to a joint's measurement.
+//!
+//! # What it is
+//! y = τ + o: current sensors drift, and their zero is rarely set again.
+//!
+//! - `offset`: o, in the unit of the measurement, usually below some per cent of the rated value.
+//!
+//! # How it shows
+//! The mean of the residual is not zero, in motion and at rest alike, whatever the pose.
+//!
+//! # Easily confused with
+//! - `coulomb_asymmetry`: the same constant while the joint moves; gone at rest.
+//! - `spring`: a constant torque is a spring whose travel is small beside its preload.
+//! - gravity of a joint that moves little: first moments absorb a constant there.
+//!
+//! # What to record to be sure
+//! The measurement with the drives off or with the brakes set: what it shows then is the offset.
+//!
+//! # References
+//! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
 
 pub(super) struct CurrentOffset;
 
@@ -30,16 +48,11 @@ impl Effect for CurrentOffset {
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
-            .map(|j| Proposal::on_joint(j, json!({"model":"current_offset","joints":[j]}), vec![]))
+            .map(|j| Proposal::on_joint(j, json!({"model": "current_offset", "joints": [j]}), vec![]))
             .collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
         named(&["offset"], fitted)
     }
 }

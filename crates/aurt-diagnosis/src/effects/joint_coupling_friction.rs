@@ -1,9 +1,39 @@
-//! x
+//! `joint_coupling_friction`: friction and inertia of a motor that turns with two joints.
+//!
+//! # What it is
+//! The motor of one joint sits before another joint's axis and is driven through it, so its shaft turns at ω =
+//! q̇_j + r q̇_k. What acts on it, f = I ω̇ + F_v ω + F_C sgn ω, loads both joints: τ_j = f and τ_k = r f.
+//!
+//! - `partner`, `ratio`: the second joint k and r, often ±1;
+//! - `inertia_kg_m2`, `viscous_nm_s`, `coulomb_nm`: I, F_v, F_C ≥ 0. On the wrist of a TX40: 0.011 kg m², 0.64
+//!   Nm s/rad, 1.82 Nm.
+//!
+//! # How it shows
+//! A joint that stands still needs torque when its neighbour moves, and its friction changes sign where its own
+//! velocity does not.
+//!
+//! # Easily confused with
+//! - `coulomb`, `viscous`, `rotor_inertia` of the two joints alone: they follow each joint's own velocity. In a
+//!   motion that moves both in step they are the same.
+//! - inertial coupling through the links, which depends on pose and has no friction.
+//!
+//! # What to record to be sure
+//! Each of the two joints moving alone, then both in the same and in opposite directions.
+//!
+//! # References
+//! - M. Gautier, A. Janot, P.-O. Vandanjon (2013), *A new closed-loop output error method for parameter
+//!   identification of robot dynamics*.
+//! - A. Janot, P.-O. Vandanjon, M. Gautier (2014), *A generic instrumental variable approach for industrial
+//!   robot identification*.
+
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal, named};
+
+/// Ratios that are tried: gear trains through a wrist turn a motor as fast as its neighbour, half or twice as fast.
+const RATIOS: [f64; 6] = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0];
 
 pub(super) struct JointCouplingFriction;
 
@@ -29,36 +59,27 @@ impl Effect for JointCouplingFriction {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        let mut list = Vec::new();
-        for joint in 0..context.joints {
-            for partner in joint + 1..context.joints {
-                for ratio in [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0] {
-                    list.push(
-                        Proposal {
-                            joints: vec![joint, partner],
-                            addition: Addition::Term(
-                                json!({"model":"coupling","joint":joint,"partner":partner,"ratio":ratio}),
-                            ),
-                            nonnegative: vec![true; 3],
-                            presence: Presence::Any,
-                            fixed: BTreeMap::new(),
-                        }
-                        .with("partner", partner as f64)
-                        .with("ratio", ratio),
-                    );
-                }
-            }
-        }
-        list
+        let pairs = (0..context.joints).flat_map(|j| (j + 1..context.joints).map(move |k| (j, k)));
+        pairs.flat_map(|(joint, partner)| RATIOS.map(|ratio| coupling(joint, partner, ratio))).collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let mut p = named(&["inertia_kg_m2", "viscous_nm_s", "coulomb_nm"], fitted);
-        p.extend(proposal.fixed.iter().map(|(k, v)| (k.clone(), (json!(v), Value::Null))));
-        p
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let mut parameters = named(&["inertia_kg_m2", "viscous_nm_s", "coulomb_nm"], fitted);
+        parameters.extend(proposal.fixed_parameters());
+        parameters
     }
+}
+
+fn coupling(joint: usize, partner: usize, ratio: f64) -> Proposal {
+    Proposal {
+        joints: vec![joint, partner],
+        addition: Addition::Term(
+            json!({"model": "coupling", "joint": joint, "partner": partner, "ratio": ratio}),
+        ),
+        nonnegative: vec![true; 3],
+        presence: Presence::Any,
+        fixed: BTreeMap::new(),
+    }
+    .with("partner", partner as f64)
+    .with("ratio", ratio)
 }

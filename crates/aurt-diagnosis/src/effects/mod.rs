@@ -6,16 +6,20 @@
 
 use std::collections::BTreeMap;
 
+use aurt_traits::{ColumnGroup, RobotModel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::{Instrument, RecordingRows};
 
+mod backlash;
 mod base_tilt;
 mod coulomb;
 mod coulomb_asymmetry;
 mod current_offset;
 mod drive_efficiency;
+mod dropped_samples;
+mod external_contact;
 mod friction_level_changed;
 mod joint_coupling_friction;
 mod joint_elasticity;
@@ -23,6 +27,7 @@ mod load_dependent_friction;
 mod payload;
 mod presliding_hysteresis;
 mod rotor_inertia;
+mod saturation;
 mod spring;
 mod stribeck;
 mod temperature_dependent_friction;
@@ -104,6 +109,22 @@ pub enum Addition {
     Instrument(usize, Instrument),
 }
 
+/// A coefficient of a proposal as it was fitted: name, value, standard deviation. A coefficient that the
+/// baseline absorbs has the value 0 and an infinite deviation.
+pub type FittedColumn = (String, f64, f64);
+
+/// Parameters under their canonical names: value and standard deviation, null where there is none.
+pub type Parameters = BTreeMap<String, (Value, Value)>;
+
+/// The friction of a joint's own stack in a fit, on top of which the coefficients of proposals come.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OwnFriction {
+    /// Level of dry friction at full sliding without load, Nm.
+    pub coulomb_nm: f64,
+    /// Linear viscous friction, Nm s/rad.
+    pub viscous_nm_s: f64,
+}
+
 /// An estimate with its standard deviation, or several along the joints of a finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterValue {
@@ -135,27 +156,38 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Terms that would describe the effect on this robot.
+    /// Terms that would describe the effect on this robot; none where it is found by other means than columns
+    /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;
 
-    /// The effect's parameters under their canonical names from the fitted coefficients (name, value,
-    /// standard deviation) of a proposal.
-    fn parameters(
+    /// The effect's parameters under their canonical names, from the fitted coefficients of a proposal.
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters;
+
+    /// The same where the joint's own friction in the same fit is known, so that levels are whole levels and
+    /// not what comes on top of the model's.
+    fn parameters_beside(
         &self,
         proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)>;
+        fitted: &[FittedColumn],
+        own: &OwnFriction,
+    ) -> Parameters {
+        let _ = own;
+        self.parameters(proposal, fitted)
+    }
 }
 
 /// All effects, by family and identifier.
 #[must_use]
 pub fn all() -> Vec<&'static dyn Effect> {
     let mut effects: Vec<&'static dyn Effect> = vec![
+        &backlash::Backlash,
         &base_tilt::BaseTilt,
         &coulomb::Coulomb,
         &coulomb_asymmetry::CoulombAsymmetry,
         &current_offset::CurrentOffset,
         &drive_efficiency::DriveEfficiency,
+        &dropped_samples::DroppedSamples,
+        &external_contact::ExternalContact,
         &friction_level_changed::FrictionLevelChanged,
         &joint_coupling_friction::JointCouplingFriction,
         &joint_elasticity::JointElasticity,
@@ -163,6 +195,7 @@ pub fn all() -> Vec<&'static dyn Effect> {
         &payload::Payload,
         &presliding_hysteresis::PreslidingHysteresis,
         &rotor_inertia::RotorInertia,
+        &saturation::Saturation,
         &spring::Spring,
         &stribeck::Stribeck,
         &temperature_dependent_friction::TemperatureDependentFriction,
@@ -221,6 +254,35 @@ impl Proposal {
         self.fixed.insert(name.to_owned(), value);
         self
     }
+
+    /// The parameters that the proposal fixes, as a finding reports them.
+    #[must_use]
+    pub fn fixed_parameters(&self) -> Parameters {
+        self.fixed.iter().map(|(name, value)| (name.clone(), (json!(value), Value::Null))).collect()
+    }
+}
+
+impl OwnFriction {
+    /// The friction of a joint's stack; `coefficients` are those of a fit over the model's columns, at least
+    /// up to the joint dynamics.
+    #[must_use]
+    pub fn of(model: &RobotModel, joint: usize, coefficients: &[f64]) -> Self {
+        let mut own = Self::default();
+        let Some(stack) = model.stacks().get(joint) else { return own };
+        let range = model.group(ColumnGroup::JointDynamics(joint));
+        let dry = stack.coulomb().columns().len() * stack.hysteresis().columns().len();
+        for (k, (column, value)) in
+            stack.columns().iter().zip(coefficients.iter().skip(range.start)).enumerate()
+        {
+            // An excess near rest (`dF_S…`) is gone at full sliding.
+            if k < dry && column.unit == "Nm" && !column.name.starts_with("dF") {
+                own.coulomb_nm += value;
+            } else if k >= dry && column.unit == "Nm s/rad" {
+                own.viscous_nm_s += value;
+            }
+        }
+        own
+    }
 }
 
 /// A further stack of equation (6) on one joint, as an arm term.
@@ -232,10 +294,15 @@ fn joint_friction(joint: usize, coulomb: Value, hysteresis: Value, powers: &[u32
 }
 
 /// Canonical names for the fitted coefficients, in order.
-fn named(names: &[&str], fitted: &[(String, f64, f64)]) -> BTreeMap<String, (Value, Value)> {
+fn named(names: &[&str], fitted: &[FittedColumn]) -> Parameters {
     names
         .iter()
         .zip(fitted)
         .map(|(name, (_, value, std))| ((*name).to_owned(), (json!(value), json!(std))))
         .collect()
+}
+
+/// Coefficients on top of a level that the model has already.
+fn raised(fitted: &[FittedColumn], by: f64) -> Vec<FittedColumn> {
+    fitted.iter().map(|(name, value, std)| (name.clone(), value + by, *std)).collect()
 }

@@ -1,9 +1,40 @@
-//! x
+//! `payload`: a load attached to a link.
+//!
+//! # What it is
+//! A body fixed to a link adds its ten inertial parameters to the link's, τ = Y_link(q, q̇, q̈) π_load, on the
+//! link's joint and on all joints before it.
+//!
+//! - `link`: the link that carries it;
+//! - `mass_kg`, `com_m` (its centre of mass in the link's frame, x y z), `inertia_kg_m2` (about that frame's
+//!   origin, in the order XX XY XZ YY YZ ZZ). A negative mass means that something was taken off.
+//!
+//! # How it shows
+//! Residuals on several joints that follow pose and acceleration and stand in the ratios that one body
+//! dictates: with a load of 2.8 kg on its flange the residual of a UR10e grew 4–19 times on joints 1–5 and
+//! hardly on joint 0.
+//!
+//! # Easily confused with
+//! - the robot's own last link: refitted on the same recordings it absorbs a payload exactly. Only a reference
+//!   recording without the load, or a frozen model, shows it.
+//! - `torque_constant`: in amperes the mass scales with the drives' gains; a common factor of all gains is a
+//!   mass.
+//! - `base_tilt`: gravity alone, and on a vertical first axis, too.
+//! - `external_contact`: local in time.
+//!
+//! # What to record to be sure
+//! The same motion with and without the load, on the same day. A load may be turned on the flange between two
+//! recordings; validate it on the rest of its own.
+//!
+//! # References
+//! - W. Khalil, M. Gautier, P. Lemoine (2007), *Identification of the payload inertial parameters of industrial
+//!   manipulators*.
+//! - S. Mamedov, S. Mikhel (2020), *Practical aspects of model-based collision detection*.
+
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal};
 
 pub(super) struct Payload;
 
@@ -37,7 +68,8 @@ impl Effect for Payload {
             .map(|link| {
                 Proposal {
                     joints: (0..context.joints).collect(),
-                    addition: Addition::Term(json!({"model":"payload","link":link})),
+                    addition: Addition::Term(json!({"model": "payload", "link": link})),
+                    // A load that was taken off has a negative mass.
                     nonnegative: vec![],
                     presence: Presence::Change,
                     fixed: BTreeMap::new(),
@@ -47,23 +79,24 @@ impl Effect for Payload {
             .collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let mut p: BTreeMap<String, (Value, Value)> = BTreeMap::new();
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let mut parameters = proposal.fixed_parameters();
         let find = |wanted: &str| {
-            fitted.iter().find(|(n, _, _)| n.split('_').next() == Some(wanted)).map(|(_, v, s)| (*v, *s))
+            fitted
+                .iter()
+                .find(|(name, _, _)| name.split('_').next() == Some(wanted))
+                .map_or((0.0, f64::INFINITY), |(_, value, std)| (*value, *std))
         };
-        if let Some((mass, std)) = find("m") {
-            p.insert("mass_kg".to_owned(), (json!(mass), json!(std)));
-            let com = ["mX", "mY", "mZ"].map(|n| find(n).unwrap_or((0.0, 0.0)));
-            p.insert("com_m".to_owned(), (json!(com.map(|c| c.0 / mass)), json!(com.map(|c| c.1 / mass))));
-            let inertia = ["XX", "XY", "XZ", "YY", "YZ", "ZZ"].map(|n| find(n).unwrap_or((0.0, 0.0)));
-            p.insert("inertia_kg_m2".to_owned(), (json!(inertia.map(|c| c.0)), json!(inertia.map(|c| c.1))));
+        let (mass, std) = find("m");
+        if mass != 0.0 {
+            let moments = ["mX", "mY", "mZ"].map(find);
+            let inertias = ["XX", "XY", "XZ", "YY", "YZ", "ZZ"].map(find);
+            parameters.insert("mass_kg".to_owned(), (json!(mass), json!(std)));
+            let com = (json!(moments.map(|m| m.0 / mass)), json!(moments.map(|m| m.1 / mass.abs())));
+            parameters.insert("com_m".to_owned(), com);
+            let inertia = (json!(inertias.map(|i| i.0)), json!(inertias.map(|i| i.1)));
+            parameters.insert("inertia_kg_m2".to_owned(), inertia);
         }
-        p.extend(proposal.fixed.iter().map(|(k, v)| (k.clone(), (json!(v), Value::Null))));
-        p
+        parameters
     }
 }

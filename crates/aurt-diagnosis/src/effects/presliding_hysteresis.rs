@@ -1,9 +1,46 @@
-//! x
-use std::collections::BTreeMap;
+//! `presliding_hysteresis`: friction that builds up over the first travel after each reversal.
+//!
+//! # What it is
+//! Before surfaces slide, their contacts give like springs and let go one after the other. Here the sum of
+//! parallel Maxwell-slip elements, τ = Σ_i W_i clamp((q − a_i)/Δ_i, −1, 1): each element's anchor a_i follows
+//! the joint at the distance Δ_i once the element slips, so friction remembers where the joint turned. Dahl,
+//! LuGre and Bouc–Wen models describe the same loops.
+//!
+//! - `thresholds_rad`: Δ_i, 10⁻³–10⁻¹ rad on geared joints (0.0005–0.12 rad, five elements, are tried);
+//! - `weights_nm`: W_i ≥ 0, Nm; their sum joins the level of full sliding.
+//!
+//! # How it shows
+//! Plotted against angle, the residual runs through loops: after a reversal it rises over some hundredths of a
+//! rad to the level that a model with sgn q̇ reaches at once. Real joints nearly always have it: on a UR10e it
+//! was the first thing that a Coulomb and viscous model lacked, on all six joints.
+//!
+//! # Easily confused with
+//! - `coulomb`: the same far from reversals.
+//! - `stribeck`: confined to the same stretches, but following speed instead of travel.
+//! - `backlash`, which also acts after reversals, within the play only and with an impact at its end.
+//! - the smear of filters on sgn q̇, which follows time since the reversal.
+//! - its own variants: which of the models describes the loop best is rarely decidable.
+//!
+//! # What to record to be sure
+//! Slow triangular motion of one joint with amplitudes from 0.001 to 0.1 rad, nested, so that loops close
+//! within loops.
+//!
+//! # References
+//! - W. D. Iwan (1966), *A distributed-element model for hysteresis and its steady-state dynamic response*.
+//! - P. R. Dahl (1968), *A solid friction model*.
+//! - C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky (1995), *A new model for control of systems with
+//!   friction*.
+//! - V. Lampaert, F. Al-Bender, J. Swevers (2003), *A generalized Maxwell-slip friction model appropriate for
+//!   control purposes*.
 
 use serde_json::{Value, json};
 
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction};
+
+/// Number of Maxwell-slip elements.
+const ELEMENTS: usize = 5;
+/// Smallest and largest threshold, rad; those between are evenly spaced in logarithms.
+const THRESHOLDS_RAD: [f64; 2] = [0.0005, 0.12];
 
 pub(super) struct PreslidingHysteresis;
 
@@ -29,23 +66,28 @@ impl Effect for PreslidingHysteresis {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
+        let [smallest, largest] = THRESHOLDS_RAD;
+        let elements = json!({
+            "model": "maxwell_slip", "elements": ELEMENTS, "smallest_rad": smallest, "largest_rad": largest,
+        });
         (0..context.joints)
             .map(|j| {
-                Proposal::on_joint(
-                    j,
-                    joint_friction(j, json!({"model":"none"}), json!({"model":"maxwell_slip"}), &[]),
-                    vec![true; 5],
-                )
+                let term = joint_friction(j, json!({"model": "none"}), elements.clone(), &[]);
+                Proposal::on_joint(j, term, vec![true; ELEMENTS])
             })
             .collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
-        fitted.iter().map(|(name, value, std)| (name.clone(), (json!(value), json!(std)))).collect()
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let [smallest, largest] = THRESHOLDS_RAD;
+        let steps = (ELEMENTS - 1) as f64;
+        let thresholds: Vec<f64> =
+            (0..ELEMENTS).map(|i| smallest * (largest / smallest).powf(i as f64 / steps)).collect();
+        let weights: Vec<f64> = fitted.iter().map(|f| f.1).collect();
+        let deviations: Vec<f64> = fitted.iter().map(|f| f.2).collect();
+        Parameters::from([
+            ("thresholds_rad".to_owned(), (json!(thresholds), Value::Null)),
+            ("weights_nm".to_owned(), (json!(weights), json!(deviations))),
+        ])
     }
 }

@@ -1,9 +1,33 @@
-//! x
-use std::collections::BTreeMap;
+//! `spring`: a spring that acts on the joint.
+//!
+//! # What it is
+//! τ = k (q − q_0). Cables and hoses that twist with a joint act so, and balancers of heavy arms, whose lever
+//! makes it k · lever(q).
+//!
+//! - `stiffness_nm_rad`: k ≥ 0, Nm/rad;
+//! - `rest_rad`: q_0, the angle at which it is relaxed.
+//!
+//! # How it shows
+//! The residual depends on the joint's angle alone: a straight line against q, the same in both directions and
+//! at all speeds.
+//!
+//! # Easily confused with
+//! - first moments of the links: gravity over a small range of angles is a straight line, too, and where the
+//!   joint moves little a refit absorbs most of the spring.
+//! - `torque_ripple` of a low order; a spring has no second turn.
+//! - `base_tilt`, which ties several joints together.
+//! - `current_offset`: the same as k q_0.
+//!
+//! # What to record to be sure
+//! Static poses over the whole range of the joint, with the other joints folded so that gravity is small.
+//!
+//! # References
+//! - R. Hooke (1678), *Lectures de potentia restitutiva, or of spring*.
+//! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
 
 pub(super) struct Spring;
 
@@ -30,16 +54,20 @@ impl Effect for Spring {
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
-            .map(|j| Proposal::on_joint(j, json!({"model":"spring","joints":[j]}), vec![true]))
+            .map(|j| Proposal::on_joint(j, json!({"model": "spring", "joints": [j]}), vec![true, false]))
             .collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
-        named(&["stiffness_nm_rad", "offset_nm"], fitted)
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let mut parameters = named(&["stiffness_nm_rad"], fitted);
+        // The second coefficient is k q_0; it is unknown where an offset of the model has absorbed it.
+        if let [(_, stiffness, _), (_, moment, std), ..] = fitted
+            && *stiffness > 0.0
+            && std.is_finite()
+        {
+            let rest = (json!(moment / stiffness), json!(std / stiffness));
+            parameters.insert("rest_rad".to_owned(), rest);
+        }
+        parameters
     }
 }

@@ -1,9 +1,36 @@
-//! x
-use std::collections::BTreeMap;
+//! `temperature_dependent_friction`: friction that drifts along the recording.
+//!
+//! # What it is
+//! τ = (F_T sgn q̇ + F_Tv q̇) ln(1 + t/60 s), t the time since the recording began. Lubricant warms up as the
+//! robot works and becomes thinner. Hardly anybody logs its temperature; the logarithm of the uptime stands in
+//! for it.
+//!
+//! - `rate_per_efold`: relative change of friction at a typical speed each time the uptime grows by the factor
+//!   e; −0.01 to −0.04 was measured on a robot that was already warm.
+//!
+//! # How it shows
+//! The same motion needs less torque late in the recording than early in it, by the same share everywhere;
+//! plotted against time, the residual times sgn q̇ drifts.
+//!
+//! # Easily confused with
+//! - another level of friction between recordings (`friction_level_changed`): that is constant within each.
+//! - `viscous`, `coulomb`: an average level is always absorbed; only the drift counts.
+//! - `viscous_nonlinear`, if the motion becomes faster or slower along the recording.
+//!
+//! # What to record to be sure
+//! Half an hour of one repeated motion from a cold start, or the temperature of the joints beside the currents.
+//! A recording of 20 s cannot show it.
+//!
+//! # References
+//! - A. C. Bittencourt, S. Gunnarsson (2012), *Static friction in a robot joint – modeling and identification
+//!   of load and temperature effects*.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, named};
+
+/// The parameter in which a proposal notes the joint's root mean square speed.
+const TYPICAL_VELOCITY: &str = "typical_velocity_rad_s";
 
 pub(super) struct TemperatureDependentFriction;
 
@@ -30,16 +57,43 @@ impl Effect for TemperatureDependentFriction {
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
-            .map(|j| Proposal::on_joint(j, json!({"model":"temperature","joints":[j]}), vec![]))
+            .map(|j| {
+                // Friction rises or falls; both signs are physical.
+                Proposal::on_joint(j, json!({"model": "temperature", "joints": [j]}), vec![])
+                    .with(TYPICAL_VELOCITY, typical_velocity_rad_s(context, j))
+            })
             .collect()
     }
 
-    fn parameters(
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let mut parameters = named(&["coulomb_per_efold_nm", "viscous_per_efold_nm_s"], fitted);
+        parameters.extend(proposal.fixed_parameters());
+        parameters
+    }
+
+    fn parameters_beside(
         &self,
         proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
-        fitted.iter().map(|(name, value, std)| (name.clone(), (json!(value), json!(std)))).collect()
+        fitted: &[FittedColumn],
+        own: &OwnFriction,
+    ) -> Parameters {
+        let mut parameters = self.parameters(proposal, fitted);
+        let speed = proposal.fixed.get(TYPICAL_VELOCITY).copied().unwrap_or(0.0);
+        let level = own.coulomb_nm + own.viscous_nm_s * speed;
+        if let [dry, wet, ..] = fitted
+            && level > 0.0
+        {
+            let rate = (dry.1 + wet.1 * speed) / level;
+            let std = dry.2.hypot(wet.2 * speed) / level;
+            parameters.insert("rate_per_efold".to_owned(), (json!(rate), json!(std)));
+        }
+        parameters
     }
+}
+
+/// Root mean square speed of a joint over all recordings.
+fn typical_velocity_rad_s(context: &Context<'_>, joint: usize) -> f64 {
+    let speeds = context.recordings.iter().flat_map(|r| &r.joints[joint].velocity_rad_s);
+    let (sum, count) = speeds.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+    (sum / f64::max(count, 1.0)).sqrt()
 }

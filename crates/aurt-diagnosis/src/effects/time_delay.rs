@@ -1,9 +1,32 @@
-//! x
-use std::collections::BTreeMap;
+//! `time_delay`: a delay between motion and measurement.
+//!
+//! # What it is
+//! The row of time t holds q(t) and τ(t − d): to first order, y = τ − d τ̇. Position and current come over
+//! different buses, are filtered differently, or a logger pairs the values of two cycles.
+//!
+//! - `delay_s`: d ≥ 0, s, usually one to ten samples; as a rule the same for all joints, since they share the
+//!   bus.
+//!
+//! # How it shows
+//! Residuals follow the slope of the torque; at reversals, where friction steps, they are needles as wide as
+//! the delay, on the same side of every reversal.
+//!
+//! # Easily confused with
+//! - `joint_elasticity`: a resonance above the motion delays as well, but not at all frequencies alike.
+//! - `presliding_hysteresis` and `stribeck`: the step of friction at a reversal comes late in these, too. They
+//!   follow travel and speed, a delay follows time.
+//! - `viscous`, acting against a delayed gravity torque in slow motion.
+//! - `rotor_inertia`, in motion of a single frequency.
+//!
+//! # What to record to be sure
+//! Time stamps of position and current from one clock. A sharp jolt by hand at rest shows the delay on a plot.
+//!
+//! # References
+//! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*, on the filtering that keeps
+//!   torque and regressor in phase.
 
-use serde_json::Value;
-
-use super::*;
+use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use crate::Instrument;
 
 pub(super) struct TimeDelay;
 
@@ -32,12 +55,7 @@ impl Effect for TimeDelay {
         (0..context.joints).map(|j| Proposal::instrument(j, Instrument::Delay, true)).collect()
     }
 
-    fn parameters(
-        &self,
-        proposal: &Proposal,
-        fitted: &[(String, f64, f64)],
-    ) -> BTreeMap<String, (Value, Value)> {
-        let _ = proposal;
+    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
         named(&["delay_s"], fitted)
     }
 }
