@@ -45,11 +45,6 @@ impl Block {
         self.wanted & (1 << k) != 0
     }
 
-    /// The largest offset of a wanted entry.
-    pub fn largest_offset(&self) -> Option<usize> {
-        (0..INERTIAL_PARAMETERS).filter(|k| self.wants(*k)).map(|k| self.offsets[k]).max()
-    }
-
     /// Replaces the offsets of all wanted entries.
     pub fn map_offsets(&mut self, mut replace: impl FnMut(usize) -> usize) {
         for k in 0..INERTIAL_PARAMETERS {
@@ -78,47 +73,48 @@ macro_rules! write_entry {
 /// With ω, ω̇ and the origin's acceleration a of the link, a link of inertia I about the origin, first moment
 /// h and mass m needs the force m a + B h and the moment I ω̇ + ω × I ω + h × a.
 ///
-/// `link` and twists are those of this `member` of the group.
-///
 /// # Safety
-/// For every wanted entry of `blocks`, as many values as there are lanes can be written at its offset from `to`.
+/// For every wanted entry of `blocks` and every member of `group`, as many values as there are lanes can be
+/// written at their offsets from `to`.
 #[inline(always)]
 pub(super) unsafe fn other_blocks<T: Lanes>(
-    link: &LinkMotion<T>,
+    links: &[LinkMotion<T>],
     joints: &[JointLanes<T>],
-    member: usize,
     blocks: &[Block],
+    group: &[usize],
     to: *mut f64,
 ) {
     let Some(wanted) = blocks.first().map(|block| block.wanted) else { return };
     let alike = blocks.iter().all(|block| block.wanted == wanted);
-    // SAFETY: the caller's promise, and all masks are what the block says.
+    // SAFETY: the caller's promise, and the masks are what the blocks say.
     unsafe {
         match wanted {
-            ALL if alike => masked_blocks::<T, ALL>(*link, joints, member, blocks, to),
-            USUAL_BASE if alike => masked_blocks::<T, USUAL_BASE>(*link, joints, member, blocks, to),
+            ALL if alike => masked_blocks::<T, ALL>(links, joints, blocks, group, to),
+            USUAL_BASE if alike => masked_blocks::<T, USUAL_BASE>(links, joints, blocks, group, to),
             0 if alike => (),
-            _ => masked_blocks::<T, AS_WANTED>(*link, joints, member, blocks, to),
+            _ => masked_blocks::<T, AS_WANTED>(links, joints, blocks, group, to),
         }
     }
 }
 
-/// Takes the link's motion by value, so that it is in registers: between the writes, which might overlap it for
-/// all that the processor knows, it would be slow to read.
-///
 /// # Safety
 /// As for [`other_blocks`]; `MASK` is the mask of all blocks or [`AS_WANTED`].
 #[inline(always)]
 unsafe fn masked_blocks<T: Lanes, const MASK: u16>(
-    link: LinkMotion<T>,
+    links: &[LinkMotion<T>],
     joints: &[JointLanes<T>],
-    member: usize,
     blocks: &[Block],
+    group: &[usize],
     to: *mut f64,
 ) {
-    for (joint, block) in joints.iter().zip(blocks) {
-        // SAFETY: the caller's promise.
-        unsafe { masked_block::<T, MASK>(&link, &joint.twists[member], block, to) };
+    for (member, (link, first)) in links.iter().zip(group).enumerate() {
+        // A copy that is in registers: between the writes, which might overlap the original for all that the
+        // processor knows, it would be slow to read.
+        let link = *link;
+        for (joint, block) in joints.iter().zip(blocks) {
+            // SAFETY: the caller's promise.
+            unsafe { masked_block::<T, MASK>(&link, &joint.twists[member], block, to.add(*first)) };
+        }
     }
 }
 
@@ -150,21 +146,52 @@ unsafe fn masked_block<T: Lanes, const MASK: u16>(
     write_entry!(MASK, block, to, 9, dot(v, &link.accel));
 }
 
-/// The block of a joint and its own link: the z component of the moment.
+/// The block of one link and its own joint: the z component of the moment.
 ///
 /// # Safety
 /// As for [`other_blocks`].
 #[inline(always)]
-pub(super) unsafe fn own_block<T: Lanes>(link: &LinkMotion<T>, sign: f64, block: &Block, to: *mut f64) {
-    const MASK: u16 = AS_WANTED;
-    let sign = T::splat(sign);
-    let [xy, ..] = link.products;
-    write_entry!(MASK, block, to, 0, -(xy * sign));
-    write_entry!(MASK, block, to, 1, (link.differences[0] * sign));
-    write_entry!(MASK, block, to, 2, -(link.b[1][2] * sign));
-    write_entry!(MASK, block, to, 3, (xy * sign));
-    write_entry!(MASK, block, to, 4, (link.b[0][2] * sign));
-    write_entry!(MASK, block, to, 5, (link.omega_dot[2] * sign));
-    write_entry!(MASK, block, to, 6, (link.accel[1] * sign));
-    write_entry!(MASK, block, to, 7, -(link.accel[0] * sign));
+pub(super) unsafe fn own_block<T: Lanes>(
+    links: &[LinkMotion<T>],
+    sign: f64,
+    block: Block,
+    group: &[usize],
+    to: *mut f64,
+) {
+    const USUAL_OWN: u16 = OWN & USUAL_BASE;
+    // SAFETY: the caller's promise, and the mask is what the block says.
+    unsafe {
+        match block.wanted {
+            OWN => masked_own_block::<T, OWN>(links, sign, block, group, to),
+            USUAL_OWN => masked_own_block::<T, USUAL_OWN>(links, sign, block, group, to),
+            0 => (),
+            _ => masked_own_block::<T, AS_WANTED>(links, sign, block, group, to),
+        }
+    }
+}
+
+/// # Safety
+/// As for [`other_blocks`]; `MASK` is the mask of the block or [`AS_WANTED`].
+#[inline(always)]
+unsafe fn masked_own_block<T: Lanes, const MASK: u16>(
+    links: &[LinkMotion<T>],
+    sign: f64,
+    block: Block,
+    group: &[usize],
+    to: *mut f64,
+) {
+    let (plus, minus) = (T::splat(sign), T::splat(-sign));
+    for (link, first) in links.iter().zip(group) {
+        let [xy, ..] = link.products;
+        // SAFETY: the caller's promise.
+        let to = unsafe { to.add(*first) };
+        write_entry!(MASK, block, to, 0, (xy * minus));
+        write_entry!(MASK, block, to, 1, (link.differences[0] * plus));
+        write_entry!(MASK, block, to, 2, (link.b[1][2] * minus));
+        write_entry!(MASK, block, to, 3, (xy * plus));
+        write_entry!(MASK, block, to, 4, (link.b[0][2] * plus));
+        write_entry!(MASK, block, to, 5, (link.omega_dot[2] * plus));
+        write_entry!(MASK, block, to, 6, (link.accel[1] * plus));
+        write_entry!(MASK, block, to, 7, (link.accel[0] * minus));
+    }
 }

@@ -158,13 +158,10 @@ fn evaluate_group<T: Lanes>(
             }
         }
         let Some((own, others)) = plan.blocks_of(i).split_last() else { return };
-        for (member, (link, first)) in links.iter().zip(group).enumerate() {
-            // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
-            unsafe {
-                let to = to.add(*first);
-                other_blocks(link, before, member, others, to);
-                own_block(link, joint.sign, own, to);
-            }
+        // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
+        unsafe {
+            other_blocks(links, before, others, group, to);
+            own_block(links, joint.sign, *own, group, to);
         }
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Plan<'a> {
     pub samples: usize,
     /// The blocks of link after link, of each the joints from 0 up to its own.
     blocks: Vec<Block>,
-    /// The largest offset in `blocks`.
+    /// An offset that none in `blocks` exceeds; `None` if nothing is wanted.
     largest_offset: Option<usize>,
 }
 
@@ -24,7 +24,8 @@ impl<'a> Plan<'a> {
     pub fn new(chain: &'a SerialChain, motion: MotionView<'a>, tile: &mut RegressorTile<'_>) -> Self {
         let joints = chain.joints();
         let (destinations, stride, _) = tile.raw_mut();
-        let mut largest_offset = None;
+        // One more than the largest destination: an entry that is not wanted wraps around to 0.
+        let destinations_end = destinations.iter().map(|d| d.wrapping_add(1)).max().unwrap_or(0);
         let mut blocks = Vec::with_capacity(joints.len() * (joints.len() + 1) / 2);
         // One group of ten destinations for each (joint, link).
         let (groups, _) = destinations.as_chunks::<INERTIAL_PARAMETERS>();
@@ -35,9 +36,7 @@ impl<'a> Plan<'a> {
                     0 => OWN_ON_BASE,
                     _ => OWN,
                 };
-                let block = Block::new(&groups[joint * joints.len() + link], possible, stride);
-                largest_offset = largest_offset.max(block.largest_offset());
-                blocks.push(block);
+                blocks.push(Block::new(&groups[joint * joints.len() + link], possible, stride));
             }
         }
         Self {
@@ -49,7 +48,7 @@ impl<'a> Plan<'a> {
                 .collect(),
             samples: motion.samples(),
             blocks,
-            largest_offset,
+            largest_offset: (destinations_end as usize).checked_sub(1).map(|d| d * stride),
         }
     }
 
