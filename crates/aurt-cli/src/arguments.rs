@@ -35,13 +35,14 @@ pub struct Arguments {
 /// The options whose value is a vector.
 const VECTOR_OPTIONS: [&str; 2] = ["--gravity", "--torque-constants"];
 
-/// Joins the numbers that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:
-/// negative numbers look like options to clap, and so do quoted vectors that begin with one.
+/// Joins the words that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:
+/// negative numbers look like options to clap, and so do quoted vectors that begin with one. Commands with such
+/// options take no bare arguments that could be meant.
 pub fn join_vector_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::new();
     let mut in_vector = false;
     for argument in arguments {
-        if in_vector && is_numbers(&argument) {
+        if in_vector && !is_option(&argument) {
             if let Some(last) = joined.last_mut() {
                 let bare = VECTOR_OPTIONS.iter().any(|option| last == option);
                 last.push(if bare { "=" } else { " " });
@@ -57,8 +58,8 @@ pub fn join_vector_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsSt
     joined
 }
 
-fn is_numbers(argument: &OsStr) -> bool {
-    argument.to_str().is_some_and(|text| parse_numbers(text).is_ok())
+fn is_option(argument: &OsStr) -> bool {
+    argument.to_str().is_some_and(|text| text.starts_with('-') && parse_numbers(text).is_err())
 }
 
 /// Numbers separated by spaces, commas or both, in brackets or not.
@@ -158,8 +159,9 @@ mod tests {
 
     #[test]
     fn what_follows_a_vector_is_left_alone() {
-        let line = ["aurt", "compile-rbd", "--gravity=0 0 -9.81", "model.json", "7"];
+        let line = ["aurt", "--gravity=0 0 -9.81", "--quiet", "7", "-q"];
         assert_eq!(joined(&line), line.map(str::to_owned).to_vec());
+        assert_eq!(joined(&["--gravity", "0", "0", "down", "-q"]), ["--gravity=0 0 down", "-q"]);
     }
 
     #[test]

@@ -24,11 +24,18 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// The part `span` of a whole text.
+    /// The lines of a whole text in which its part `span` stands.
     pub fn of_text(path: &Path, text: &str, span: Range<usize>) -> Self {
         let end = span.end.min(text.len());
         let start = span.start.min(end);
-        Self { name: path.display().to_string(), text: text.to_owned(), first_line: 1, span: start..end }
+        let from = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let to = text[end..].find('\n').map_or(text.len(), |at| end + at);
+        Self {
+            name: path.display().to_string(),
+            text: text[from..to].to_owned(),
+            first_line: text[..from].matches('\n').count() + 1,
+            span: start - from..end - from,
+        }
     }
 
     /// A cell of a line of a table, or the whole line; `None` if it cannot be read again.

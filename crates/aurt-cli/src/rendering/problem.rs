@@ -58,7 +58,6 @@ pub fn render(failure: &Failure, coloured: bool) -> String {
         // Whoever searches a log for a path must find it in one piece.
         .with_wrap_lines(coloured)
         .with_break_words(false)
-        .with_context_lines(0)
         .without_cause_chain();
     let mut text = String::new();
     for problem in problems(failure) {
@@ -190,6 +189,7 @@ impl SourceCode for Excerpt {
         before: usize,
         after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        // Without context miette asks for the place, and with any it shows lines: then whole ones.
         let inner = self.text.as_bytes().read_span(span, before, after)?;
         Ok(Box::new(MietteSpanContents::new_named(
             self.name.clone(),

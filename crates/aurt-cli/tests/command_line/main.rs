@@ -1,4 +1,11 @@
 //! The `aurt` command as a person or a script meets it.
 
+mod bad_experiment;
+mod bad_model_file;
+mod bad_recording;
+mod chain;
+mod machine_output;
+mod outputs;
 mod real_recordings;
 mod support;
+mod words;

@@ -4,6 +4,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
+    sync::LazyLock,
 };
 
 use serde_json::Value;
@@ -45,6 +46,14 @@ impl Folder {
         names
     }
 
+    /// Copies files of the demo into this folder.
+    pub fn with_demo(self, names: &[&str]) -> Self {
+        for name in names {
+            fs::copy(DEMO.path("demo").join(name), self.path(name)).unwrap();
+        }
+        self
+    }
+
     /// Runs `aurt` in this folder.
     pub fn aurt<S: AsRef<std::ffi::OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
         let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
@@ -55,6 +64,27 @@ impl Folder {
             .unwrap();
         Run(output)
     }
+}
+
+/// A demo that has run, in the folder `demo`.
+pub static DEMO: LazyLock<Folder> = LazyLock::new(|| {
+    let folder = Folder::new();
+    folder.aurt(["demo", "--out", "demo", "--quiet"]).succeeded();
+    folder
+});
+
+/// Lines of a text, of which one is changed: number from 1.
+pub fn with_line(text: &str, number: usize, change: impl Fn(&str) -> String) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines[number - 1] = change(&lines[number - 1]);
+    lines.join("\n") + "\n"
+}
+
+/// A line of comma-separated cells, of which one is replaced: number from 1.
+pub fn with_cell(line: &str, number: usize, cell: &str) -> String {
+    let mut cells: Vec<&str> = line.split(',').collect();
+    cells[number - 1] = cell;
+    cells.join(",")
 }
 
 /// A finished run.

@@ -1,0 +1,50 @@
+//! Experiments with mistakes: all of them are told at once, each underlined.
+
+use crate::support::Folder;
+
+#[test]
+fn all_mistakes_are_told_at_once_with_their_places() {
+    let folder = Folder::new().with_demo(&["mdh.csv", "experiment.toml", "exciting_motion.csv"]);
+    let toml = folder
+        .read("experiment.toml")
+        .replace("model = \"absolute\"", "model = \"absolut\"")
+        .replace("powers = [1]", "powers = [\"one\"]")
+        .replace("f_dyn_hz", "fdyn_hz")
+        .replace("-9.81]", "-9.81, 0.0]");
+    folder.write("experiment.toml", &toml);
+    let said = folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+        "experiment.toml:7:16",
+        "3 numbers",
+        "`absolut`",
+        "did you mean `absolute`",
+        "has no key `fdyn_hz`",
+        "did you mean `f_dyn_hz`",
+        "other_motion.csv",
+        "does not exist",
+        "powers",
+    ]);
+    assert!(said.contains("fdyn_hz = 5.0"), "the line is not shown in\n{said}");
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn what_is_no_toml_or_not_there() {
+    let folder = Folder::new();
+    folder.write("broken.toml", "schema = 1\n[robot\n");
+    folder.aurt("run broken.toml --out out".split(' ')).refused(&["broken.toml:2", "not TOML"]);
+    folder.aurt("run nowhere.toml --out out".split(' ')).refused(&["nowhere.toml", "cannot be read"]);
+    folder.write("future.toml", "schema = 9\n");
+    folder.aurt("run future.toml --out out".split(' ')).refused(&[
+        "future.toml:1:10",
+        "reads schema 1",
+        "[robot]",
+    ]);
+}
+
+#[test]
+fn a_variable_that_is_not_set() {
+    let folder = Folder::new().with_demo(&["experiment.toml"]);
+    let toml = folder.read("experiment.toml").replace("\"mdh.csv\"", "\"${AURT_TEST_UNSET}/mdh.csv\"");
+    folder.write("experiment.toml", &toml);
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["AURT_TEST_UNSET", "not set"]);
+}

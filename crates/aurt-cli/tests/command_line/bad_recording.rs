@@ -1,0 +1,222 @@
+//! Recordings with every fault that a recording can have: the message names file, line, column and remedy.
+
+use crate::support::{Folder, with_cell, with_line};
+
+const RECORDING: &str = "exciting_motion.csv";
+
+fn experiment() -> Folder {
+    let folder = Folder::new().with_demo(&["mdh.csv", "experiment.toml", RECORDING]);
+    let toml = folder.read("experiment.toml");
+    let validation = "validation = [\"other_motion.csv\", \"point_to_point.csv\"]";
+    assert!(toml.contains(validation));
+    folder.write("experiment.toml", &toml.replace(validation, ""));
+    folder
+}
+
+/// What `run` says of a changed recording; nothing may be left behind.
+#[track_caller]
+fn refusal(change: impl Fn(&str) -> String, words: &[&str]) -> String {
+    let folder = experiment();
+    folder.write(RECORDING, &change(&folder.read(RECORDING)));
+    let said = folder.aurt("run experiment.toml --out out".split(' ')).refused(words);
+    assert!(said.contains(RECORDING), "the file is not named in:\n{said}");
+    assert_eq!(folder.names(), [RECORDING, "experiment.toml", "mdh.csv"]);
+    said
+}
+
+fn at(line: usize, change: impl Fn(&str) -> String) -> impl Fn(&str) -> String {
+    move |text| with_line(text, line, &change)
+}
+
+#[test]
+fn a_missing_file() {
+    let folder = experiment();
+    std::fs::remove_file(folder.path(RECORDING)).unwrap();
+    // The experiment's line and column are named.
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+        "experiment.toml:25:16",
+        RECORDING,
+        "does not exist",
+    ]);
+    folder
+        .aurt("predict --model m.json --data nowhere.csv --out p.csv".split(' '))
+        .refused(&["m.json", "cannot be read"]);
+}
+
+#[test]
+fn a_missing_column() {
+    let said = refusal(at(1, |l| l.replace("actual_q_3", "angle")), &["line 1", "actual_q", "3"]);
+    assert!(said.contains("missing"), "{said}");
+    refusal(at(1, |l| l.replace("timestamp", "stamp")), &["line 1", "stamp", "time"]);
+    refusal(at(1, |l| l.replace("actual_current", "amps")), &["line 1", "amps_0", "measurement"]);
+}
+
+#[test]
+fn cells_that_are_no_numbers() {
+    refusal(
+        at(100, |l| with_cell(l, 3, "nan")),
+        &["line 100, column 3", "actual_q_1", "nan", "delete the row"],
+    );
+    refusal(at(101, |l| with_cell(l, 13, "inf")), &["line 101, column 13", "actual_current_5"]);
+    refusal(at(102, |l| with_cell(l, 2, "")), &["line 102, column 2", "empty"]);
+    refusal(at(103, |l| with_cell(l, 1, "1.2.3")), &["line 103, column 1", "1.2.3"]);
+}
+
+#[test]
+fn the_place_is_underlined() {
+    let said = refusal(at(100, |l| with_cell(l, 9, "oops")), &["line 100, column 9", "oops"]);
+    let lines: Vec<&str> = said.lines().collect();
+    let shown = lines.iter().position(|l| l.contains("100 │")).unwrap_or_else(|| panic!("{said}"));
+    let column = |line: &str, what: &str| line.split(what).next().unwrap().chars().count();
+    assert_eq!(column(lines[shown], "oops"), column(lines[shown + 1], "──"), "{said}");
+}
+
+#[test]
+fn lines_that_are_no_rows() {
+    refusal(at(200, |l| format!("{l},7")), &["line 200", "14 cells", "13"]);
+    refusal(
+        |text| text.trim_end()[..text.trim_end().len() - 30].to_owned(),
+        &["2502", "breaks off", "delete that line"],
+    );
+    refusal(|_| String::new(), &["empty"]);
+    refusal(|text| text.lines().next().unwrap().to_owned() + "\n", &["no row"]);
+}
+
+#[test]
+fn corrupt_rows_beyond_a_small_share() {
+    let many = |text: &str| {
+        (0..60).fold(text.to_owned(), |t, k| with_line(&t, 500 + k, |l| with_cell(l, 4, "1e150")))
+    };
+    refusal(many, &["line 500, column 4", "1e150", "60 of 2501 rows"]);
+}
+
+#[test]
+fn a_few_corrupt_rows_are_dropped_and_told_and_the_prediction_keeps_all_rows() {
+    let folder = experiment();
+    let text = folder.read(RECORDING);
+    let corrupt =
+        with_line(&with_line(&text, 500, |l| with_cell(l, 4, "1e150")), 900, |l| with_cell(l, 9, "-1e150"));
+    folder.write(RECORDING, &corrupt);
+    let report = folder.aurt("run experiment.toml --out out".split(' ')).succeeded().stdout();
+    let flat = report.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(flat.contains("dropped 2 corrupt rows (0.08 %): line 500"), "{report}");
+    let predicted = folder.read("out/predicted_exciting_motion.csv");
+    assert_eq!(predicted.lines().count(), text.lines().count());
+    let stamps = |text: &str| -> Vec<f64> {
+        text.lines().skip(1).map(|l| l.split(',').next().unwrap().parse().unwrap()).collect()
+    };
+    for (found, expected) in stamps(&predicted).iter().zip(stamps(&text)) {
+        assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
+    }
+    let notes = folder.json("out/metrics.json")["recordings"][0]["notes"].to_string();
+    assert!(notes.contains("dropped 2 corrupt rows"), "{notes}");
+}
+
+#[test]
+fn time_that_goes_back() {
+    let back = |text: &str| {
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines[1..].reverse();
+        lines.join("\n") + "\n"
+    };
+    refusal(back, &["line 3", "column 1", "time"]);
+}
+
+#[test]
+fn too_few_samples() {
+    let first =
+        |rows: usize| move |text: &str| text.lines().take(1 + rows).collect::<Vec<_>>().join("\n") + "\n";
+    refusal(first(1), &["too few"]);
+    refusal(first(12), &["too few"]);
+    let folder = experiment();
+    folder.write(RECORDING, &first(300)(&folder.read(RECORDING)));
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+        "48 samples per joint",
+        "parameters",
+        "record longer",
+    ]);
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn a_recording_in_which_nothing_moves() {
+    let still = |text: &str| {
+        let row = text.lines().nth(1).unwrap();
+        let rows: String =
+            (0..500).map(|k| with_cell(row, 1, &format!("{:.4}", 0.008 * f64::from(k))) + "\n").collect();
+        format!("{}\n{rows}", text.lines().next().unwrap())
+    };
+    refusal(still, &["no joint moves faster than 0.03 rad/s"]);
+}
+
+#[test]
+fn a_recording_of_another_robot() {
+    let five = |text: &str| {
+        text.lines()
+            .map(|l| {
+                l.split(',')
+                    .enumerate()
+                    .filter(|(k, _)| *k != 6 && *k != 12)
+                    .map(|(_, c)| c)
+                    .collect::<Vec<_>>()
+                    .join(",")
+                    + "\n"
+            })
+            .collect::<String>()
+    };
+    refusal(five, &["5", "6"]);
+}
+
+#[test]
+fn a_frequency_that_the_recording_cannot_hold() {
+    let folder = experiment();
+    folder.write(
+        "experiment.toml",
+        &folder.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 20.0"),
+    );
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+        RECORDING,
+        "100 Hz",
+        "125",
+        "f_dyn_hz can be at most 12.49",
+    ]);
+}
+
+#[test]
+fn units_that_differ() {
+    let folder = Folder::new().with_demo(&[
+        "mdh.csv",
+        "experiment.toml",
+        RECORDING,
+        "other_motion.csv",
+        "point_to_point.csv",
+    ]);
+    let torque = folder.read("other_motion.csv").replace("actual_current_", "torque_");
+    folder.write("other_motion.csv", &torque);
+    let toml: String = folder
+        .read("experiment.toml")
+        .lines()
+        .filter(|l| !l.starts_with("torque_constants"))
+        .map(|l| format!("{l}\n"))
+        .collect();
+    folder.write("experiment.toml", &toml);
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
+        "exciting_motion.csv is in A",
+        "other_motion.csv is in Nm",
+        "torque_constants_nm_per_a",
+    ]);
+}
+
+#[test]
+fn a_table_of_another_robot_or_with_an_unreadable_angle() {
+    let folder = experiment();
+    let mdh = folder.read("mdh.csv");
+    folder.write("mdh.csv", &mdh.lines().take(6).map(|l| format!("{l}\n")).collect::<String>());
+    folder.aurt("run experiment.toml --out out".split(' ')).refused(&["experiment.toml", "5"]);
+    folder.write("mdh.csv", &with_line(&mdh, 2, |l| with_cell(l, 1, "pi/x")));
+    let line = "compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json";
+    folder.aurt(line.split(' ')).refused(&["mdh.csv:2", "pi/x", "column 1 (alpha)"]);
+    folder.write("mdh.csv", &mdh.replace("alpha,a,d", "alpha,a,e"));
+    folder.aurt(line.split(' ')).refused(&["mdh.csv:1", "`e`", "alpha, a, d"]);
+    assert!(!folder.path("rbd.json").exists());
+}

@@ -1,0 +1,63 @@
+//! What the command says of itself.
+
+use crate::support::Folder;
+
+#[test]
+fn help_names_every_command_and_each_has_an_example() {
+    let folder = Folder::new();
+    let help = folder.aurt(["--help"]).succeeded().stdout();
+    for command in [
+        "run",
+        "demo",
+        "compile-rbd",
+        "compile-rd",
+        "calibrate",
+        "calibrate-validate",
+        "predict",
+        "models",
+        "explain",
+        "new-plugin",
+    ] {
+        assert!(help.contains(&format!("  {command} ")), "{command} is missing in\n{help}");
+        let own = folder.aurt([command, "--help"]).succeeded().stdout();
+        assert!(own.contains("Example:\n  aurt "), "{own}");
+    }
+}
+
+#[test]
+fn models_are_explained_and_unknown_ones_suggested() {
+    let folder = Folder::new();
+    let square = folder.aurt(["explain", "square"]).succeeded().stdout();
+    for word in ["F_C0 + F_C1 τ_J²", "1/Nm", "Madsen", "{ model = \"square\" }", "even in the load"] {
+        assert!(square.contains(word), "`{word}` is missing in\n{square}");
+    }
+    let nmse = folder.aurt(["explain", "NMSE"]).succeeded().stdout();
+    assert!(nmse.contains("mean of |measured|"), "{nmse}");
+    folder.aurt(["explain", "sqare"]).refused(&["sqare", "did you mean `square`?", "`absolute`"]);
+}
+
+#[test]
+fn wrong_arguments_leave_with_status_2() {
+    let folder = Folder::new();
+    folder.write("mdh.csv", "alpha,a,d\n0,0,0\n");
+    let run = |line: &str| folder.aurt(line.split_whitespace());
+    run("frobnicate").refused(&["frobnicate"]);
+    run("compile-rbd --mdh mdh.csv --gravity 0 0 --out r.json").refused(&["three numbers", "found 2"]);
+    run("compile-rbd --mdh mdh.csv --gravity 0 0 0 -9.81 --out r.json")
+        .refused(&["three numbers", "found 4"]);
+    run("compile-rbd --mdh mdh.csv --gravity 0 0 down --out r.json").refused(&["down"]);
+    run("calibrate-validate --model m --data d --calibration-data-rel 1.5 --out-params p --out-calibrated-model c \
+         --out-prediction q")
+        .refused(&["between 0 and 1"]);
+    run("compile-rd --model-rbd r.json --friction-torque-model cubic --friction-viscous-powers 1 --out rd.json")
+        .refused(&["cubic", "none, square, absolute"]);
+    assert_eq!(folder.names(), ["mdh.csv"]);
+}
+
+#[test]
+fn a_library_that_is_no_plugin_is_refused() {
+    let folder = Folder::new();
+    folder.write("no.so", "not a library");
+    folder.aurt(["--plugin", "no.so", "models"]).refused(&["no.so"]);
+    folder.aurt(["--plugin", "nowhere.so", "models"]).refused(&["nowhere.so"]);
+}
