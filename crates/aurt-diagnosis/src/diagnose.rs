@@ -82,7 +82,8 @@ pub fn investigate(
     let floors = question
         .recordings
         .iter()
-        .map(|r| noise_floor(&r.raw, &r.data.data, &r.options, &fit))
+        .zip(&own_rows)
+        .map(|(r, rows)| noise_floor(&r.raw, &r.data.data, &r.options, &fit, rows))
         .collect::<Result<Vec<_>, _>>()?;
 
     progress("making candidates");
@@ -196,6 +197,7 @@ fn prepare(question: &Question<'_>, baseline: &Baseline, model: &RobotModel, row
                 }
             };
             rows.joints[j].measurement = left;
+            rows.joints[j].silence();
         }
     }
 }
@@ -342,15 +344,15 @@ fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) ->
 /// Mean noise floor over the fitted rows.
 fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
     let joints = rows.first().map_or(0, |r| r.joints.len());
-    let mut sum = vec![0.0; joints];
-    let mut count = 0.0;
-    for (r, start, end) in partition.fitted() {
-        for (s, floor) in sum.iter_mut().zip(&floors[r]) {
-            *s += floor * (end - start) as f64;
-        }
-        count += (end - start) as f64;
-    }
-    sum.iter().map(|s| s / f64::max(count, 1.0)).collect()
+    (0..joints)
+        .map(|j| {
+            let (sum, count) = partition.fitted().fold((0.0, 0.0), |(sum, count), (r, start, end)| {
+                let counted = rows[r].joints[j].counted(start, end);
+                (sum + floors[r][j] * counted, count + counted)
+            });
+            sum / f64::max(count, 1.0)
+        })
+        .collect()
 }
 
 /// Residuals of a fit over one part of a recording, joint by joint.

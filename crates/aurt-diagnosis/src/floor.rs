@@ -3,7 +3,7 @@
 use aurt_calibration::for_each_predicted_block;
 use aurt_recording::{PreprocessOptions, Preprocessed, Recording, Segment, preprocess};
 
-use crate::{DiagnosisError, rows::Fit};
+use crate::{DiagnosisError, RecordingRows, rows::Fit};
 
 /// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
 /// sampling rate is gone.
@@ -38,6 +38,7 @@ pub fn noise_floor(
     data: &Preprocessed,
     options: &PreprocessOptions,
     fit: &Fit<'_>,
+    rows: &RecordingRows,
 ) -> Result<Vec<f64>, DiagnosisError> {
     let joints = fit.model.joints();
     let mut disturbed = recording.clone();
@@ -48,15 +49,22 @@ pub fn noise_floor(
     }
     let disturbed = preprocess(&disturbed, options)?;
     let mut propagated = vec![0.0; joints];
-    let mut rows = 0.0;
+    let mut first = 0;
     for (clean, noisy) in data.segments.iter().zip(&disturbed.segments) {
         let count = clean.rows().min(noisy.rows());
         let a = predicted_rows(clean, fit, count)?;
         let b = predicted_rows(noisy, fit, count)?;
         for (joint, sum) in propagated.iter_mut().enumerate() {
-            *sum += a[joint].iter().zip(&b[joint]).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
+            let counts = &rows.joints[joint].counts[first..];
+            *sum += a[joint]
+                .iter()
+                .zip(&b[joint])
+                .zip(counts)
+                .filter(|(_, counts)| **counts)
+                .map(|((x, y), _)| (x - y).powi(2))
+                .sum::<f64>();
         }
-        rows += count as f64;
+        first += clean.rows();
     }
     let gains = options.gains.clone().unwrap_or_else(|| vec![1.0; joints]);
     let filter_power = data.segments.first().map_or(1.0, |s| {
@@ -66,7 +74,8 @@ pub fn noise_floor(
     Ok((0..joints)
         .map(|j| {
             let measured = recording.measurement.as_ref().map_or(0.0, |m| white_level(&m[j]) * gains[j]);
-            measured * measured * filter_power + propagated[j] / f64::max(rows, 1.0)
+            measured * measured * filter_power
+                + propagated[j] / rows.joints[j].counted(0, rows.rows()).max(1.0)
         })
         .collect())
 }

@@ -72,6 +72,7 @@ impl BlockMoments {
                     let kind = usize::from(recording.role == Role::Target);
                     for (joint, moments) in recording.joints.iter().zip(&mut part[kind]) {
                         add_rows(moments, &joint.data, &joint.measurement, *start, *end);
+                        moments.rows += joint.counted(*start, *end);
                     }
                 }
                 part
@@ -110,5 +111,4 @@ fn add_rows(moments: &mut Moments, data: &[f64], measurement: &[f64], start: usi
         *sum += column.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
     }
     moments.square += y.iter().map(|v| v * v).sum::<f64>();
-    moments.rows += (end - start) as f64;
 }

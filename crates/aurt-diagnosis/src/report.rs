@@ -376,10 +376,10 @@ fn joint_residuals(
     let views: Vec<&[Vec<f64>]> = after.iter().map(Vec::as_slice).collect();
     (0..layout.rows.len())
         .map(|joint| {
+            let counted: f64 = rows.iter().map(|r| r.joints[joint].counted(0, r.rows())).sum();
             let power = |parts: &[Vec<Vec<f64>>]| {
-                let (sum, count) =
-                    parts.iter().flat_map(|p| &p[joint]).fold((0.0, 0.0), |(s, n), r| (s + r * r, n + 1.0));
-                (sum / f64::max(count, 1.0)).sqrt()
+                let sum: f64 = parts.iter().flat_map(|p| &p[joint]).map(|r| r * r).sum();
+                (sum / counted.max(1.0)).sqrt()
             };
             let floor_rms = investigation.floor[joint].sqrt();
             let unexplained_rms = power(&after);
@@ -424,20 +424,22 @@ fn held_out(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> He
     let joints = investigation.layout.rows.len();
     let own: Vec<Switch> = investigation.base_switches.clone();
     let (mut before, mut after, mut floor) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
-    let mut count = 0.0;
+    let mut counts = vec![0.0; joints];
     for (r, start, end) in &investigation.partition.held_out {
         let rows = &investigation.rows[*r];
         let base = residuals(rows, &investigation.layout, &own, &investigation.baseline.coefficients);
         let full = residuals(rows, &investigation.layout, all, &fit.coefficients);
         for j in 0..joints {
             let sum = |series: &[f64]| series[*start..*end].iter().map(|v| v * v).sum::<f64>();
+            let counted = rows.joints[j].counted(*start, *end);
             before[j] += sum(&base[j]);
             after[j] += sum(&full[j]);
-            floor[j] += investigation.floors[*r][j] * (end - start) as f64;
+            floor[j] += investigation.floors[*r][j] * counted;
+            counts[j] += counted;
         }
-        count += (end - start) as f64;
     }
-    let rms = |sums: Vec<f64>| sums.into_iter().map(|s| (s / f64::max(count, 1.0)).sqrt()).collect();
+    let rms =
+        |sums: Vec<f64>| sums.into_iter().zip(&counts).map(|(s, n)| (s / f64::max(*n, 1.0)).sqrt()).collect();
     HeldOut {
         recordings: investigation.partition.held_out_names.clone(),
         rms_before: rms(before),

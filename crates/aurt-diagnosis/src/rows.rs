@@ -97,6 +97,9 @@ pub struct JointRows {
     pub velocity_rad_s: Vec<f64>,
     /// Acceleration at each row, rad/s².
     pub acceleration_rad_s2: Vec<f64>,
+    /// Whether each row counts: it does not while the joint stands, where the sign of its velocity is that of
+    /// noise. Rows that do not count are zero.
+    pub counts: Vec<bool>,
 }
 
 impl RecordingRows {
@@ -156,7 +159,27 @@ impl RecordingRows {
             }
             segment_starts.push(time_s.len());
         }
-        Ok(Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints })
+        let mut rows = Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints };
+        rows.leave_out_standing();
+        Ok(rows)
+    }
+
+    /// Leaves out the rows of a joint that stays below the rest velocity for some time.
+    fn leave_out_standing(&mut self) {
+        let shortest = (STANDING_S * self.rate_hz).ceil().max(2.0) as usize;
+        for joint in &mut self.joints {
+            let slow: Vec<bool> = joint.velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
+            joint.counts = vec![true; slow.len()];
+            let mut start = 0;
+            while start < slow.len() {
+                let length = slow[start..].iter().take_while(|s| **s).count();
+                if length >= shortest {
+                    joint.counts[start..start + length].fill(false);
+                }
+                start += length.max(1);
+            }
+            joint.silence();
+        }
     }
 
     /// Number of rows per joint.
@@ -217,7 +240,28 @@ fn instrument_rows(
     Ok(bank.finish(&mut write)?)
 }
 
+/// A joint stands if it stays below this speed, rad/s …
+const STANDING_RAD_S: f64 = 0.03;
+
+/// … for at least this time, s. Reversals are shorter.
+const STANDING_S: f64 = 0.4;
+
 impl JointRows {
+    /// Sets the rows that do not count to zero.
+    pub fn silence(&mut self) {
+        let rows = self.counts.len();
+        for (k, _) in self.counts.iter().enumerate().filter(|(_, c)| !**c) {
+            self.measurement[k] = 0.0;
+            self.data.iter_mut().skip(k).step_by(rows.max(1)).for_each(|v| *v = 0.0);
+        }
+    }
+
+    /// Number of rows in `start..end` that count.
+    #[must_use]
+    pub fn counted(&self, start: usize, end: usize) -> f64 {
+        self.counts[start..end].iter().filter(|c| **c).count() as f64
+    }
+
     /// Column `k` of the joint's row columns.
     #[must_use]
     pub fn column(&self, k: usize) -> &[f64] {

@@ -319,7 +319,9 @@ impl Selector<'_> {
                     .rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]))
                     .into_iter()
                     .filter(|(g, s)| {
-                        self.groups[*g].effect != own.effect
+                        // One with more coefficients that does no better contains the chosen one.
+                        self.groups[*g].switches.len() <= own.switches.len()
+                            && self.groups[*g].effect != own.effect
                             && *s >= score - (self.options.tie * score).max(2.0)
                     })
                     .collect();
