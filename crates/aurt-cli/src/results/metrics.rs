@@ -137,7 +137,9 @@ impl Results<'_> {
         };
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
-            let title = format!("{} ({})", recording.label, recording.role.name());
+            let window =
+                recording.window_s.map_or(String::new(), |[from, to]| format!(", {from} s to {to} s"));
+            let title = format!("{} ({}{window})", recording.label, recording.role.name());
             text.push_str(&format!("\n{}\n", terminal.emphasise(Emphasis::Title, &title)));
             text.push_str(&self.table(&recording.validation));
             warn(&mut text, &recording.validation.warnings);

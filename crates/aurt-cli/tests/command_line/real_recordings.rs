@@ -67,3 +67,93 @@ fn the_original_tool_s_results_are_reproduced() {
         }
     }
 }
+
+/// Runs an experiment of the folder `examples` and hands over its metrics.
+fn example(folder: &Folder, name: &str) -> Value {
+    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/").to_owned() + name + ".toml";
+    folder.aurt(["run", &experiment, "--out", name]).succeeded();
+    folder.json(&format!("{name}/metrics.json"))
+}
+
+/// A parameter of a calibration by its name: value and 95 % interval.
+fn parameter(folder: &Folder, example: &str, name: &str) -> (f64, [f64; 2]) {
+    let csv = folder.read(&format!("{example}/calibrated_parameters.csv"));
+    let row = csv.lines().find(|l| l.starts_with(&format!("{name},"))).unwrap();
+    let cells: Vec<&str> = row.split(',').collect();
+    let number = |k: usize| cells[k].parse::<f64>().unwrap();
+    (number(1), [number(5), number(6)])
+}
+
+/// The UR10e as it was logged. The expected errors are those of an independent study in Python on the same
+/// recordings, with its own resampling and filters; hence the tolerance of 0.2 percentage points.
+#[test]
+fn a_ur10e_as_it_was_logged() {
+    let Some(_) = real_recordings("a_ur10e_as_it_was_logged") else { return };
+    let folder = Folder::new();
+    let metrics = example(&folder, "ur10e");
+    assert_eq!(metrics["base_parameters"], 36);
+    let held_out = &metrics["recordings"][3];
+    assert!(held_out["file"].as_str().unwrap().ends_with("excitation_20s.csv"), "{held_out}");
+    assert_eq!(held_out["role"], "validation");
+    let expected = [10.4, 4.0, 5.0, 10.6, 17.3, 16.0];
+    for (joint, (found, expected)) in numbers(&held_out["nrmse"]).iter().zip(expected).enumerate() {
+        assert!((100.0 * found - expected).abs() < 0.2, "joint {joint}: {found} instead of {expected} %");
+    }
+    let rows = |text: String| text.lines().count();
+    let data = real_recordings("").unwrap();
+    let recorded = std::fs::read_to_string(data.join("ur10e/excitation_20s.csv")).unwrap();
+    assert_eq!(rows(folder.read("ur10e/predicted_excitation_20s.csv")), rows(recorded));
+}
+
+/// A Stäubli TX40 with its wrist coupling. Reference: Gautier, Janot, Vandanjon, on another recording of the same
+/// robot: 0.00964 kg m², 0.616 Nm s/rad, 1.95 Nm.
+#[test]
+fn a_tx40_with_its_coupled_wrist() {
+    let Some(_) = real_recordings("a_tx40_with_its_coupled_wrist") else { return };
+    let folder = Folder::new();
+    let metrics = example(&folder, "tx40");
+    assert_eq!(metrics["base_parameters"], 36);
+    for (name, reference, within) in
+        [("inertia", 0.009_64, 0.005), ("viscous", 0.616, 0.05), ("coulomb", 1.95, 0.1)]
+    {
+        let (value, _) = parameter(&folder, "tx40", &format!("coupling.{name}_5_4"));
+        assert!((value - reference).abs() < within, "{name}: {value} instead of {reference}");
+    }
+    let fitted = numbers(&metrics["recordings"][0]["nrmse"]);
+    assert!(fitted[4] < 0.13 && fitted[5] < 0.11, "{fitted:?}");
+}
+
+/// A Franka Emika Panda: seven joints, torques measured behind the gears.
+#[test]
+fn a_panda_with_link_side_torques() {
+    let Some(_) = real_recordings("a_panda_with_link_side_torques") else { return };
+    let folder = Folder::new();
+    let metrics = example(&folder, "panda");
+    assert_eq!(metrics["base_parameters"], 43);
+    assert_eq!(metrics["recordings"][0]["unit"], "Nm");
+    let (friction, _) = parameter(&folder, "panda", "F_C0_6");
+    assert!((0.1..0.7).contains(&friction), "hidden friction of joint 6: {friction} Nm");
+}
+
+/// A file without header, read by the numbers of its columns, is the same recording as the one with names.
+#[test]
+fn a_headerless_log_is_read_by_column_numbers() {
+    let Some(data) = real_recordings("a_headerless_log_is_read_by_column_numbers") else { return };
+    let folder = Folder::new();
+    let data = text(&data);
+    let toml =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/ur10e.toml")).unwrap();
+    let begin = toml.find("[recordings]").unwrap();
+    let end = toml.find("[preprocess]").unwrap();
+    let recordings = format!(
+        "[recordings]\ncalibration = ['{data}/ur10e/unloaded_50s.csv']\n\
+         validation = ['{data}/ur10e/excitation_20s.csv', {{ file = '{data}/ur10e/as_recorded_headerless.csv', \
+         unit = 'A', columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }} }}]\n"
+    );
+    folder.write("experiment.toml", &format!("{}{recordings}{}", &toml[..begin], &toml[end..]));
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    let metrics = folder.json("out/metrics.json");
+    let named = numbers(&metrics["recordings"][1]["nrmse"]);
+    let headerless = numbers(&metrics["recordings"][2]["nrmse"]);
+    assert_near("headerless", &headerless, &named, 1e-3);
+}
