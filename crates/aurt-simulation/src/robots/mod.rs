@@ -15,7 +15,7 @@ pub use tx40::tx40;
 pub use ur5e::ur5e;
 pub use ur10e::ur10e;
 
-use aurt_rbd::{LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
+use aurt_rbd::{ChainDynamics, LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
@@ -127,6 +127,21 @@ impl Robot {
     #[must_use]
     pub fn standard_parameters(&self) -> Vec<f64> {
         self.links.iter().flat_map(LinkBody::standard_parameters).collect()
+    }
+
+    /// What each link's joint alone would have to accelerate at home, the other joints free and without any
+    /// rotor: 1/(M⁻¹)_jj, kg m².
+    ///
+    /// # Errors
+    /// Whatever the rigid bodies say.
+    pub fn link_inertia_kg_m2(&self) -> Result<Vec<f64>, SimulationError> {
+        let n = self.joints();
+        let home: Vec<f64> = self.drives.iter().map(|d| d.home_rad).collect();
+        let mut mass = vec![0.0; n * n];
+        ChainDynamics::new(self.chain()?, &self.standard_parameters())?.mass_matrix(&home, &mut mass);
+        let inverse =
+            nalgebra::DMatrix::from_row_slice(n, n, &mass).cholesky().map(|factor| factor.inverse());
+        Ok((0..n).map(|j| inverse.as_ref().map_or(0.0, |m| 1.0 / m[(j, j)])).collect())
     }
 
     /// The robot with its rotors geared, or as discs of its links: a thin disc about the joint's axis at

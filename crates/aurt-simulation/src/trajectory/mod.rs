@@ -285,7 +285,7 @@ mod tests {
     /// Velocity and acceleration are the derivatives of position; both ends rest.
     #[test]
     fn every_motion_of_every_robot_is_consistent() {
-        for robot in robots::Robot::all() {
+        for robot in Robot::all() {
             for motion in motions() {
                 let trajectory = motion.plan(&robot, 3).unwrap();
                 trajectory.check_torque(&robot).unwrap();

@@ -1,0 +1,88 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use crate::error::Complaints;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "base_tilt",
+    family: Family::I,
+    summary: "a base that is not mounted as the experiment says",
+    presence: Presence::Either,
+    rotors: None,
+    takes: kind::Takes::All,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<BaseTilt>,
+};
+
+/// The base turned about its x axis by roll and then about its own y axis by pitch: in the base frame gravity
+/// is (R_x(roll) R_y(pitch))ᵀ g.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaseTilt {
+    /// Roll, rad.
+    pub roll_rad: f64,
+    /// Pitch, rad.
+    pub pitch_rad: f64,
+}
+
+/// Largest tilt, rad.
+const LARGEST_RAD: f64 = 0.6;
+
+fn draw(_context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let size = random.between(0.03, 0.07);
+    let direction = random.between(0.0, std::f64::consts::TAU);
+    Box::new(BaseTilt { roll_rad: size * libm::cos(direction), pitch_rad: size * libm::sin(direction) })
+}
+
+impl BaseTilt {
+    /// What gravity becomes in the base frame.
+    #[must_use]
+    pub fn tilted(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (sr, cr) = (libm::sin(self.roll_rad), libm::cos(self.roll_rad));
+        let (sp, cp) = (libm::sin(self.pitch_rad), libm::cos(self.pitch_rad));
+        let (y, z) = (cr * y + sr * z, cr * z - sr * y);
+        [cp * x - sp * z, y, sp * x + cp * z]
+    }
+}
+
+impl Effect for BaseTilt {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("roll_rad", self.roll_rad), ("pitch_rad", self.pitch_rad)]
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        let size = (self.roll_rad * self.roll_rad + self.pitch_rad * self.pitch_rad).sqrt();
+        let factor = factor.min(LARGEST_RAD / size.max(1e-12));
+        self.roll_rad *= factor;
+        self.pitch_rad *= factor;
+    }
+
+    fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        complaints.within("roll of the base in rad", self.roll_rad, -3.2, 3.2);
+        complaints.within("pitch of the base in rad", self.pitch_rad, -3.2, 3.2);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        let robot = &mut setup.machine.robot;
+        robot.gravity_m_s2 = self.tilted(robot.gravity_m_s2);
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

@@ -1,0 +1,89 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use crate::error::Complaints;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "coulomb_asymmetry",
+    family: Family::F,
+    summary: "dry friction of two levels, one for each direction",
+    presence: Presence::Either,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<CoulombAsymmetry>,
+};
+
+/// Dry friction that is higher in one direction by as much as it is lower in the other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoulombAsymmetry {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// What the positive direction has more than the mean, Nm; negative for less.
+    pub half_difference_nm: Vec<f64>,
+    /// Mean level, Nm.
+    pub mean_nm: Vec<f64>,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    Box::new(CoulombAsymmetry {
+        joints: context.joints.to_vec(),
+        half_difference_nm: context.noises(random.sign()),
+        mean_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
+    })
+}
+
+impl Effect for CoulombAsymmetry {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        match (self.mean_nm.as_slice(), self.half_difference_nm.as_slice()) {
+            ([mean], [half]) => vec![("coulomb_pos_nm", mean + half), ("coulomb_neg_nm", mean - half)],
+            _ => Vec::new(),
+        }
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for (half, mean) in self.half_difference_nm.iter_mut().zip(&self.mean_nm) {
+            *half = (*half * factor).clamp(-0.95 * mean, 0.95 * mean);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        check_values(&mut complaints, KIND.identifier, "mean_nm", &self.joints, &self.mean_nm, (0.0, 1e4));
+        let (half, bounds) = (&self.half_difference_nm, (-1e4, 1e4));
+        check_values(&mut complaints, KIND.identifier, "half_difference_nm", &self.joints, half, bounds);
+        for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm) {
+            if half.abs() > *mean {
+                let what = format!("half_difference_nm of joint {joint}");
+                let reason = format!("beyond the mean level of {mean} Nm friction would push");
+                complaints.0.push(SimulationError::value(what, *half, reason));
+            }
+        }
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for ((joint, half), mean) in self.joints.iter().zip(&self.half_difference_nm).zip(&self.mean_nm) {
+            setup.machine.joints[*joint].coulomb_nm = [mean + half, mean - half];
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

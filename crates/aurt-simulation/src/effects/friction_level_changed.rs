@@ -1,0 +1,107 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use crate::error::Complaints;
+use crate::plant::ViscousLaw;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "friction_level_changed",
+    family: Family::F,
+    summary: "the same friction with other coefficients than at calibration",
+    presence: Presence::Later,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<FrictionLevelChanged>,
+};
+
+/// Dry and viscous friction multiplied by 1 + change.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionLevelChanged {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// Relative change of Coulomb friction.
+    pub coulomb_change: Vec<f64>,
+    /// Relative change of viscous friction.
+    pub viscous_change: Vec<f64>,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let change = |random: &mut Random| random.between(0.08, 0.25);
+    let sign = random.sign();
+    let (dry, viscous) = (sign * change(random), sign * change(random));
+    let joints = context.joints.len();
+    Box::new(FrictionLevelChanged {
+        joints: context.joints.to_vec(),
+        coulomb_change: vec![dry; joints],
+        viscous_change: vec![viscous; joints],
+    })
+}
+
+impl Effect for FrictionLevelChanged {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for change in self.coulomb_change.iter_mut().chain(&mut self.viscous_change) {
+            *change = (*change * factor).clamp(-0.8, 3.0);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        for (name, values) in
+            [("coulomb_change", &self.coulomb_change), ("viscous_change", &self.viscous_change)]
+        {
+            check_values(&mut complaints, KIND.identifier, name, &self.joints, values, (-1.0, 10.0));
+        }
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for ((joint, dry), viscous) in self.joints.iter().zip(&self.coulomb_change).zip(&self.viscous_change)
+        {
+            let physics = &mut setup.machine.joints[*joint];
+            physics.coulomb_nm = physics.coulomb_nm.map(|level| level * (1.0 + dry));
+            physics.load_coefficient = physics.load_coefficient.map(|c| c * (1.0 + dry));
+            let before = std::mem::replace(&mut physics.viscous, Box::new(crate::plant::LinearViscous(0.0)));
+            physics.viscous = Box::new(Scaled { law: before, factor: 1.0 + viscous });
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+#[derive(Debug)]
+struct Scaled {
+    law: Box<dyn ViscousLaw>,
+    factor: f64,
+}
+
+impl ViscousLaw for Scaled {
+    fn torque_nm(&self, velocity_rad_s: f64) -> f64 {
+        self.factor * self.law.torque_nm(velocity_rad_s)
+    }
+
+    fn steepest_nm_s(&self) -> f64 {
+        self.factor * self.law.steepest_nm_s()
+    }
+}

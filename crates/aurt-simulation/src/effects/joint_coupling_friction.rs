@@ -1,0 +1,119 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, conflict, kind};
+use crate::error::Complaints;
+use crate::plant::{CoupledRotor, Gear};
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "joint_coupling_friction",
+    family: Family::C,
+    summary: "a motor that turns with the motion of two joints",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::Pair,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<JointCouplingFriction>,
+};
+
+/// A rotor that turns with q̇_joint + ratio · q̇_partner, with inertia and friction of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointCouplingFriction {
+    /// The joint.
+    pub joint: usize,
+    /// The other joint.
+    pub partner: usize,
+    /// The ratio on the other joint.
+    pub ratio: f64,
+    /// Inertia of the rotor, kg m².
+    pub inertia_kg_m2: f64,
+    /// Viscous friction of the rotor, Nm s/rad.
+    pub viscous_nm_s: f64,
+    /// Coulomb friction of the rotor, Nm.
+    pub coulomb_nm: f64,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let joint = context.joint();
+    // A neighbour is the usual partner.
+    let last = context.robot.joints() - 1;
+    let neighbour =
+        if joint == last || (joint > 0 && random.chance(0.5)) { joint.max(1) - 1 } else { joint + 1 };
+    let partner =
+        if random.chance(0.75) { neighbour } else { context.joints.get(1).copied().unwrap_or(neighbour) };
+    let noise =
+        context.robot.drives[joint].torque_noise_nm.min(context.robot.drives[partner].torque_noise_nm);
+    let ratios = [1.0, 1.0, -1.0, 0.5, -0.5];
+    Box::new(JointCouplingFriction {
+        joint,
+        partner,
+        ratio: ratios[random.index(ratios.len())],
+        inertia_kg_m2: 0.03 * noise * random.between(0.3, 1.0),
+        viscous_nm_s: 0.6 * noise * random.between(0.6, 1.2),
+        coulomb_nm: 1.2 * noise * random.between(0.7, 1.2),
+    })
+}
+
+impl Effect for JointCouplingFriction {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        let mut joints = vec![self.joint, self.partner];
+        joints.sort_unstable();
+        joints
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("partner", self.partner as f64),
+            ("ratio", self.ratio),
+            ("inertia_kg_m2", self.inertia_kg_m2),
+            ("viscous_nm_s", self.viscous_nm_s),
+            ("coulomb_nm", self.coulomb_nm),
+        ]
+    }
+
+    fn scale(&mut self, factor: f64, robot: &Robot) {
+        let most = robot.drives.iter().map(|d| d.coulomb_nm).fold(0.1, f64::max);
+        let factor = factor.min(3.0 * most / self.coulomb_nm.max(1e-12));
+        self.inertia_kg_m2 *= factor;
+        self.viscous_nm_s *= factor;
+        self.coulomb_nm *= factor;
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &[self.joint, self.partner], robot);
+        complaints.within("ratio of the coupling", self.ratio, -100.0, 100.0);
+        complaints.not_negative("inertia of the coupled rotor", self.inertia_kg_m2);
+        complaints.not_negative("viscous friction of the coupled rotor", self.viscous_nm_s);
+        complaints.not_negative("Coulomb friction of the coupled rotor", self.coulomb_nm);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for joint in self.joints() {
+            if setup.machine.joints[joint].gear != Gear::Rigid {
+                let reason = "a coupled rotor needs rigid gears";
+                return Err(conflict(KIND.identifier, "a compliant gear", joint, reason));
+            }
+        }
+        setup.machine.couplings.push(CoupledRotor {
+            ratios: vec![(self.joint, 1.0), (self.partner, self.ratio)],
+            inertia_kg_m2: self.inertia_kg_m2,
+            viscous_nm_s: self.viscous_nm_s,
+            coulomb_nm: self.coulomb_nm,
+        });
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

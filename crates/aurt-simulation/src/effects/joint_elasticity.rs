@@ -1,0 +1,163 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, conflict, kind};
+use crate::error::Complaints;
+use crate::plant::Gear;
+use crate::random::Random;
+use crate::{Robot, Rotors, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "joint_elasticity",
+    family: Family::P,
+    summary: "a gear that gives way like a spring",
+    presence: Presence::Structural,
+    rotors: Some(Rotors::Geared),
+    takes: kind::Takes::Few,
+    suits: heavy_link,
+    draw,
+    read: kind::read::<JointElasticity>,
+};
+
+/// A gear of spring and damper between motor and link; the encoder sits on the motor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointElasticity {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// Stiffness, Nm/rad.
+    pub stiffness_nm_rad: Vec<f64>,
+    /// Damping, Nm s/rad.
+    pub damping_nm_s: Vec<f64>,
+}
+
+/// Share of the rotor's inertia that a link needs for its gear's spring to be a mode of its own, and not a
+/// rattle of the gear alone.
+const LEAST_LINK_SHARE: f64 = 0.03;
+/// Least inertia of such a link, kg m².
+const LEAST_LINK_KG_M2: f64 = 0.004;
+
+/// Whether a link is heavy enough to swing on its gear.
+pub(super) fn heavy_link(robot: &Robot, joint: usize) -> bool {
+    let rotor = robot.drives[joint].rotor_inertia_kg_m2;
+    robot
+        .link_inertia_kg_m2()
+        .is_ok_and(|links| links[joint] > LEAST_LINK_KG_M2 && links[joint] > LEAST_LINK_SHARE * rotor)
+}
+
+/// Damping of a gear for a damping ratio of the swing of rotor against link.
+pub(super) fn gear_damping_nm_s(robot: &Robot, joint: usize, stiffness_nm_rad: f64, ratio: f64) -> f64 {
+    let rotor = robot.drives[joint].rotor_inertia_kg_m2;
+    let link = robot.link_inertia_kg_m2().map_or(rotor, |links| links[joint]);
+    2.0 * ratio * (stiffness_nm_rad * rotor * link / (rotor + link).max(1e-12)).sqrt()
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
+    let softer = random.between(3.0, 6.0);
+    let damping = random.between(0.02, 0.06);
+    Box::new(JointElasticity {
+        joints: context.joints.to_vec(),
+        stiffness_nm_rad: drives().map(|d| d.gear_stiffness_nm_rad / softer).collect(),
+        damping_nm_s: context
+            .joints
+            .iter()
+            .zip(drives())
+            .map(|(j, d)| gear_damping_nm_s(context.robot, *j, d.gear_stiffness_nm_rad / softer, damping))
+            .collect(),
+    })
+}
+
+impl Effect for JointElasticity {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        let mut parameters = super::single("stiffness_nm_rad", &self.stiffness_nm_rad);
+        parameters.extend(super::single("damping_nm_s", &self.damping_nm_s));
+        parameters
+    }
+
+    fn scale(&mut self, factor: f64, robot: &Robot) {
+        let stiffnesses = self.stiffness_nm_rad.iter_mut().zip(&mut self.damping_nm_s);
+        for (joint, (stiffness, damping)) in self.joints.iter().zip(stiffnesses) {
+            let data_sheet = robot.drives[*joint].gear_stiffness_nm_rad;
+            let softer = (*stiffness / factor.max(1e-12)).clamp(0.02 * data_sheet, 3.0 * data_sheet);
+            *damping *= (softer / *stiffness).sqrt();
+            *stiffness = softer;
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        let (stiffness, damping) = (&self.stiffness_nm_rad, &self.damping_nm_s);
+        check_values(
+            &mut complaints,
+            KIND.identifier,
+            "stiffness_nm_rad",
+            &self.joints,
+            stiffness,
+            (1.0, 1e7),
+        );
+        check_values(&mut complaints, KIND.identifier, "damping_nm_s", &self.joints, damping, (0.0, 1e4));
+        check_rotors(&mut complaints, KIND.identifier, &self.joints, robot);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for ((joint, stiffness), damping) in
+            self.joints.iter().zip(&self.stiffness_nm_rad).zip(&self.damping_nm_s)
+        {
+            make_compliant(setup, KIND.identifier, *joint, *stiffness, *damping, 0.0)?;
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+/// Complains about joints without a rotor of their own.
+pub(super) fn check_rotors(complaints: &mut Complaints, effect: &str, joints: &[usize], robot: &Robot) {
+    for joint in joints.iter().filter(|j| **j < robot.joints()) {
+        let inertia = robot.drives[*joint].rotor_inertia_kg_m2;
+        if inertia <= 0.0 {
+            let what = format!("rotor inertia of joint {joint}");
+            let reason = format!("`{effect}` needs a rotor with inertia before the gear");
+            complaints.0.push(SimulationError::value(what, inertia, reason));
+        }
+    }
+}
+
+/// Gives a joint a compliant gear.
+pub(super) fn make_compliant(
+    setup: &mut Setup,
+    effect: &str,
+    joint: usize,
+    stiffness_nm_rad: f64,
+    damping_nm_s: f64,
+    half_gap_rad: f64,
+) -> Result<(), SimulationError> {
+    if setup.machine.couplings.iter().any(|c| c.ratios.iter().any(|(j, _)| *j == joint)) {
+        let reason = "a coupled rotor needs rigid gears";
+        return Err(conflict(effect, "joint_coupling_friction", joint, reason));
+    }
+    let gear = &mut setup.machine.joints[joint].gear;
+    *gear = match *gear {
+        Gear::Rigid => Gear::Compliant { stiffness_nm_rad, damping_nm_s, half_gap_rad },
+        // A spring and play in one gear: the softer spring, the wider play.
+        Gear::Compliant { stiffness_nm_rad: k, damping_nm_s: d, half_gap_rad: g } => Gear::Compliant {
+            stiffness_nm_rad: k.min(stiffness_nm_rad),
+            damping_nm_s: if k < stiffness_nm_rad { d } else { damping_nm_s },
+            half_gap_rad: g.max(half_gap_rad),
+        },
+    };
+    Ok(())
+}

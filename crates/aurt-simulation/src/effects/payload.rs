@@ -1,0 +1,112 @@
+use aurt_rbd::LinkBody;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use crate::error::Complaints;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "payload",
+    family: Family::I,
+    summary: "a body fixed to a link",
+    presence: Presence::Later,
+    rotors: None,
+    takes: kind::Takes::All,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<Payload>,
+};
+
+/// A box-shaped body fixed to a link, mostly the last.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Payload {
+    /// The link.
+    pub link: usize,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the link's frame, m.
+    pub com_m: [f64; 3],
+    /// Edges of the box, along the link frame's axes, m.
+    pub edges_m: [f64; 3],
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let last = context.robot.joints() - 1;
+    let link = if random.chance(0.8) { last } else { last.saturating_sub(1 + random.index(3)) };
+    let side = |random: &mut Random| random.between(-0.06, 0.06);
+    Box::new(Payload {
+        link,
+        mass_kg: random.between(0.5, 1.5),
+        com_m: [side(random), side(random), random.between(0.02, 0.14)],
+        edges_m: [random.between(0.04, 0.15), random.between(0.04, 0.15), random.between(0.04, 0.15)],
+    })
+}
+
+impl Payload {
+    /// The body.
+    #[must_use]
+    pub fn body(&self) -> LinkBody {
+        let [a, b, c] = self.edges_m.map(|edge| edge * edge / 12.0);
+        let m = self.mass_kg;
+        LinkBody {
+            mass_kg: m,
+            com_m: self.com_m,
+            inertia_at_com_kg_m2: [m * (b + c), 0.0, 0.0, m * (a + c), 0.0, m * (a + b)],
+        }
+    }
+}
+
+impl Effect for Payload {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        (0..=self.link).collect()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("mass_kg", self.mass_kg), ("link", self.link as f64)]
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        self.mass_kg = (self.mass_kg * factor).clamp(0.01, 12.0);
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        complaints.link("`payload`", self.link, &robot.name, robot.joints());
+        complaints.positive("mass of the payload in kg", self.mass_kg);
+        for x in self.com_m {
+            complaints.within("centre of mass of the payload in m", x, -2.0, 2.0);
+        }
+        for x in self.edges_m {
+            complaints.positive("edge of the payload in m", x);
+        }
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        let carrier = &mut setup.machine.robot.links[self.link];
+        let mut sum = carrier.standard_parameters();
+        for (s, p) in sum.iter_mut().zip(self.body().standard_parameters()) {
+            *s += p;
+        }
+        let Some(both) = LinkBody::from_standard_parameters(&sum) else {
+            return Err(SimulationError::value(
+                "mass of the payload in kg",
+                self.mass_kg,
+                "it must be positive",
+            ));
+        };
+        *carrier = both;
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

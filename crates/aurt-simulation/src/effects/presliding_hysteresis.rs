@@ -1,0 +1,140 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, conflict, kind};
+use crate::error::Complaints;
+use crate::plant::Bristle;
+use crate::plant::bristles::{Gms, LuGre, Masing};
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "presliding_hysteresis",
+    family: Family::H,
+    summary: "dry friction that builds up along the way after a reversal",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<PreslidingHysteresis>,
+};
+
+/// Which model moves the bristles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BristleModel {
+    /// LuGre.
+    Lugre,
+    /// Generalised Maxwell slip, eight elements.
+    Gms,
+    /// Masing's rules.
+    Masing,
+}
+
+/// Dry friction with presliding in the place of the jump at zero velocity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PreslidingHysteresis {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// Distance over which friction builds up, rad.
+    pub distance_rad: Vec<f64>,
+    /// The model.
+    pub model: BristleModel,
+    /// Damping of the bristles as a share of the robot's viscous friction (LuGre alone).
+    pub damping_share: f64,
+}
+
+/// Shortest and longest distance, rad.
+const DISTANCES_RAD: (f64, f64) = (1e-4, 0.12);
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let model = match random.index(3) {
+        0 => BristleModel::Lugre,
+        1 => BristleModel::Gms,
+        _ => BristleModel::Masing,
+    };
+    let distance = random.between(0.006, 0.012);
+    Box::new(PreslidingHysteresis {
+        joints: context.joints.to_vec(),
+        distance_rad: vec![distance; context.joints.len()],
+        model,
+        damping_share: random.between(0.0, 0.3),
+    })
+}
+
+impl PreslidingHysteresis {
+    fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
+        match self.model {
+            BristleModel::Lugre => Box::new(LuGre {
+                stiffness_nm_rad: level_nm / (0.5 * distance_rad),
+                damping_nm_s: self.damping_share * viscous_nm_s,
+            }),
+            BristleModel::Gms => {
+                // Elements that let go at distances in geometric progression.
+                let distances: Vec<f64> = [0.12, 0.2, 0.32, 0.5, 0.8, 1.2, 1.8, 2.6]
+                    .iter()
+                    .map(|d| d * 0.8 * distance_rad)
+                    .collect();
+                Box::new(Gms::from_displacements(
+                    level_nm,
+                    &distances,
+                    &[0.1, 0.12, 0.14, 0.16, 0.16, 0.14, 0.1, 0.08],
+                ))
+            }
+            BristleModel::Masing => Box::new(Masing { half_way_rad: 0.25 * distance_rad }),
+        }
+    }
+}
+
+impl Effect for PreslidingHysteresis {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for distance in &mut self.distance_rad {
+            *distance = (*distance * factor).clamp(DISTANCES_RAD.0, DISTANCES_RAD.1);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        let distances = &self.distance_rad;
+        check_values(&mut complaints, KIND.identifier, "distance_rad", &self.joints, distances, (1e-5, 1.0));
+        complaints.within("damping of the bristles", self.damping_share, 0.0, 1.0);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for (joint, distance) in self.joints.iter().zip(&self.distance_rad) {
+            let viscous = setup.machine.nominal.drives[*joint].viscous_nm_s;
+            let physics = &mut setup.machine.joints[*joint];
+            if physics.bristle.is_some() {
+                let reason = "friction has one memory";
+                return Err(conflict(KIND.identifier, KIND.identifier, *joint, reason));
+            }
+            let level = 0.5 * (physics.coulomb_nm[0] + physics.coulomb_nm[1]);
+            if level <= 0.0 {
+                let reason = "there is no dry friction that could build up";
+                return Err(conflict(KIND.identifier, "absent Coulomb friction", *joint, reason));
+            }
+            physics.bristle = Some(self.bristle(*distance, level, viscous));
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

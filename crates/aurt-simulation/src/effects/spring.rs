@@ -1,0 +1,84 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use crate::error::Complaints;
+use crate::plant::{Instant, LinkTorque};
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "spring",
+    family: Family::P,
+    summary: "a spring across a joint",
+    presence: Presence::Either,
+    rotors: None,
+    takes: kind::Takes::One,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<Spring>,
+};
+
+/// A spring between a link and the one before it, in parallel to the gear: −stiffness (q − rest) on the joint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// The joint.
+    pub joint: usize,
+    /// Stiffness, Nm/rad.
+    pub stiffness_nm_rad: f64,
+    /// Angle without torque, rad.
+    pub rest_rad: f64,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let joint = context.joint();
+    let drive = &context.robot.drives[joint];
+    Box::new(Spring {
+        joint,
+        stiffness_nm_rad: 4.0 * drive.torque_noise_nm,
+        rest_rad: drive.home_rad + random.between(-0.5, 0.5),
+    })
+}
+
+impl Effect for Spring {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        vec![self.joint]
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("stiffness_nm_rad", self.stiffness_nm_rad), ("rest_rad", self.rest_rad)]
+    }
+
+    fn scale(&mut self, factor: f64, robot: &Robot) {
+        let most = 0.3 * robot.drives[self.joint].torque_limit_nm;
+        self.stiffness_nm_rad = (self.stiffness_nm_rad * factor).min(most);
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+        complaints.not_negative("stiffness of the spring in Nm/rad", self.stiffness_nm_rad);
+        complaints.within("rest angle of the spring in rad", self.rest_rad, -20.0, 20.0);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        setup.machine.link_torques.push(Box::new(*self));
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+impl LinkTorque for Spring {
+    fn add(&mut self, at: &Instant<'_>, acting_nm: &mut [f64]) {
+        acting_nm[self.joint] -= self.stiffness_nm_rad * (at.q_rad[self.joint] - self.rest_rad);
+    }
+}

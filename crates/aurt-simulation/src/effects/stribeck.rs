@@ -1,0 +1,129 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use crate::error::Complaints;
+use crate::plant::{DryTerm, Instant};
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "stribeck",
+    family: Family::F,
+    summary: "static friction above Coulomb's, which falls as the joint gets going",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<Stribeck>,
+};
+
+/// Dry friction that falls with speed from F_C + excess at rest: excess / (1 + (|q̇|/v_S)^δ).
+///
+/// This is the form of Hess and Soom (1990); exponentials are what is usually fitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stribeck {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// Static less Coulomb friction, Nm.
+    pub excess_nm: Vec<f64>,
+    /// Coulomb level, Nm.
+    pub coulomb_nm: Vec<f64>,
+    /// v_S: speed at which half the excess is gone, rad/s.
+    pub stribeck_velocity_rad_s: f64,
+    /// δ.
+    pub exponent: f64,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let mut effect = Stribeck {
+        joints: context.joints.to_vec(),
+        excess_nm: context.noises(3.0),
+        coulomb_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
+        stribeck_velocity_rad_s: random.between(0.03, 0.1),
+        exponent: random.between(1.3, 2.2),
+    };
+    effect.scale(1.0, context.robot);
+    Box::new(effect)
+}
+
+impl Effect for Stribeck {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        let mut parameters = vec![("stribeck_velocity_rad_s", self.stribeck_velocity_rad_s)];
+        if let ([coulomb], [excess]) = (self.coulomb_nm.as_slice(), self.excess_nm.as_slice()) {
+            parameters.push(("static_nm", coulomb + excess));
+        }
+        parameters
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for (excess, coulomb) in self.excess_nm.iter_mut().zip(&self.coulomb_nm) {
+            *excess = (*excess * factor).min(1.5 * coulomb);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        check_values(
+            &mut complaints,
+            KIND.identifier,
+            "excess_nm",
+            &self.joints,
+            &self.excess_nm,
+            (0.0, 1e4),
+        );
+        check_values(
+            &mut complaints,
+            KIND.identifier,
+            "coulomb_nm",
+            &self.joints,
+            &self.coulomb_nm,
+            (0.0, 1e4),
+        );
+        complaints.within("Stribeck velocity in rad/s", self.stribeck_velocity_rad_s, 1e-3, 2.0);
+        complaints.within("exponent of the Stribeck curve", self.exponent, 0.3, 4.0);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for ((joint, excess), coulomb) in self.joints.iter().zip(&self.excess_nm).zip(&self.coulomb_nm) {
+            let physics = &mut setup.machine.joints[*joint];
+            physics.coulomb_nm = [*coulomb; 2];
+            physics.dry_terms.push(Box::new(Curve {
+                excess_nm: *excess,
+                velocity_rad_s: self.stribeck_velocity_rad_s,
+                exponent: self.exponent,
+            }));
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+#[derive(Debug)]
+struct Curve {
+    excess_nm: f64,
+    velocity_rad_s: f64,
+    exponent: f64,
+}
+
+impl DryTerm for Curve {
+    fn level_nm(&self, joint: usize, at: &Instant<'_>, _direction: f64) -> f64 {
+        let x = at.shaft_rad_s[joint].abs() / self.velocity_rad_s;
+        self.excess_nm / (1.0 + libm::pow(x, self.exponent))
+    }
+}

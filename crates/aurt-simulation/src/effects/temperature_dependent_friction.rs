@@ -1,0 +1,99 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use crate::error::Complaints;
+use crate::plant::Warmth;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "temperature_dependent_friction",
+    family: Family::V,
+    summary: "friction that falls as the joint warms up",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<TemperatureDependentFriction>,
+};
+
+/// Friction heats the lubricant, and warm lubricant has less friction. Every recording begins cold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TemperatureDependentFriction {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// Relative fall of viscous friction per kelvin; dry friction falls by `dry_share` of it.
+    pub fall_per_k: Vec<f64>,
+    /// Share of the fall that dry friction has.
+    pub dry_share: f64,
+    /// Time constants of lubricant and housing, s.
+    pub time_constants_s: [f64; 2],
+}
+
+/// What friction at half the largest speed heats the lubricant to if no heat left it, K per quick time constant.
+const WARMING_K: f64 = 15.0;
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let quick = context.duration_s * random.between(0.25, 0.7);
+    let fall = random.between(0.015, 0.03);
+    Box::new(TemperatureDependentFriction {
+        joints: context.joints.to_vec(),
+        fall_per_k: vec![fall; context.joints.len()],
+        dry_share: random.between(0.4, 1.0),
+        time_constants_s: [quick, 8.0 * quick],
+    })
+}
+
+impl Effect for TemperatureDependentFriction {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for fall in &mut self.fall_per_k {
+            *fall = (*fall * factor).min(0.12);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        let bounds = (0.0, 0.5);
+        check_values(&mut complaints, KIND.identifier, "fall_per_k", &self.joints, &self.fall_per_k, bounds);
+        complaints.within("share of dry friction in warming", self.dry_share, 0.0, 2.0);
+        for constant in self.time_constants_s {
+            complaints.within("time constant of warming in s", constant, 0.1, 1e6);
+        }
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for (joint, fall) in self.joints.iter().zip(&self.fall_per_k) {
+            let drive = &setup.machine.nominal.drives[*joint];
+            let speed = 0.5 * drive.velocity_limit_rad_s;
+            let power = (drive.coulomb_nm + drive.viscous_nm_s * speed) * speed;
+            setup.machine.joints[*joint].warmth = Some(Warmth {
+                heating_k_per_j: WARMING_K / (power.max(1e-6) * self.time_constants_s[0]),
+                time_constants_s: self.time_constants_s,
+                fall_per_k: [self.dry_share * fall, *fall],
+                start_k: [0.0; 2],
+            });
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}

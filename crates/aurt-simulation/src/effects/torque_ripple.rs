@@ -1,0 +1,102 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use crate::error::Complaints;
+use crate::plant::{Instant, ShaftTorque};
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "torque_ripple",
+    family: Family::P,
+    summary: "torque that repeats with the angle of the shaft",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::One,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<TorqueRipple>,
+};
+
+/// Ripple of gear or motor: amplitude · (sin(N q + φ) + ½ · overtone · sin(2 N q + 2.3 φ)) against the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueRipple {
+    /// The joint.
+    pub joint: usize,
+    /// N, periods per revolution of the joint.
+    pub order: f64,
+    /// Amplitude, Nm.
+    pub amplitude_nm: f64,
+    /// φ, rad.
+    pub phase_rad: f64,
+    /// Size of the first overtone.
+    pub overtone: f64,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let joint = context.joint();
+    let drive = &context.robot.drives[joint];
+    // The motor's revolution, the gear's two waves of it, and slower ones of bearings.
+    let orders = [12.0, 20.0, 36.0, drive.gear_ratio, 2.0 * drive.gear_ratio];
+    Box::new(TorqueRipple {
+        joint,
+        order: orders[random.index(orders.len())],
+        amplitude_nm: 1.5 * drive.torque_noise_nm,
+        phase_rad: random.between(0.0, std::f64::consts::TAU),
+        overtone: if random.chance(0.5) { random.between(0.0, 0.5) } else { 0.0 },
+    })
+}
+
+impl Effect for TorqueRipple {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        vec![self.joint]
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("order", self.order), ("amplitude_nm", self.amplitude_nm)]
+    }
+
+    fn scale(&mut self, factor: f64, robot: &Robot) {
+        let most = 0.2 * robot.drives[self.joint].torque_limit_nm;
+        self.amplitude_nm = (self.amplitude_nm * factor).min(most);
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+        complaints.within("order of the ripple", self.order, 0.5, 2000.0);
+        complaints.not_negative("amplitude of the ripple in Nm", self.amplitude_nm);
+        complaints.within("overtone of the ripple", self.overtone, 0.0, 2.0);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        setup.machine.shaft_torques.push(Box::new(*self));
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+impl ShaftTorque for TorqueRipple {
+    fn add(&self, at: &Instant<'_>, opposing_nm: &mut [f64]) {
+        let angle = self.order * at.shaft_rad[self.joint] + self.phase_rad;
+        let mut wave = libm::sin(angle);
+        if self.overtone != 0.0 {
+            wave += 0.5 * self.overtone * libm::sin(2.0 * angle + 0.3 * self.phase_rad);
+        }
+        opposing_nm[self.joint] += self.amplitude_nm * wave;
+    }
+
+    fn rate_per_s(&self, inertia_kg_m2: &dyn Fn(usize) -> f64) -> f64 {
+        (self.amplitude_nm * self.order / inertia_kg_m2(self.joint)).sqrt()
+    }
+}

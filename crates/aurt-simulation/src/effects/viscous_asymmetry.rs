@@ -1,0 +1,116 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use crate::error::Complaints;
+use crate::plant::ViscousLaw;
+use crate::random::Random;
+use crate::{Robot, SimulationError};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "viscous_asymmetry",
+    family: Family::V,
+    summary: "viscous friction of two slopes, one for each direction",
+    presence: Presence::Either,
+    rotors: None,
+    takes: kind::Takes::Few,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<ViscousAsymmetry>,
+};
+
+/// Viscous friction that is steeper in one direction by as much as it is flatter in the other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ViscousAsymmetry {
+    /// The joints.
+    pub joints: Vec<usize>,
+    /// What the positive direction has more than the mean, Nm s/rad; negative for less.
+    pub half_difference_nm_s: Vec<f64>,
+    /// Mean slope, Nm s/rad.
+    pub mean_nm_s: Vec<f64>,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let mut effect = ViscousAsymmetry {
+        joints: context.joints.to_vec(),
+        half_difference_nm_s: context.noises(2.0 * random.sign()),
+        mean_nm_s: context.joints.iter().map(|j| context.robot.drives[*j].viscous_nm_s).collect(),
+    };
+    effect.scale(1.0, context.robot);
+    Box::new(effect)
+}
+
+impl Effect for ViscousAsymmetry {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        self.joints.clone()
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        match (self.mean_nm_s.as_slice(), self.half_difference_nm_s.as_slice()) {
+            ([mean], [half]) => vec![("viscous_pos_nm_s", mean + half), ("viscous_neg_nm_s", mean - half)],
+            _ => Vec::new(),
+        }
+    }
+
+    fn scale(&mut self, factor: f64, _robot: &Robot) {
+        for (half, mean) in self.half_difference_nm_s.iter_mut().zip(&self.mean_nm_s) {
+            *half = (*half * factor).clamp(-0.95 * mean, 0.95 * mean);
+        }
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+        check_values(
+            &mut complaints,
+            KIND.identifier,
+            "mean_nm_s",
+            &self.joints,
+            &self.mean_nm_s,
+            (0.0, 1e4),
+        );
+        let (half, bounds) = (&self.half_difference_nm_s, (-1e4, 1e4));
+        check_values(&mut complaints, KIND.identifier, "half_difference_nm_s", &self.joints, half, bounds);
+        for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm_s) {
+            if half.abs() > *mean {
+                let what = format!("half_difference_nm_s of joint {joint}");
+                let reason = format!("beyond the mean slope of {mean} Nm s/rad friction would push");
+                complaints.0.push(SimulationError::value(what, *half, reason));
+            }
+        }
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        for ((joint, half), mean) in self.joints.iter().zip(&self.half_difference_nm_s).zip(&self.mean_nm_s) {
+            let law = TwoSlopes { positive_nm_s: mean + half, negative_nm_s: mean - half };
+            setup.machine.joints[*joint].viscous = Box::new(law);
+        }
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        super::fields(self)
+    }
+}
+
+#[derive(Debug)]
+struct TwoSlopes {
+    positive_nm_s: f64,
+    negative_nm_s: f64,
+}
+
+impl ViscousLaw for TwoSlopes {
+    fn torque_nm(&self, velocity_rad_s: f64) -> f64 {
+        velocity_rad_s * if velocity_rad_s < 0.0 { self.negative_nm_s } else { self.positive_nm_s }
+    }
+
+    fn steepest_nm_s(&self) -> f64 {
+        self.positive_nm_s.max(self.negative_nm_s)
+    }
+}
