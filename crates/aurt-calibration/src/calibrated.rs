@@ -1,6 +1,8 @@
 use aurt_traits::{LoadTorque, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 
+use crate::ShapeReport;
+
 /// Which least-squares weights are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -112,6 +114,9 @@ pub struct Calibration {
     pub recordings: Vec<String>,
     /// What a user should know of this calibration.
     pub warnings: Vec<String>,
+    /// The search for shape parameters, if the model has any and they were searched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape_fit: Option<ShapeReport>,
 }
 
 impl Calibration {

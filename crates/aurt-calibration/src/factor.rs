@@ -35,6 +35,12 @@ impl JointFactor {
         }
     }
 
+    /// A factor whose triangle is known, column-major, (p + 1) × (p + 1).
+    pub(crate) fn from_triangle(columns: Vec<usize>, triangle: Vec<f64>, rows: usize) -> Self {
+        let size = columns.len() + 1;
+        Self { columns, size, triangle, buffer: vec![0.0; CHUNK_ROWS * size], buffered: 0, rows }
+    }
+
     /// The regressor columns that the joint's rows have.
     #[must_use]
     pub fn columns(&self) -> &[usize] {

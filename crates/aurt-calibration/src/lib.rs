@@ -3,17 +3,21 @@
 //!
 //! The regressor is streamed: evaluated tile by tile, filtered in parallel with the measurement, decimated and
 //! folded into one triangle per joint ([`JointFactor`]). These triangles answer every further question (OLS,
-//! σ_j, WLS, subsets of columns, sums of recordings) without the samples ([`System`]).
+//! σ_j, WLS, subsets of columns, sums of recordings) without the samples ([`System`]). Where many models are fitted to
+//! the same recordings, the rigid bodies' rows are shared ([`RigidRows`]); parameters in which a model is not linear
+//! are searched ([`calibrate_shapes`]).
 
 mod calibrated;
 mod error;
 mod factor;
 mod metrics;
+mod row_cache;
 mod scope;
 mod stream;
 mod system;
 mod uncertainty;
 mod validate;
+mod variable_projection;
 mod wls;
 
 pub use calibrated::{
@@ -22,11 +26,15 @@ pub use calibrated::{
 pub use error::CalibrationError;
 pub use factor::JointFactor;
 pub use metrics::{JointMetrics, Metrics};
+pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
 pub use system::{Solution, System};
 pub use uncertainty::noise_bandwidth_factor;
 pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};
+pub use variable_projection::{
+    FittedShape, ShapeOptions, ShapeReport, calibrate_shapes, calibrate_shapes_rows,
+};
 pub use wls::{
     Estimate, NamedRecording, accumulate, accumulate_scoped, calibrate, calibrate_scoped, estimate,
 };

@@ -154,7 +154,7 @@ impl System {
 
 /// Householder QR in place, left to right, of `columns` columns and one right-hand side (the last); a column
 /// that depends on those before it gets no pivot. Returns each column's row of R.
-fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> Vec<Option<usize>> {
+pub(crate) fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> Vec<Option<usize>> {
     let mut pivots = vec![None; columns];
     let mut next = 0;
     for c in 0..columns {

@@ -5,7 +5,7 @@ use crate::{calibrated::CalibratedParameter, system::Solution};
 
 /// Two-sided 95 % quantile of the normal distribution; rows are counted in thousands, so Student's differs
 /// in the third digit at most.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A relative standard deviation above this is worth a warning: the interval then includes zero.
 const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;

@@ -36,7 +36,7 @@ pub enum ValidatedRows {
 }
 
 /// The rows of a segment that a validation looks at.
-fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_rad_s: f64) -> Range<usize> {
+pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_rad_s: f64) -> Range<usize> {
     let all = 0..segment.rows();
     if rows == ValidatedRows::All {
         return all;

@@ -1,5 +1,5 @@
-use aurt_recording::{Preprocessed, Segment};
-use aurt_traits::{LoadTorque, RobotModel};
+use aurt_recording::{Preprocessed, Segment, ZeroPhase};
+use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 use rayon::prelude::*;
 
 use crate::{
@@ -39,7 +39,7 @@ impl NamedRecording {
 pub fn calibrate(
     model: &RobotModel,
     recordings: &[NamedRecording],
-    unit: aurt_traits::MeasurementUnit,
+    unit: MeasurementUnit,
     f_dyn_hz: f64,
     options: &CalibrationOptions,
 ) -> Result<Calibration, CalibrationError> {
@@ -54,7 +54,7 @@ pub fn calibrate_scoped(
     model: &RobotModel,
     recordings: &[NamedRecording],
     scopes: &TermScopes,
-    unit: aurt_traits::MeasurementUnit,
+    unit: MeasurementUnit,
     f_dyn_hz: f64,
     options: &CalibrationOptions,
 ) -> Result<Calibration, CalibrationError> {
@@ -70,10 +70,36 @@ pub fn calibrate_scoped(
     };
     let system = accumulate_scoped(model, recordings, scopes, &load, options)?;
     let estimate = estimate(&system, options.estimator)?;
-    let bandwidth =
-        first.data.segments.first().map_or(1.0, |s| noise_bandwidth_factor(&s.parallel_filter, s.decimation));
+    let filter = first.data.segments.first().map(|s| (&s.parallel_filter, s.decimation));
+    let ranges = ranges(model, recordings, &load)?;
+    let names = recordings.iter().map(|r| r.name.clone()).collect();
+    let setting = Setting { model, unit, f_dyn_hz, options };
+    Ok(finished(&setting, &system, estimate, filter, &load, ranges, names))
+}
+
+/// What a calibration is about.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Setting<'a> {
+    pub model: &'a RobotModel,
+    pub unit: MeasurementUnit,
+    pub f_dyn_hz: f64,
+    pub options: &'a CalibrationOptions,
+}
+
+/// A calibration from its solution; `filter` is the one that rows passed, with their decimation.
+pub(crate) fn finished(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: Estimate,
+    filter: Option<(&ZeroPhase, usize)>,
+    load: &LoadTorque,
+    ranges: Vec<JointRange>,
+    recordings: Vec<String>,
+) -> Calibration {
+    let Setting { model, unit, f_dyn_hz, options } = *setting;
+    let bandwidth = filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation));
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    Ok(Calibration {
+    Calibration {
         unit,
         options: *options,
         f_dyn_hz,
@@ -82,10 +108,11 @@ pub fn calibrate_scoped(
         sigma: estimate.sigma,
         samples_per_joint: system.factors().iter().map(JointFactor::rows).collect(),
         condition_number: estimate.solution.condition_number,
-        ranges: ranges(model, recordings, &load)?,
-        load,
-        recordings: recordings.iter().map(|r| r.name.clone()).collect(),
-    })
+        ranges,
+        load: load.clone(),
+        recordings,
+        shape_fit: None,
+    }
 }
 
 /// A solution with the σ_j that weighted it.
@@ -118,12 +145,7 @@ pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, Calib
         .collect::<Result<_, _>>()?;
     let mut solution = match estimator {
         Estimator::Ols => ols,
-        Estimator::Wls => {
-            // A joint that is met exactly would get an infinite weight; the largest residual sets the scale.
-            let floor = sigma.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-12 + f64::MIN_POSITIVE.sqrt();
-            let weights: Vec<f64> = sigma.iter().map(|s| 1.0 / s.max(floor)).collect();
-            system.solve(&weights, |_| true)?
-        }
+        Estimator::Wls => system.solve(&weights(&sigma), |_| true)?,
     };
     if estimator == Estimator::Ols {
         let degrees: usize = system.factors().iter().map(JointFactor::rows).sum::<usize>() - parameters;
@@ -131,6 +153,12 @@ pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, Calib
         solution.covariance.iter_mut().for_each(|c| *c *= variance);
     }
     Ok(Estimate { solution, sigma })
+}
+
+/// 1/σ_j. A joint that is met exactly would get an infinite weight; the largest residual sets the scale.
+pub(crate) fn weights(sigma: &[f64]) -> Vec<f64> {
+    let floor = sigma.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-12 + f64::MIN_POSITIVE.sqrt();
+    sigma.iter().map(|s| 1.0 / s.max(floor)).collect()
 }
 
 /// Accumulates the factors of all joints over all recordings, segments in parallel, merged in their order (so

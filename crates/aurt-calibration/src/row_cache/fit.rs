@@ -1,0 +1,334 @@
+use aurt_recording::ZeroPhase;
+use aurt_traits::RobotModel;
+use faer::{Accum, MatMut, MatRef, Par, linalg::matmul::matmul};
+use rayon::prelude::*;
+
+use super::{
+    dynamics::{DynamicsColumn, Source, dynamics_rows},
+    load::LoadSeries,
+    rigid::RigidRows,
+};
+use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes};
+
+/// What is left of a column after one projection still holds about 1e-16 of the column's own length along the basis;
+/// if less than this share is left, a second projection takes that away.
+const REPROJECT_BELOW: f64 = 0.01;
+
+/// A rigid-body column of which less than this share is independent of those before it is taken as dependent.
+const ROUNDING: f64 = 1e-14;
+
+/// Recordings to be fitted: for each joint an orthonormal basis of its rigid-body rows, and the measurement's part
+/// along and beyond it.
+#[derive(Debug)]
+pub struct FitRows<'r> {
+    rigid: &'r RigidRows<'r>,
+    pieces: Vec<Piece>,
+    joints: Vec<JointBasis>,
+}
+
+/// A segment of a recording that is fitted.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece {
+    pub recording: usize,
+    pub segment: usize,
+    /// For each joint the rows that are fitted; all where there is nothing.
+    keep: Option<Vec<Vec<usize>>>,
+}
+
+/// The rigid-body rows W = Q R of a joint, over all pieces, and its measurement.
+#[derive(Debug)]
+struct JointBasis {
+    rows: usize,
+    /// Q, column after column.
+    basis: Vec<f64>,
+    /// R, column-major.
+    triangle: Vec<f64>,
+    measurement: Split,
+}
+
+/// A column's part along the rigid-body columns, as coefficients of their basis, and its part beyond them.
+#[derive(Debug, Clone)]
+pub(crate) struct Split {
+    pub along: Vec<f64>,
+    pub beyond: Vec<f64>,
+}
+
+impl Split {
+    /// The parts of a column of zeros.
+    pub(crate) fn zero(&self) -> Self {
+        Self { along: vec![0.0; self.along.len()], beyond: vec![0.0; self.beyond.len()] }
+    }
+
+    /// Adds `scale` · (a − b).
+    pub(crate) fn add_difference(&mut self, scale: f64, a: &Self, b: &Self) {
+        let add = |sum: &mut [f64], a: &[f64], b: &[f64]| {
+            sum.iter_mut().zip(a.iter().zip(b)).for_each(|(s, (a, b))| *s += scale * (a - b));
+        };
+        add(&mut self.along, &a.along, &b.along);
+        add(&mut self.beyond, &a.beyond, &b.beyond);
+    }
+}
+
+/// A column of the joint dynamics, split.
+#[derive(Debug, Clone)]
+pub(crate) struct SplitColumn {
+    /// The joint whose rows these are.
+    pub joint: usize,
+    /// The coefficient.
+    pub column: usize,
+    /// Its parts.
+    pub split: Split,
+}
+
+impl<'r> FitRows<'r> {
+    /// Readies a selection of recordings, given by their indices, for fitting.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NothingToCalibrateOn`] for an empty selection.
+    pub fn new(
+        rigid: &'r RigidRows<'r>,
+        recordings: &[usize],
+        options: &CalibrationOptions,
+    ) -> Result<Self, CalibrationError> {
+        let pieces: Vec<Piece> = recordings
+            .iter()
+            .flat_map(|r| {
+                let segments = rigid.recordings()[*r].data.segments.len();
+                (0..segments).map(|s| Piece::new(rigid, *r, s, options)).collect::<Vec<_>>()
+            })
+            .collect();
+        if pieces.is_empty() {
+            return Err(CalibrationError::NothingToCalibrateOn);
+        }
+        let joints = (0..rigid.joints())
+            .into_par_iter()
+            .map(|joint| JointBasis::new(rigid, &pieces, joint))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { rigid, pieces, joints })
+    }
+
+    /// The rows that are shared.
+    #[must_use]
+    pub const fn rigid(&self) -> &'r RigidRows<'r> {
+        self.rigid
+    }
+
+    /// The selected recordings.
+    pub fn recordings(&self) -> impl Iterator<Item = &'r NamedRecording> {
+        let mut chosen: Vec<usize> = self.pieces.iter().map(|p| p.recording).collect();
+        chosen.dedup();
+        let all = self.rigid.recordings();
+        chosen.into_iter().map(move |r| &all[r])
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The filter that rows passed, and their decimation.
+    pub(crate) fn filter(&self) -> Option<(&'r ZeroPhase, usize)> {
+        self.pieces.first().map(|p| {
+            let segment = self.rigid.segment(p.recording, p.segment);
+            (&segment.parallel_filter, segment.decimation)
+        })
+    }
+
+    /// Rows of a joint.
+    pub(crate) fn rows(&self, joint: usize) -> usize {
+        self.joints[joint].rows
+    }
+
+    /// The split columns of some sources, in the order of the sources; `loads` holds τ_J of each piece.
+    ///
+    /// # Errors
+    /// What models report.
+    pub(crate) fn columns(
+        &self,
+        sources: &[Source<'_>],
+        acting: &[Vec<bool>],
+        loads: &[LoadSeries],
+    ) -> Result<Vec<SplitColumn>, CalibrationError> {
+        let evaluate = |(piece, load): (&Piece, &LoadSeries)| {
+            dynamics_rows(sources, self.rigid.segment(piece.recording, piece.segment), load)
+        };
+        let pieces: Vec<Vec<DynamicsColumn>> =
+            self.pieces.par_iter().zip(loads).map(evaluate).collect::<Result<_, _>>()?;
+        let Some(first) = pieces.first() else { return Ok(Vec::new()) };
+        let joined: Vec<(usize, usize, Vec<f64>)> = first
+            .iter()
+            .enumerate()
+            .map(|(k, DynamicsColumn { joint, column, .. })| {
+                let mut rows = Vec::with_capacity(self.rows(*joint));
+                for ((piece, columns), acting) in self.pieces.iter().zip(&pieces).zip(acting) {
+                    let before = rows.len();
+                    piece.append(*joint, &columns[k].rows, &mut rows);
+                    if !acting[*column] {
+                        rows[before..].fill(0.0);
+                    }
+                }
+                (*joint, *column, rows)
+            })
+            .collect();
+        Ok(self.split(joined))
+    }
+
+    /// Splits columns of any joints.
+    fn split(&self, columns: Vec<(usize, usize, Vec<f64>)>) -> Vec<SplitColumn> {
+        let mut result: Vec<Option<SplitColumn>> = vec![None; columns.len()];
+        for (joint, basis) in self.joints.iter().enumerate() {
+            let own: Vec<usize> = (0..columns.len()).filter(|k| columns[*k].0 == joint).collect();
+            let splits = basis.split(&own.iter().map(|k| &*columns[*k].2).collect::<Vec<_>>());
+            for (k, split) in own.into_iter().zip(splits) {
+                result[k] = Some(SplitColumn { joint, column: columns[k].1, split });
+            }
+        }
+        result.into_iter().flatten().collect()
+    }
+
+    /// The factor of a joint's rows over its rigid-body columns and `columns`, whose coefficients ascend.
+    pub(crate) fn factor(&self, joint: usize, columns: &[(usize, &Split)]) -> JointFactor {
+        let basis = &self.joints[joint];
+        let rigid = self.rigid.columns(joint);
+        let (n, k) = (rigid.len(), columns.len());
+        let size = n + k + 1;
+        let splits: Vec<&Split> =
+            columns.iter().map(|(_, split)| *split).chain(std::iter::once(&basis.measurement)).collect();
+        let mut beyond = JointFactor::new((0..k).collect());
+        beyond.push(|c| &splits[c].beyond, &splits[k].beyond, |_| true);
+        let small = beyond.triangle();
+        let mut triangle = vec![0.0; size * size];
+        for c in 0..n {
+            triangle[c * size..c * size + n].copy_from_slice(&basis.triangle[c * n..(c + 1) * n]);
+        }
+        for (c, split) in splits.iter().enumerate() {
+            let start = (n + c) * size;
+            triangle[start..start + n].copy_from_slice(&split.along);
+            triangle[start + n..start + size].copy_from_slice(&small[c * (k + 1)..(c + 1) * (k + 1)]);
+        }
+        let all = rigid.iter().copied().chain(columns.iter().map(|(c, _)| *c)).collect();
+        JointFactor::from_triangle(all, triangle, basis.rows)
+    }
+
+    /// The system of a model whose split columns are given.
+    pub(crate) fn system(&self, coefficients: usize, columns: &[SplitColumn]) -> System {
+        let factors = (0..self.joints.len())
+            .map(|joint| {
+                let mut own: Vec<(usize, &Split)> =
+                    columns.iter().filter(|c| c.joint == joint).map(|c| (c.column, &c.split)).collect();
+                own.sort_by_key(|(column, _)| *column);
+                self.factor(joint, &own)
+            })
+            .collect();
+        System::new(coefficients, factors)
+    }
+
+    /// Whether each coefficient acts in each piece.
+    pub(crate) fn acting(&self, model: &RobotModel, scopes: &TermScopes) -> Vec<Vec<bool>> {
+        let all = self.rigid.recordings();
+        self.pieces.iter().map(|p| scopes.acting(model, &all[p.recording].name)).collect()
+    }
+}
+
+impl Piece {
+    fn new(rigid: &RigidRows<'_>, recording: usize, segment: usize, options: &CalibrationOptions) -> Self {
+        let keep = (options.rest == Rest::Exclude).then(|| {
+            let data = rigid.segment(recording, segment);
+            let motion = data.motion.view();
+            let moves = |joint, row: &usize| {
+                motion.velocity_rad_s(joint)[row * data.decimation].abs() > options.rest_velocity_rad_s
+            };
+            (0..rigid.joints()).map(|j| (0..data.rows()).filter(|row| moves(j, row)).collect()).collect()
+        });
+        Self { recording, segment, keep }
+    }
+
+    /// Appends the rows of a joint that are fitted.
+    fn append(&self, joint: usize, rows: &[f64], to: &mut Vec<f64>) {
+        match &self.keep {
+            None => to.extend_from_slice(rows),
+            Some(keep) => to.extend(keep[joint].iter().map(|row| rows[*row])),
+        }
+    }
+}
+
+impl JointBasis {
+    fn new(rigid: &RigidRows<'_>, pieces: &[Piece], joint: usize) -> Result<Self, CalibrationError> {
+        let mut measured = Vec::new();
+        for piece in pieces {
+            let segment = rigid.segment(piece.recording, piece.segment);
+            let Some(measurement) = &segment.measurement else {
+                let file = rigid.recordings()[piece.recording].name.clone().into();
+                return Err(CalibrationError::NoMeasurement { file });
+            };
+            piece.append(joint, &measurement[joint][..segment.rows()], &mut measured);
+        }
+        let (rows, n) = (measured.len(), rigid.columns(joint).len());
+        let mut basis = Vec::with_capacity(rows * n);
+        let mut triangle = vec![0.0; n * n];
+        for k in 0..n {
+            let first = basis.len();
+            for piece in pieces {
+                let column = rigid.column(piece.recording, piece.segment, joint, k);
+                piece.append(joint, column, &mut basis);
+            }
+            let (before, column) = basis.split_at_mut(first);
+            let length = norm(column);
+            // Twice is enough: the second pass leaves nothing but rounding along the columns before.
+            for _ in 0..2 {
+                let along = project_out(before, rows, column, 1);
+                triangle[k * n..k * n + k].iter_mut().zip(&along).for_each(|(r, a)| *r += a);
+            }
+            let rest = norm(column);
+            if rest > ROUNDING * length {
+                triangle[k * n + k] = rest;
+                column.iter_mut().for_each(|v| *v /= rest);
+            } else {
+                column.fill(0.0);
+            }
+        }
+        let mut joint =
+            Self { rows, basis, triangle, measurement: Split { along: Vec::new(), beyond: Vec::new() } };
+        if let Some(split) = joint.split(&[&measured]).pop() {
+            joint.measurement = split;
+        }
+        Ok(joint)
+    }
+
+    fn split(&self, columns: &[&[f64]]) -> Vec<Split> {
+        let (rows, n) = (self.rows, self.triangle.len().isqrt());
+        let mut beyond = columns.concat();
+        let mut along = project_out(&self.basis, rows, &mut beyond, columns.len());
+        for (k, column) in columns.iter().enumerate() {
+            let rest = &mut beyond[k * rows..(k + 1) * rows];
+            if norm(rest) < REPROJECT_BELOW * norm(column) {
+                let more = project_out(&self.basis, rows, rest, 1);
+                along[k * n..(k + 1) * n].iter_mut().zip(more).for_each(|(a, m)| *a += m);
+            }
+        }
+        (0..columns.len())
+            .map(|k| Split {
+                along: along[k * n..(k + 1) * n].to_vec(),
+                beyond: beyond[k * rows..(k + 1) * rows].to_vec(),
+            })
+            .collect()
+    }
+}
+
+/// C = Qᵀ B, and B − Q C in the place of B.
+fn project_out(basis: &[f64], rows: usize, columns: &mut [f64], count: usize) -> Vec<f64> {
+    let n = if rows == 0 { 0 } else { basis.len() / rows };
+    let mut along = vec![0.0; n * count];
+    if n == 0 || count == 0 {
+        return along;
+    }
+    let q = MatRef::from_column_major_slice(basis, rows, n);
+    let mut b = MatMut::from_column_major_slice_mut(columns, rows, count);
+    let mut c = MatMut::from_column_major_slice_mut(&mut along, n, count);
+    matmul(c.as_mut(), Accum::Replace, q.transpose(), b.as_ref(), 1.0, Par::Seq);
+    matmul(b.as_mut(), Accum::Add, q, c.as_ref(), -1.0, Par::Seq);
+    along
+}
+
+fn norm(column: &[f64]) -> f64 {
+    column.iter().map(|v| v * v).sum::<f64>().sqrt()
+}

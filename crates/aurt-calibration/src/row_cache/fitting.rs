@@ -1,0 +1,109 @@
+use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
+use rayon::prelude::*;
+
+use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
+use crate::{
+    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, System, TermScopes,
+    wls::{Estimate, Setting, estimate, finished},
+};
+
+/// A linear fit with what it was made of.
+#[derive(Debug)]
+pub(crate) struct Fitted {
+    /// The load torque's weights.
+    pub load: LoadTorque,
+    /// τ_J of each piece.
+    pub loads: Vec<LoadSeries>,
+    /// The system that was solved.
+    pub system: System,
+    /// Its solution.
+    pub estimate: Estimate,
+}
+
+/// As [`calibrate_scoped`](crate::calibrate_scoped), from shared rows.
+///
+/// # Errors
+/// As [`calibrate`](crate::calibrate); [`CalibrationError::Columns`] for a model of other rigid bodies.
+pub fn calibrate_rows(
+    model: &RobotModel,
+    rows: &FitRows<'_>,
+    scopes: &TermScopes,
+    unit: MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
+    let fitted = fit(model, rows, scopes, options)?;
+    let setting = Setting { model, unit, f_dyn_hz, options };
+    Ok(rows.calibration(&setting, &fitted))
+}
+
+/// The two passes of a linear fit.
+///
+/// # Errors
+/// As [`calibrate_rows`].
+pub(crate) fn fit(
+    model: &RobotModel,
+    rows: &FitRows<'_>,
+    scopes: &TermScopes,
+    options: &CalibrationOptions,
+) -> Result<Fitted, CalibrationError> {
+    rows.rigid().fits(model)?;
+    let acting = rows.acting(model, scopes);
+    let coefficients = model.parameters().len();
+    let sources = Source::all(model);
+    let pass = |load: LoadTorque| -> Result<Fitted, CalibrationError> {
+        let loads = rows.loads(model, &load)?;
+        let columns = rows.columns(&sources, &acting, &loads)?;
+        let system = rows.system(coefficients, &columns);
+        let estimate = estimate(&system, options.estimator)?;
+        Ok(Fitted { load, loads, system, estimate })
+    };
+    match options.load_torque {
+        LoadTorqueChoice::Literal => pass(LoadTorque::Literal),
+        LoadTorqueChoice::Fitted => {
+            let first = pass(LoadTorque::Fitted(vec![0.0; coefficients]))?;
+            pass(LoadTorque::Fitted(first.estimate.solution.coefficients))
+        }
+    }
+}
+
+impl FitRows<'_> {
+    /// τ_J of each piece.
+    ///
+    /// # Errors
+    /// What arm terms report.
+    pub(crate) fn loads(
+        &self,
+        model: &RobotModel,
+        load: &LoadTorque,
+    ) -> Result<Vec<LoadSeries>, CalibrationError> {
+        self.pieces()
+            .par_iter()
+            .map(|p| self.rigid().load_series(model, self.rigid().segment(p.recording, p.segment), load))
+            .collect()
+    }
+
+    /// What a fit found out.
+    pub(crate) fn calibration(&self, setting: &Setting<'_>, fitted: &Fitted) -> Calibration {
+        let ranges = self.ranges(&fitted.load, &fitted.loads);
+        let names = self.recordings().map(|r| r.name.clone()).collect();
+        finished(setting, &fitted.system, fitted.estimate.clone(), self.filter(), &fitted.load, ranges, names)
+    }
+
+    fn ranges(&self, load: &LoadTorque, loads: &[LoadSeries]) -> Vec<JointRange> {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        (0..self.rigid().joints())
+            .map(|joint| {
+                let speeds = self.pieces().iter().map(|p| {
+                    let segment = self.rigid().segment(p.recording, p.segment);
+                    largest(segment.motion.view().velocity_rad_s(joint))
+                });
+                let torque = loads.iter().map(|l| largest(l.joint(joint))).fold(0.0, f64::max);
+                JointRange {
+                    velocity_rad_s: speeds.fold(0.0, f64::max),
+                    load_torque: matches!(load, LoadTorque::Fitted(_)).then_some(torque),
+                }
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,80 @@
+use aurt_traits::RobotModel;
+
+use super::{
+    dynamics::{Source, dynamics_rows},
+    rigid::RigidRows,
+};
+use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
+
+/// A measured row beside its prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedRow {
+    /// Index of the segment within the recording.
+    pub segment: usize,
+    /// Its time stamp, s.
+    pub time_s: f64,
+    /// The joint.
+    pub joint: usize,
+    /// Whether the joint moves (|q̇_j| above the rest velocity).
+    pub moving: bool,
+    /// y, filtered and decimated.
+    pub measured: f64,
+    /// ŷ, filtered and decimated.
+    pub predicted: f64,
+}
+
+impl RigidRows<'_> {
+    /// Compares the predictions of a calibrated model with the measurement of a recording, row by row: segment after
+    /// segment, joint after joint, in order of time.
+    ///
+    /// # Errors
+    /// What models report; [`CalibrationError::Columns`] for a model of other rigid bodies.
+    pub fn judge(
+        &self,
+        model: &RobotModel,
+        calibration: &Calibration,
+        scopes: &TermScopes,
+        recording: usize,
+        rows: ValidatedRows,
+        mut visit: impl FnMut(JudgedRow),
+    ) -> Result<(), CalibrationError> {
+        self.fits(model)?;
+        let named = &self.recordings()[recording];
+        let coefficients = calibration.coefficients();
+        let acting = scopes.acting(model, &named.name);
+        let rest = calibration.options.rest_velocity_rad_s;
+        for (s, segment) in named.data.segments.iter().enumerate() {
+            let Some(measurement) = &segment.measurement else { continue };
+            let load = self.load_series(model, segment, &calibration.load)?;
+            let columns = dynamics_rows(&Source::all(model), segment, &load)?;
+            let motion = segment.motion.view();
+            for joint in 0..self.joints() {
+                let mut predicted = vec![0.0; segment.rows()];
+                for (k, column) in self.columns(joint).iter().enumerate() {
+                    add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
+                }
+                for column in columns.iter().filter(|c| c.joint == joint && acting[c.column]) {
+                    add(&mut predicted, coefficients[column.column], &column.rows);
+                }
+                for row in validated(segment, rows, rest) {
+                    let sample = row * segment.decimation;
+                    visit(JudgedRow {
+                        segment: s,
+                        time_s: motion.time_s()[sample],
+                        joint,
+                        moving: motion.velocity_rad_s(joint)[sample].abs() > rest,
+                        measured: measurement[joint][row],
+                        predicted: predicted[row],
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn add(sum: &mut [f64], coefficient: f64, column: &[f64]) {
+    for (s, v) in sum.iter_mut().zip(column) {
+        *s += coefficient * v;
+    }
+}

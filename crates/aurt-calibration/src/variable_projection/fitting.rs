@@ -1,0 +1,162 @@
+use aurt_traits::{MeasurementUnit, RobotModel};
+
+use super::{
+    owner::Owner,
+    problem::Problem,
+    report::ShapeReport,
+    search::{Found, ShapeOptions, search_box, search_nearby},
+    uncertainty::precision,
+};
+use crate::{
+    Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, NamedRecording, RigidRows,
+    TermScopes, calibrate_rows, calibrate_scoped, noise_bandwidth_factor,
+    row_cache::{Fitted, fit},
+    wls::{Setting, weights},
+};
+
+/// Weights and load torque follow the shapes at most this often.
+const MOST_ROUNDS: usize = 6;
+/// Shapes that move by less than this share of their range when weights and load torque follow stay.
+const SETTLED: f64 = 1e-4;
+
+/// Estimates coefficients and shape parameters of a model from recordings, by variable projection around
+/// [`calibrate_scoped`]; the model that comes back has the shapes found. A model without shape parameters comes back
+/// as it is.
+///
+/// The shapes that `model` has are one of the starts.
+///
+/// # Errors
+/// As [`calibrate_scoped`].
+pub fn calibrate_shapes(
+    model: &RobotModel,
+    recordings: &[NamedRecording],
+    scopes: &TermScopes,
+    unit: MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+    search: &ShapeOptions,
+) -> Result<(RobotModel, Calibration), CalibrationError> {
+    if Owner::all(model).is_empty() || recordings.is_empty() {
+        let calibration = calibrate_scoped(model, recordings, scopes, unit, f_dyn_hz, options)?;
+        return Ok((model.clone(), calibration));
+    }
+    let rigid = RigidRows::new(model, recordings)?;
+    let all: Vec<usize> = (0..recordings.len()).collect();
+    let rows = FitRows::new(&rigid, &all, options)?;
+    calibrate_shapes_rows(model, &rows, scopes, unit, f_dyn_hz, options, search)
+}
+
+/// As [`calibrate_shapes`], from shared rows.
+///
+/// # Errors
+/// As [`calibrate_rows`].
+pub fn calibrate_shapes_rows(
+    model: &RobotModel,
+    rows: &FitRows<'_>,
+    scopes: &TermScopes,
+    unit: MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+    search: &ShapeOptions,
+) -> Result<(RobotModel, Calibration), CalibrationError> {
+    let owners = Owner::all(model);
+    if owners.is_empty() {
+        let calibration = calibrate_rows(model, rows, scopes, unit, f_dyn_hz, options)?;
+        return Ok((model.clone(), calibration));
+    }
+    let mut shaped = Shaped::begin(model, rows, scopes, options)?;
+    let mut found: Option<Found> = None;
+    let (mut evaluations, mut iterations, mut settled) = (0, 0, false);
+    for _ in 0..MOST_ROUNDS {
+        let problem = shaped.problem()?;
+        let start = problem.at(problem.owners.iter().map(Owner::units).collect())?;
+        let before = start.units.clone();
+        let descent = match &mut found {
+            None => {
+                let all = search_box(&problem, start, search)?;
+                let descent = all.descent.clone();
+                found = Some(all);
+                descent
+            }
+            Some(found) => {
+                found.descent = search_nearby(&problem, start, search)?;
+                found.descent.clone()
+            }
+        };
+        evaluations += problem.evaluations();
+        iterations += descent.iterations;
+        let moved = furthest(&before, &descent.point.units);
+        let model = problem.model_at(&descent.point)?;
+        shaped = Shaped::begin(&model, rows, scopes, options)?;
+        if moved < SETTLED {
+            settled = descent.converged;
+            break;
+        }
+    }
+    let Some(found) = found else { return Err(CalibrationError::NotFinite) };
+    let problem = shaped.problem()?;
+    let point = problem.at(problem.owners.iter().map(Owner::units).collect())?;
+    let cost_before = problem.at(owners.iter().map(Owner::units).collect()).map_or(f64::INFINITY, |p| p.cost);
+    let filter = rows.filter();
+    let bandwidth = filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation));
+    let coefficients = shaped.fitted.estimate.solution.coefficients.clone();
+    let precision =
+        precision(&problem, &point, &found, &owners, &coefficients, (options.estimator, bandwidth))?;
+    let count = shaped.fitted.system.factors().iter().map(crate::JointFactor::rows).sum::<usize>() as f64;
+    let report = ShapeReport {
+        shapes: precision.shapes,
+        starts: found.starts,
+        iterations,
+        evaluations,
+        converged: settled,
+        cost_before: cost_before / count,
+        cost_after: point.cost / count,
+    };
+    drop(problem);
+    let Shaped { model, mut fitted, .. } = shaped;
+    fitted.estimate.solution.covariance = precision.covariance;
+    let mut calibration = rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted);
+    calibration.warnings.extend(report.warnings(unit));
+    calibration.shape_fit = Some(report);
+    Ok((model, calibration))
+}
+
+/// A model with some shapes, its linear fit, and what the search keeps fixed.
+struct Shaped<'a> {
+    model: RobotModel,
+    rows: &'a FitRows<'a>,
+    acting: Vec<Vec<bool>>,
+    fitted: Fitted,
+    estimator: Estimator,
+}
+
+impl<'a> Shaped<'a> {
+    fn begin(
+        model: &RobotModel,
+        rows: &'a FitRows<'a>,
+        scopes: &TermScopes,
+        options: &CalibrationOptions,
+    ) -> Result<Self, CalibrationError> {
+        Ok(Self {
+            model: model.clone(),
+            rows,
+            acting: rows.acting(model, scopes),
+            fitted: fit(model, rows, scopes, options)?,
+            estimator: options.estimator,
+        })
+    }
+
+    fn problem(&self) -> Result<Problem<'_>, CalibrationError> {
+        let sigma = &self.fitted.estimate.sigma;
+        let weights = match self.estimator {
+            Estimator::Wls => weights(sigma),
+            Estimator::Ols => vec![1.0; sigma.len()],
+        };
+        Problem::new(&self.model, self.rows, &self.acting, &self.fitted.loads, weights)
+    }
+}
+
+/// The largest change of any shape.
+fn furthest(before: &[Vec<f64>], after: &[Vec<f64>]) -> f64 {
+    before.iter().flatten().zip(after.iter().flatten()).fold(0.0, |a, (x, y)| f64::max(a, (x - y).abs()))
+}

@@ -1,0 +1,97 @@
+use aurt_traits::{ColumnGroup, MeasurementUnit, Scale};
+use serde::{Deserialize, Serialize};
+
+/// A shape parameter that a calibration found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedShape {
+    /// Whose it is: a joint's stack or an arm term.
+    pub group: ColumnGroup,
+    /// The model that has it.
+    pub model: String,
+    /// Its name, equal to the model's configuration key.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value in the model that the search began with.
+    pub start: f64,
+    /// Estimate.
+    pub value: f64,
+    /// Standard deviation of the estimate; absent at a bound and where the recordings do not determine it.
+    pub std_dev: Option<f64>,
+    /// 95 % confidence interval, within the bounds; of a parameter that is searched in logarithms, in these.
+    pub interval_95: Option<[f64; 2]>,
+    /// Smallest value that the model allows.
+    pub lower: f64,
+    /// Largest value that the model allows.
+    pub upper: f64,
+    /// How it was stepped through.
+    pub scale: Scale,
+    /// Whether the estimate is one of these bounds.
+    pub at_bound: bool,
+    /// How many of the refined starts of its owner ended at the best fit.
+    pub agreeing_starts: usize,
+}
+
+/// How the search for shape parameters went.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapeReport {
+    /// The shapes, owner after owner.
+    pub shapes: Vec<FittedShape>,
+    /// Starts that were refined for every joint or arm term.
+    pub starts: usize,
+    /// Iterations over all refinements.
+    pub iterations: usize,
+    /// How often the columns of a joint or arm term were evaluated.
+    pub evaluations: usize,
+    /// Whether the last refinement ended by itself and the shapes no longer move when weights and load torque follow.
+    pub converged: bool,
+    /// Weighted sum of squared residuals per row with the shapes that the model had, in the last weights.
+    pub cost_before: f64,
+    /// The same with the shapes found.
+    pub cost_after: f64,
+}
+
+impl FittedShape {
+    /// The joint or arm term, the model and the parameter in words: `joint 2, lugre: presliding_rad`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let owner = match self.group {
+            ColumnGroup::RigidBody => "rigid bodies".to_owned(),
+            ColumnGroup::JointDynamics(joint) => format!("joint {joint}"),
+            ColumnGroup::ArmTerm(k) => format!("arm term {k}"),
+        };
+        format!("{owner}, {}: {}", self.model, self.name)
+    }
+}
+
+impl ShapeReport {
+    /// What a user should know of the shapes.
+    pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
+        let listed = |choose: &dyn Fn(&&FittedShape) -> bool| {
+            let names = self
+                .shapes
+                .iter()
+                .filter(choose)
+                .map(|s| format!("{} = {:.4} {}", s.label(), s.value, unit.express(&s.unit)));
+            names.collect::<Vec<_>>().join("; ")
+        };
+        let mut warnings = Vec::new();
+        let bounded = listed(&|s| s.at_bound);
+        if !bounded.is_empty() {
+            warnings.push(format!(
+                "shape parameters at a bound, where the model degenerates or the recordings say nothing: {bounded}"
+            ));
+        }
+        let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());
+        if !silent.is_empty() {
+            warnings.push(format!("shape parameters that the recordings do not determine: {silent}"));
+        }
+        if !self.converged {
+            warnings.push(format!(
+                "the search for shape parameters did not settle within {} iterations",
+                self.iterations
+            ));
+        }
+        warnings
+    }
+}
