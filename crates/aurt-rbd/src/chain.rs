@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::kernel::Place;
+use crate::kernel::{Place, sine_cosine_of};
 use crate::{MdhTable, RbdError};
 
 /// A chain of N ≥ 1 links on a fixed base, joined by revolute joints.
@@ -107,7 +107,7 @@ impl Placement {
 /// Sine and cosine, exactly 0 and ±1 at multiples of π/2 as far as f64 can hold these: parallel and
 /// perpendicular axes are meant to be exactly that, and the base parameters depend on it.
 fn exact_sin_cos(angle_rad: f64) -> (f64, f64) {
-    let (sin, cos) = angle_rad.sin_cos();
+    let (sin, cos) = sine_cosine_of(angle_rad);
     let dust = 4.0 * f64::EPSILON * angle_rad.abs().max(1.0);
     if sin.abs() < dust {
         (0.0, cos.signum())

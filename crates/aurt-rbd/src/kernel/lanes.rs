@@ -33,10 +33,16 @@ pub(crate) trait Lanes:
     fn flip_by_bit_one(self, selector: Self, offset: i64) -> Self;
 }
 
-/// An array of lanes, for processors without an implementation of their own.
+/// An array of lanes, for single values and for processors without an implementation of their own.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(target_arch = "x86_64", allow(dead_code, reason = "the tests compare with it"))]
 pub(crate) struct Array2([f64; 2]);
+
+impl Array2 {
+    /// The first lane.
+    pub fn first(self) -> f64 {
+        self.0[0]
+    }
+}
 
 impl Lanes for Array2 {
     const LANES: usize = 2;

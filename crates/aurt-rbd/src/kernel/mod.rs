@@ -6,13 +6,13 @@
 
 mod block;
 pub(crate) mod dispatch;
-pub(crate) mod lanes;
+mod lanes;
 mod motion;
 mod plan;
-pub(crate) mod sine_cosine;
+mod sine_cosine;
 mod turn;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod x86;
+mod x86;
 
 use aurt_traits::{MotionView, RegressorTile};
 
@@ -26,6 +26,7 @@ use motion::{
 use plan::Plan;
 
 pub(crate) use motion::Place;
+pub(crate) use sine_cosine::sine_cosine_of;
 
 /// What every processor of the target can run.
 #[cfg(target_arch = "x86_64")]
@@ -163,5 +164,35 @@ fn evaluate_group<T: Lanes>(
             other_blocks(links, before, others, group, to);
             own_block(links, joint.sign, *own, group, to);
         }
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::{MdhRows, MdhTable};
+
+    /// What processors without an implementation of their own run gives the baseline's bits.
+    #[test]
+    fn arrays_give_the_bits_of_the_baseline() {
+        let table =
+            MdhTable::parse("alpha,a,d\npi/2,0,0.1\n0.3,-0.4,0\n0,0.2,0.1\n", "", MdhRows::Next).unwrap();
+        let chain = SerialChain::from_mdh(&table, [0.1, 0.2, -9.81]).unwrap();
+        let samples = 11;
+        let series: Vec<f64> = (0..3 * samples).map(|k| (f64::from(k) * 0.37).fract() * 6.0 - 3.0).collect();
+        let samples = samples as usize;
+        let motion =
+            aurt_traits::Motion::new(3, vec![0.0; samples], series.clone(), series.clone(), series).unwrap();
+        let destinations: Vec<u32> = (0..90).collect();
+        let evaluate = |evaluate: fn(Plan<'_>, usize, &mut [f64])| {
+            let mut data = vec![0.0; 90 * samples];
+            let mut tile = RegressorTile::new(&destinations, 30, samples, samples, &mut data);
+            let plan = Plan::new(&chain, motion.view(), &mut tile);
+            evaluate(plan, samples, &mut data);
+            data.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+        };
+        let arrays = evaluate(evaluate_lanes::<lanes::Array2>);
+        assert_eq!(arrays, evaluate(evaluate_lanes::<Baseline>));
+        assert!(arrays.iter().filter(|bits| **bits != 0).count() > 40 * samples);
     }
 }

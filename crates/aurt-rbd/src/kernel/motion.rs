@@ -61,7 +61,7 @@ impl<T: Lanes> Angle<T> {
 
     /// Rot_z(θ)ᵀ v.
     #[inline(always)]
-    fn into_link(&self, [x, y, z]: Vector<T>) -> Vector<T> {
+    fn in_link(&self, [x, y, z]: Vector<T>) -> Vector<T> {
         [self.sine.mul_add(y, self.cosine * x), self.sine.neg_mul_add(x, self.cosine * y), z]
     }
 }
@@ -164,10 +164,10 @@ pub(super) fn first_link<T: Lanes>(
     let zero = T::splat(0.0);
     let base = [T::splat(-gravity_m_s2[0]), T::splat(-gravity_m_s2[1]), T::splat(-gravity_m_s2[2])];
     with_turn!(place.turn, turn => {
-        let base = turn.into_joint(&base);
+        let base = turn.in_joint(&base);
         for ((link, angle), first) in links.iter_mut().zip(angles).zip(group) {
             let (rate, acceleration) = rates.at(*first);
-            let accel = angle.into_link(base);
+            let accel = angle.in_link(base);
             *link = LinkMotion::from_rates([zero, zero, rate], [zero, zero, acceleration], accel);
         }
     });
@@ -195,9 +195,9 @@ pub(super) fn next_link<T: Lanes>(
                 }
             }
             let (rate, acceleration) = rates.at(*first);
-            let accel = angle.into_link(turn.into_joint(&at_joint));
-            let [ox, oy, oz] = angle.into_link(turn.into_joint(&link.omega));
-            let [dx, dy, dz] = angle.into_link(turn.into_joint(&link.omega_dot));
+            let accel = angle.in_link(turn.in_joint(&at_joint));
+            let [ox, oy, oz] = angle.in_link(turn.in_joint(&link.omega));
+            let [dx, dy, dz] = angle.in_link(turn.in_joint(&link.omega_dot));
             let omega_dot = [oy.mul_add(rate, dx), ox.neg_mul_add(rate, dy), dz + acceleration];
             *link = LinkMotion::from_rates([ox, oy, oz + rate], omega_dot, accel);
         }
@@ -227,10 +227,10 @@ pub(super) fn carry<T: Lanes>(joints: &mut [JointLanes<T>], place: &Place, angle
     with_turn!(place.turn, turn => with_shift!(place.shift, shift => {
         for joint in joints {
             for (twist, angle) in joint.twists.iter_mut().zip(angles) {
-                let omega = turn.into_joint(&twist.omega);
-                let velocity = shift.swing(&omega, &turn.into_joint(&twist.velocity));
-                twist.omega = angle.into_link(omega);
-                twist.velocity = angle.into_link(velocity);
+                let omega = turn.in_joint(&twist.omega);
+                let velocity = shift.swing(&omega, &turn.in_joint(&twist.velocity));
+                twist.omega = angle.in_link(omega);
+                twist.velocity = angle.in_link(velocity);
             }
         }
     }));
@@ -244,7 +244,7 @@ pub(super) fn carry_previous<T: Lanes>(previous: &mut JointLanes<T>, place: &Pla
     let omega = [T::splat(ox), T::splat(oy), T::splat(oz)];
     let velocity = [T::splat(vx), T::splat(vy), T::splat(vz)];
     for (twist, angle) in previous.twists.iter_mut().zip(angles) {
-        twist.omega = angle.into_link(omega);
-        twist.velocity = angle.into_link(velocity);
+        twist.omega = angle.in_link(omega);
+        twist.velocity = angle.in_link(velocity);
     }
 }

@@ -1,4 +1,4 @@
-use super::lanes::Lanes;
+use super::lanes::{Array2, Lanes};
 
 /// Adding this to a number below 2^51 in magnitude and subtracting it again rounds to an integer, which
 /// stands in the lowest bits of the sum in between.
@@ -53,6 +53,12 @@ pub(crate) fn sine_cosine<T: Lanes>(x: T) -> (T, T) {
     )
 }
 
+/// [`sine_cosine`] of one angle.
+pub(crate) fn sine_cosine_of(x: f64) -> (f64, f64) {
+    let (sine, cosine) = sine_cosine(Array2::splat(x));
+    (sine.first(), cosine.first())
+}
+
 #[inline(always)]
 fn polynomial<T: Lanes>(coefficients: &[f64; 6], y: T) -> T {
     let mut sum = T::splat(coefficients[5]);
@@ -65,7 +71,6 @@ fn polynomial<T: Lanes>(coefficients: &[f64; 6], y: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::lanes::Array2;
 
     fn store<T: Lanes>(lanes: T, to: &mut [f64]) {
         assert!(to.len() >= T::LANES);

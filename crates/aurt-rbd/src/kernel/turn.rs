@@ -117,7 +117,7 @@ pub(super) use {with_shift, with_turn};
 /// A [`Turn`] that is known where the code is compiled.
 pub(super) trait Turned: Copy {
     /// A vector of the previous link frame in the axes of the joint: Rᵀ v.
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T>;
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T>;
 }
 
 #[derive(Clone, Copy)]
@@ -133,28 +133,28 @@ pub(super) struct Any(pub [[f64; 3]; 3]);
 
 impl Turned for Straight {
     #[inline(always)]
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
         *v
     }
 }
 
 impl Turned for Up {
     #[inline(always)]
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
         [v[0], v[2], -v[1]]
     }
 }
 
 impl Turned for Down {
     #[inline(always)]
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
         [v[0], -v[2], v[1]]
     }
 }
 
 impl Turned for AboutX {
     #[inline(always)]
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
         let (cosine, sine) = (T::splat(self.0), T::splat(self.1));
         [v[0], sine.mul_add(v[2], cosine * v[1]), sine.neg_mul_add(v[1], cosine * v[2])]
     }
@@ -162,7 +162,7 @@ impl Turned for AboutX {
 
 impl Turned for Any {
     #[inline(always)]
-    fn into_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
+    fn in_joint<T: Lanes>(self, v: &Vector<T>) -> Vector<T> {
         [column_dot(&self.0, 0, v), column_dot(&self.0, 1, v), column_dot(&self.0, 2, v)]
     }
 }
