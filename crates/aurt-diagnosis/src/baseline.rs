@@ -42,9 +42,6 @@ impl Baseline {
             });
         }
         let zero = vec![0.0; question.model.parameters().len()];
-        if question.recordings.iter().any(|r| r.simulated.is_some()) {
-            return Ok(Self { load: LoadTorque::Fitted(zero.clone()), coefficients: zero, frozen: true });
-        }
         let mut load = match question.calibration.load_torque {
             LoadTorqueChoice::Literal => LoadTorque::Literal,
             LoadTorqueChoice::Fitted => LoadTorque::Fitted(zero.clone()),
@@ -63,7 +60,9 @@ impl Baseline {
             }
             load = LoadTorque::Fitted(coefficients.clone());
         }
-        Ok(Self { load, coefficients, frozen: false })
+        // Another simulator is what is questioned; the fit only says what loads the joints.
+        let frozen = question.recordings.iter().any(|r| r.simulated.is_some());
+        Ok(Self { load, coefficients, frozen })
     }
 }
 

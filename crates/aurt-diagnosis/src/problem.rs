@@ -241,10 +241,9 @@ impl Problem {
         let cholesky = Cholesky::new(&self.cross(total, switches, switches, weights), n);
         let mut projected = self.cross(total, switches, group, weights);
         let own = self.cross(total, group, group, weights);
-        projected
-            .chunks_exact_mut(n.max(1))
-            .enumerate()
-            .map(|(k, column)| {
+        (0..group.len())
+            .map(|k| {
+                let column = &mut projected[k * n..(k + 1) * n];
                 cholesky.forward(column);
                 let length = own[k * group.len() + k];
                 if length > 0.0 { ((length - dot(column, column)) / length).max(0.0).sqrt() } else { 0.0 }

@@ -55,7 +55,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         shifts: shifts(investigation, &all, &fit, &baseline.1),
         notes: Vec::new(),
     };
-    if investigation.baseline.frozen {
+    if question.recordings.iter().any(|r| r.simulated.is_some()) {
+        verdict.notes.push(
+            "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),
+        );
+    } else if investigation.baseline.frozen {
         verdict
             .notes
             .push("the model in question was taken as given; its coefficients were not refitted".into());

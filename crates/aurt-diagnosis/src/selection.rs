@@ -44,6 +44,9 @@ pub struct SelectionOptions {
     /// ratio by which the calibration recordings themselves exceed the noise floor: where the structure is wrong,
     /// whatever differs between two motions looks like a change.
     pub change_share: f64,
+    /// A change of a joint's friction that reaches this share of the score of another change on the same joint is
+    /// taken instead of it.
+    pub everyday: f64,
     /// A group of which the baseline absorbs all but this share of torque is not decidable.
     pub free_share: f64,
 }
@@ -58,6 +61,7 @@ impl Default for SelectionOptions {
             most: 24,
             tie: 0.03,
             change_share: 0.15,
+            everyday: 0.8,
             free_share: 0.02,
         }
     }
@@ -213,15 +217,28 @@ impl Selector<'_> {
         ranked
     }
 
-    /// Among the best and those as good, the one of fewest coefficients.
+    /// Among the best and those as good, the one of fewest coefficients. Friction differs from day to day, so a
+    /// change of anything else on one joint has to be clearly better than a change of its friction.
     fn frugal(&self, ranked: &[(usize, f64)]) -> Option<usize> {
-        let best = ranked.first()?.1;
+        let (first, best) = *ranked.first()?;
         let near = best - (self.options.tie * best).max(2.0);
-        ranked
+        let choice = ranked
             .iter()
             .filter(|(_, score)| *score >= near)
             .min_by_key(|(g, _)| self.groups[*g].switches.len())
-            .map(|(g, _)| *g)
+            .map_or(first, |(g, _)| *g);
+        let own = &self.groups[choice];
+        if own.target_only() && !is_friction(own.effect) && own.joints.len() == 1 {
+            let everyday = ranked.iter().find(|(g, score)| {
+                let other = &self.groups[*g];
+                other.target_only()
+                    && is_friction(other.effect)
+                    && other.joints == own.joints
+                    && *score >= self.options.everyday * best
+            });
+            return everyday.map(|(g, _)| *g).or(Some(choice));
+        }
+        Some(choice)
     }
 
     /// Whether a group lowers the error of some joint by as much as its kind must.

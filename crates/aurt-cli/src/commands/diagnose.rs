@@ -112,14 +112,16 @@ fn read(
     mut progress: impl FnMut(String),
 ) -> Result<(Vec<QuestionedRecording>, aurt_traits::MeasurementUnit), Failure> {
     let sections = &experiment.recordings;
+    let questioned = if sections.target.is_empty() { Role::Calibration } else { Role::Target };
     let listed: Vec<(&RecordingSource, Role)> = sections
         .calibration
         .iter()
         .map(|s| (s, Role::Calibration))
         .chain(sections.target.iter().map(|s| (s, Role::Target)))
         .chain(sections.validation.iter().map(|s| (s, Role::Validation)))
+        // Only recordings with a prediction can be compared with a simulator.
+        .filter(|(_, role)| sections.simulated.is_empty() || *role == questioned)
         .collect();
-    let questioned = if sections.target.is_empty() { Role::Calibration } else { Role::Target };
     let count = listed.iter().filter(|(_, role)| *role == questioned).count();
     let simulated = &sections.simulated;
     if !simulated.is_empty() && simulated.len() != count {
@@ -140,7 +142,7 @@ fn read(
     let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
     let mut recordings = Vec::new();
     for (loaded, role) in loaded {
-        let simulated = match predictions.next().filter(|_| role == questioned) {
+        let simulated = match if role == questioned { predictions.next() } else { None } {
             Some(source) => {
                 Some(simulated::read(&source.file, pipeline.joints, loaded.recording.time_s.len())?)
             }

@@ -80,8 +80,7 @@ impl RecordingFaults {
         let keep = |series: &[f64]| -> Vec<f64> {
             series.iter().zip(&self.spoilt).filter(|(_, bad)| !**bad).map(|(v, _)| *v).collect()
         };
-        let family =
-            |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(|s| keep(s)).collect() };
+        let family = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(|s| keep(s)).collect() };
         Some(Recording {
             file: recording.file.clone(),
             time_s: keep(&recording.time_s),
@@ -98,12 +97,7 @@ impl RecordingFaults {
     /// [`parallel_filter`](aurt_recording::Segment::parallel_filter)) of a clipped measurement or of a gap too long
     /// to be bridged. `recording` is the original one, `rows` those of the repaired one.
     #[must_use]
-    pub fn faulty_rows(
-        &self,
-        recording: &Recording,
-        rows: &RecordingRows,
-        cutoff_hz: f64,
-    ) -> Vec<Vec<bool>> {
+    pub fn faulty_rows(&self, recording: &Recording, rows: &RecordingRows, cutoff_hz: f64) -> Vec<Vec<bool>> {
         let reach_s = REACH_PERIODS / cutoff_hz;
         let bridged_s = BRIDGED_PERIODS / cutoff_hz;
         let spoilt = stretches(&recording.time_s, &self.spoilt, bridged_s);

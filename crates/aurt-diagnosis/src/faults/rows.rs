@@ -4,8 +4,8 @@
 //!   it, as it does where a single stamp is late.
 //! - *Repeated*: a stamp that is there already.
 //! - *Held*: a new stamp with all values of the row before, or with all its positions or all its measurements,
-//!   while the joints' motion before and after makes at least two steps of an encoder in that time. A true encoder
-//!   cannot stand still then, and noisy measurements do not repeat on all joints at once.
+//!   while the joints' motion before and after makes at least two steps of an encoder in a row's time. A true
+//!   encoder cannot stand still then, and noisy measurements do not repeat on all joints at once.
 //! - *Corrupt*: dropped by the reader, or a measurement that leaps away for a single row.
 
 use std::collections::BTreeMap;
@@ -30,6 +30,9 @@ const LONGEST_PERIOD: f64 = 1.4;
 
 /// Encoder steps that a joint has to make per row before a row without any counts as held.
 const STEPS_PER_ROW: f64 = 2.0;
+
+/// Share of the way that a joint must have made during the rows in question.
+const CAUGHT_UP: f64 = 0.5;
 
 /// Rows on either side over which the motion is measured.
 const MOTION_ROWS: usize = 4;
@@ -135,7 +138,8 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
     let n = recording.samples();
     let mut held = vec![false; n];
     let same = |family: &[Vec<f64>], k: usize| family.iter().all(|s| s[k] == s[k - 1]);
-    let steps: Vec<f64> = recording.position_rad.iter().map(|q| resolution(q)).collect();
+    let finest: Vec<f64> = recording.position_rad.iter().map(|q| resolution(q)).collect();
+    let usual: Vec<f64> = recording.position_rad.iter().map(|q| usual_step(q)).collect();
     let still: Vec<bool> =
         (0..n).map(|k| k > 0 && !repeated[k] && same(&recording.position_rad, k)).collect();
     let frozen: Vec<bool> = match &recording.measurement {
@@ -151,12 +155,25 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
             continue;
         }
         let end = (k..n).find(|e| !(still[*e] || frozen[*e])).unwrap_or(n);
-        if moves_on(recording, &steps, k, end) {
+        let steps = if frozen[k..end].contains(&true) { &finest } else { &usual };
+        if moves_on(recording, steps, k, end) {
             held[k..end].fill(true);
         }
         k = end;
     }
     held
+}
+
+/// The step of an encoder as far as its readings tell: of the steps between rows, the smallest tenth. What is
+/// written to a file may be converted and rounded, so the smallest difference of all can be a fraction of it.
+fn usual_step(position: &[f64]) -> f64 {
+    let mut steps: Vec<f64> =
+        position.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+    if steps.is_empty() {
+        return f64::INFINITY;
+    }
+    let at = steps.len() / 10;
+    *steps.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 /// Whether it is practically impossible that the measurements of all joints repeat at once by chance: the
@@ -179,7 +196,7 @@ fn measurements_never_agree(measurement: &[Vec<f64>]) -> bool {
 }
 
 /// Whether some joint's motion before and after the rows `first..end` makes several encoder steps in a row's
-/// time, in one direction.
+/// time, in one direction, and the joint has gone on meanwhile: where a joint really rested, it has not.
 fn moves_on(recording: &Recording, steps: &[f64], first: usize, end: usize) -> bool {
     let time = &recording.time_s;
     let n = time.len();
@@ -192,7 +209,9 @@ fn moves_on(recording: &Recording, steps: &[f64], first: usize, end: usize) -> b
         let slope = |a: usize, b: usize| (q[b] - q[a]) / (time[b] - time[a]).max(f64::MIN_POSITIVE);
         let (before, after) = (slope(from, first - 1), slope(end, to));
         let slower = before.abs().min(after.abs());
-        before * after > 0.0 && slower * pause_s >= STEPS_PER_ROW * step
+        before * after > 0.0
+            && slower * pause_s >= STEPS_PER_ROW * step
+            && slope(first - 1, end) * before.signum() > CAUGHT_UP * slower
     })
 }
 

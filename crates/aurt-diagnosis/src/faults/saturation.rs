@@ -33,7 +33,8 @@ const SYMMETRY: f64 = 0.02;
 /// Share of clipped samples from which on a fit is visibly bent.
 const SUFFICIENT_SHARE: f64 = 0.002;
 
-/// Rows before and after a sample over which a joint has to move for the sample to count.
+/// Rows before and after a sample over which a joint has to move for the sample to count as evidence: a resting
+/// joint may hold the same torque for long.
 const MOTION_ROWS: usize = 25;
 
 /// One side of a joint's measurement.
@@ -55,8 +56,7 @@ pub(super) fn find(name: &str, recording: &Recording) -> (Vec<Fault>, Vec<Vec<bo
         let moves = moving(&recording.position_rad[joint]);
         let sides = [1.0, -1.0].map(|sign| side(series, sign, &moves));
         let certain = |s: &Side| s.log10_probability < LOG10_ACCEPTED;
-        let Some(limit) = sides.iter().filter(|s| certain(s)).map(|s| s.limit).max_by(f64::total_cmp)
-        else {
+        let Some(limit) = sides.iter().filter(|s| certain(s)).map(|s| s.limit).max_by(f64::total_cmp) else {
             continue;
         };
         // The other side is clipped by the same limit, however rarely it gets there.
@@ -100,10 +100,10 @@ fn side(series: &[f64], sign: f64, moves: &[bool]) -> Side {
         return none;
     }
     let below = |v: &f64| extreme - sign * v;
-    let at: Vec<usize> =
-        (0..series.len()).filter(|k| moves[*k] && below(&series[*k]) < 0.25 * step).collect();
+    let at: Vec<usize> = (0..series.len()).filter(|k| below(&series[*k]) < 0.25 * step).collect();
+    let moving = at.iter().filter(|k| moves[**k]).count();
     let near = series.iter().filter(|v| (0.25 * step..STEPS_BELOW * step).contains(&below(v))).count();
-    if at.len() < FEWEST || (at.len() as f64) < RATIO * near as f64 {
+    if moving < FEWEST || (moving as f64) < RATIO * near as f64 {
         return none;
     }
     // Density of values beneath the extreme: the next hundredth of the samples and the range that they cover.
@@ -114,7 +114,7 @@ fn side(series: &[f64], sign: f64, moves: &[bool]) -> Side {
     }
     let (_, range, _) = distances.select_nth_unstable_by(wanted, f64::total_cmp);
     let expected = wanted as f64 * step / *range;
-    Side { limit: extreme, log10_probability: log10_poisson_tail(expected, at.len()), at }
+    Side { limit: extreme, log10_probability: log10_poisson_tail(expected, moving), at }
 }
 
 /// Whether the joint moves around each sample, by more than the resolution of its position.
