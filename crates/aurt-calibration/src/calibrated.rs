@@ -48,6 +48,14 @@ pub struct CalibrationOptions {
     pub rest: Rest,
     /// At and below this |q̇_j| a joint rests, rad/s; validation reports samples above it as moving.
     pub rest_velocity_rad_s: f64,
+    /// Whether [`calibrate_shapes`](crate::calibrate_shapes) searches the parameters in which models are not linear;
+    /// otherwise, and with [`calibrate`](crate::calibrate), they stay as the model has them.
+    #[serde(default = "yes")]
+    pub fit_shapes: bool,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 impl Default for CalibrationOptions {
@@ -57,6 +65,7 @@ impl Default for CalibrationOptions {
             load_torque: LoadTorqueChoice::default(),
             rest: Rest::default(),
             rest_velocity_rad_s: 0.03,
+            fit_shapes: true,
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Shape parameters are recovered from recordings whose friction is integrated here, by other formulas and in finer
 //! steps than the models'.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod arm;
 
 use arm::{FINE, Friction, RATE_HZ, RICH, Sines, model, named, recording};

@@ -1,8 +1,8 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, NamedRecording, TermScopes, ValidatedRows,
-    calibrate_scoped, predict, validate,
+    Calibration, CalibrationError, CalibrationOptions, NamedRecording, ShapeOptions, TermScopes,
+    ValidatedRows, calibrate_shapes, predict, validate,
 };
 use aurt_traits::RobotModel;
 
@@ -127,16 +127,17 @@ impl Job {
             .filter(|(_, r)| r.role == Role::Calibration)
             .map(|(prepared, _)| prepared.clone())
             .collect();
-        let calibration = calibrate_scoped(
+        let (model, calibration) = calibrate_shapes(
             &self.model,
             &fitted,
             &self.scopes,
             unit,
             self.preprocessing.f_dyn_hz,
             &self.options,
+            &ShapeOptions::default(),
         )?;
         let calibrated = CalibratedModel {
-            model: self.model.clone(),
+            model,
             calibration,
             preprocessing: self.preprocessing.clone(),
             instrument: self.instrument.clone(),
@@ -160,7 +161,7 @@ impl Job {
                 label: loaded.source.label.clone(),
                 role: *role,
                 window_s: loaded.source.window_s,
-                validation: validate(&self.model, &here.calibration, prepared, self.judged_rows(*role))?,
+                validation: validate(&here.model, &here.calibration, prepared, self.judged_rows(*role))?,
                 notes,
                 prediction: Some(name),
             });

@@ -67,6 +67,7 @@ trim_rest = false
 estimator = "ols"
 load_torque = "literal"
 rest = "exclude"
+fit_shapes = false
 [sweep.grid]
 "joint_dynamics.coulomb" = [{ model = "none" }, { model = "square" }]
 "#;
@@ -102,6 +103,7 @@ fn every_key_of_the_contract_is_read() {
     assert_eq!(e.calibration.estimator, Estimator::OrdinaryLeastSquares);
     assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Literal);
     assert_eq!(e.calibration.rest, Rest::Exclude);
+    assert!(!e.calibration.fit_shapes);
     assert!(e.sweep.unwrap().get("grid").is_some());
 }
 
@@ -122,6 +124,7 @@ fn what_is_left_out_has_its_default() {
     assert_eq!((stack.viscous().name(), stack.viscous().columns().len()), ("polynomial", 1));
     assert_eq!(e.preprocess.f_dyn_hz, 10.0);
     assert_eq!(e.calibration.estimator, Estimator::WeightedLeastSquares);
+    assert!(e.calibration.fit_shapes);
     assert_eq!(e.calibration.load_torque, LoadTorqueChoice::Fitted);
 }
 

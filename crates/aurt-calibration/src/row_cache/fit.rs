@@ -316,7 +316,7 @@ impl JointBasis {
 
 /// C = Qᵀ B, and B − Q C in the place of B.
 fn project_out(basis: &[f64], rows: usize, columns: &mut [f64], count: usize) -> Vec<f64> {
-    let n = if rows == 0 { 0 } else { basis.len() / rows };
+    let n = basis.len().checked_div(rows).unwrap_or(0);
     let mut along = vec![0.0; n * count];
     if n == 0 || count == 0 {
         return along;

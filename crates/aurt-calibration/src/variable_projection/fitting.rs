@@ -21,7 +21,7 @@ const SETTLED: f64 = 1e-4;
 
 /// Estimates coefficients and shape parameters of a model from recordings, by variable projection around
 /// [`calibrate_scoped`]; the model that comes back has the shapes found. A model without shape parameters comes back
-/// as it is.
+/// as it is, and so does any if [`CalibrationOptions::fit_shapes`] is false.
 ///
 /// The shapes that `model` has are one of the starts.
 ///
@@ -36,7 +36,7 @@ pub fn calibrate_shapes(
     options: &CalibrationOptions,
     search: &ShapeOptions,
 ) -> Result<(RobotModel, Calibration), CalibrationError> {
-    if Owner::all(model).is_empty() || recordings.is_empty() {
+    if !options.fit_shapes || Owner::all(model).is_empty() || recordings.is_empty() {
         let calibration = calibrate_scoped(model, recordings, scopes, unit, f_dyn_hz, options)?;
         return Ok((model.clone(), calibration));
     }
@@ -60,7 +60,7 @@ pub fn calibrate_shapes_rows(
     search: &ShapeOptions,
 ) -> Result<(RobotModel, Calibration), CalibrationError> {
     let owners = Owner::all(model);
-    if owners.is_empty() {
+    if !options.fit_shapes || owners.is_empty() {
         let calibration = calibrate_rows(model, rows, scopes, unit, f_dyn_hz, options)?;
         return Ok((model.clone(), calibration));
     }

@@ -140,6 +140,7 @@ impl FittingOptions {
                 RestName::Exclude => Rest::Exclude,
             },
             rest_velocity_rad_s: self.rest_velocity_rad_s,
+            fit_shapes: true,
         }
     }
 }

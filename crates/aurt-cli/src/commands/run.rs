@@ -126,7 +126,7 @@ pub fn written_text(files: &[impl AsRef<Path>]) -> String {
 
 /// `[calibration]` and what of `[preprocess]` concerns it.
 pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
-    let experiment::Calibration { estimator, load_torque, rest } = experiment.calibration;
+    let experiment::Calibration { estimator, load_torque, rest, fit_shapes } = experiment.calibration;
     CalibrationOptions {
         estimator: match estimator {
             experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
@@ -141,5 +141,6 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
             experiment::Rest::Exclude => Rest::Exclude,
         },
         rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
+        fit_shapes,
     }
 }

@@ -4,6 +4,7 @@ use aurt_calibration::{Calibration, Estimator, LoadTorqueChoice, Metrics, Rest, 
 use aurt_traits::RobotModel;
 use serde_json::{Map, Value, json};
 
+use super::shapes;
 use crate::rendering::{
     number::{percent, significant},
     table::Table,
@@ -64,7 +65,7 @@ impl Results<'_> {
     /// The contents of `metrics.json`.
     pub fn to_json(&self) -> Value {
         let Calibration { options, .. } = self.calibration;
-        json!({
+        let mut document = json!({
             "aurt_version": env!("CARGO_PKG_VERSION"),
             "base_parameters": self.model.base().len(),
             "parameters": self.model.parameters().len(),
@@ -79,7 +80,11 @@ impl Results<'_> {
             "warnings": self.calibration.warnings,
             "notes": self.notes,
             "recordings": self.recordings.iter().map(|r| self.recording_json(r)).collect::<Vec<_>>(),
-        })
+        });
+        if let Some(report) = &self.calibration.shape_fit {
+            document["shape_fit"] = json!(report);
+        }
+        document
     }
 
     fn recording_json(&self, recording: &RecordingResult) -> Value {
@@ -135,6 +140,9 @@ impl Results<'_> {
         let warn = |text: &mut String, sentences: &[String]| {
             text.extend(sentences.iter().map(|s| wrapped(&format!("{warning}: {s}"))));
         };
+        if let Some(report) = &self.calibration.shape_fit {
+            text.push_str(&shapes::to_text(report, self.calibration.unit));
+        }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
             let window =

@@ -3,3 +3,4 @@
 pub mod metrics;
 pub mod parameters;
 pub mod predictions;
+pub mod shapes;

@@ -1,7 +1,7 @@
 use super::section::Section;
 
 /// `[calibration]`: how the coefficients are found. All keys are optional.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Calibration {
     /// `estimator`.
     pub estimator: Estimator,
@@ -9,6 +9,21 @@ pub struct Calibration {
     pub load_torque: LoadTorqueChoice,
     /// `rest`.
     pub rest: Rest,
+    /// `fit_shapes`: whether parameters in which models are not linear (Stribeck velocity, presliding distance) are
+    /// searched too; true by default. What the experiment writes for them is then one start of the search among
+    /// several; with false it stays as written.
+    pub fit_shapes: bool,
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        Self {
+            estimator: Estimator::default(),
+            load_torque: LoadTorqueChoice::default(),
+            rest: Rest::default(),
+            fit_shapes: true,
+        }
+    }
 }
 
 /// `estimator`: how the joints' residuals are weighted.
@@ -52,11 +67,13 @@ impl Calibration {
             &[("fitted", LoadTorqueChoice::Fitted), ("literal", LoadTorqueChoice::Literal)],
         );
         let rest = section.choice("rest", &[("keep", Rest::Keep), ("exclude", Rest::Exclude)]);
+        let fit_shapes = section.boolean("fit_shapes");
         section.finish();
         Self {
             estimator: estimator.unwrap_or_default(),
             load_torque: load_torque.unwrap_or_default(),
             rest: rest.unwrap_or_default(),
+            fit_shapes: fit_shapes.unwrap_or(true),
         }
     }
 }
