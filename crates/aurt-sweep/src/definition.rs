@@ -1,0 +1,272 @@
+//! `[sweep]`: what is varied, how points are judged.
+
+use aurt_plugins::{Node, NodeKind, Problem, Span, suggestion};
+
+use crate::place::Place;
+
+/// Length of the blocks of time over which errors are summed, unless given.
+const BLOCK_S: f64 = 1.0;
+
+/// What `[sweep]` says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Definition {
+    /// Axes whose values are combined, each with each; the later ones change faster.
+    pub axes: Vec<Axis>,
+    /// How points are judged.
+    pub validate: Validate,
+    /// `block_s`: length of the blocks of time over which errors are summed for comparisons, s; 1 by default.
+    pub block_s: f64,
+    /// `reference`: name of the point that others are compared with, and where it is written; the first by default.
+    pub reference: Option<(String, Span)>,
+}
+
+/// On what a point is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Validate {
+    /// `"held_out"`: fitted to all calibration recordings, judged on the validation recordings.
+    #[default]
+    HeldOut,
+    /// `"leave_one_out"`: for each calibration recording, fitted to the others and judged on it.
+    LeaveOneOut,
+}
+
+/// Alternatives of which a point has one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The alternatives.
+    pub steps: Vec<Step>,
+}
+
+/// One alternative.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Its name, if it has one; otherwise its settings name it.
+    pub name: Option<String>,
+    /// What it sets.
+    pub settings: Vec<Setting>,
+}
+
+/// A key with the value that it gets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// The key.
+    pub place: Place,
+    /// Where the key is written.
+    pub key_span: Span,
+    /// The value.
+    pub value: Node,
+}
+
+/// What is wrong with a sweep, before lines and columns are counted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Complaint {
+    pub span: Span,
+    pub message: String,
+    pub help: Option<String>,
+}
+
+impl Complaint {
+    pub(crate) fn new(span: &Span, message: impl Into<String>) -> Self {
+        Self { span: span.clone(), message: message.into(), help: None }
+    }
+
+    pub(crate) fn help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
+    }
+
+    /// The problem in a text.
+    pub(crate) fn located(self, text: &str) -> Problem {
+        let before = text.get(..self.span.start).unwrap_or(text);
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        Problem {
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            span: self.span,
+            message: self.message,
+            help: self.help,
+        }
+    }
+}
+
+const KEYS: [&str; 6] = ["block_s", "grid", "reference", "validate", "variant", "zip"];
+const VARIANT_KEYS: [&str; 2] = ["name", "set"];
+
+impl Definition {
+    /// Reads `[sweep]`.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub(crate) fn read(sweep: &Node) -> Result<Self, Vec<Complaint>> {
+        let mut complaints = Vec::new();
+        if !matches!(sweep.kind, NodeKind::Table(_)) {
+            return Err(vec![Complaint::new(&sweep.span, "`sweep` expects a table, write [sweep]")]);
+        }
+        unknown(sweep, "[sweep]", &KEYS, &mut complaints);
+        let mut axes: Vec<Axis> = grid(sweep, &mut complaints);
+        axes.extend(zip(sweep, &mut complaints));
+        axes.extend(variants(sweep, &mut complaints));
+        let validate = match sweep.get("validate").map(|n| (n, n.as_str())) {
+            None => Validate::default(),
+            Some((_, Some("held_out"))) => Validate::HeldOut,
+            Some((_, Some("leave_one_out"))) => Validate::LeaveOneOut,
+            Some((node, word)) => {
+                let help = suggestion::help(word.unwrap_or_default(), "values", ["held_out", "leave_one_out"]);
+                complaints.push(Complaint::new(&node.span, "`validate` cannot be this").help(help));
+                Validate::default()
+            }
+        };
+        let block_s = match sweep.get("block_s").map(|n| (n, n.as_number())) {
+            None => BLOCK_S,
+            Some((_, Some(x))) if x.is_finite() && x > 0.0 => x,
+            Some((node, _)) => {
+                complaints.push(Complaint::new(&node.span, "`block_s` expects a number of seconds above zero"));
+                BLOCK_S
+            }
+        };
+        let reference = sweep.get("reference").and_then(|node| {
+            if node.as_str().is_none() {
+                complaints.push(Complaint::new(&node.span, "`reference` expects the name of a point"));
+            }
+            Some((node.as_str()?.to_owned(), node.span.clone()))
+        });
+        if axes.is_empty() && complaints.is_empty() {
+            complaints.push(
+                Complaint::new(&sweep.span, "[sweep] varies nothing")
+                    .help("give it [sweep.grid], [sweep.zip] or [[sweep.variant]]"),
+            );
+        }
+        if complaints.is_empty() { Ok(Self { axes, validate, block_s, reference }) } else { Err(complaints) }
+    }
+}
+
+/// `[sweep.grid]`: every key is an axis.
+fn grid(sweep: &Node, complaints: &mut Vec<Complaint>) -> Vec<Axis> {
+    lists(sweep, "grid", complaints)
+        .into_iter()
+        .map(|(place, key_span, values)| Axis {
+            steps: values
+                .iter()
+                .map(|value| Step {
+                    name: None,
+                    settings: vec![Setting {
+                        place: place.clone(),
+                        key_span: key_span.clone(),
+                        value: value.clone(),
+                    }],
+                })
+                .collect(),
+        })
+        .collect()
+}
+
+/// `[sweep.zip]`: all keys step together.
+fn zip(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
+    let lists = lists(sweep, "zip", complaints);
+    let (_, _, first) = lists.first()?;
+    for (place, span, values) in &lists {
+        if values.len() != first.len() {
+            complaints.push(Complaint::new(
+                span,
+                format!(
+                    "the lists of [sweep.zip] step together, but `{place}` has {} values and `{}` has {}",
+                    values.len(),
+                    lists[0].0,
+                    first.len()
+                ),
+            ));
+            return None;
+        }
+    }
+    let step = |k: usize| Step {
+        name: None,
+        settings: lists
+            .iter()
+            .map(|(place, key_span, values)| Setting {
+                place: place.clone(),
+                key_span: key_span.clone(),
+                value: values[k].clone(),
+            })
+            .collect(),
+    };
+    Some(Axis { steps: (0..first.len()).map(step).collect() })
+}
+
+/// `[[sweep.variant]]`: named alternatives.
+fn variants(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
+    let node = sweep.get("variant")?;
+    let NodeKind::Array(tables) = &node.kind else {
+        complaints.push(
+            Complaint::new(&node.span, "`variant` expects tables").help("write [[sweep.variant]], two brackets"),
+        );
+        return None;
+    };
+    let mut steps: Vec<Step> = Vec::new();
+    for table in tables {
+        unknown(table, "[[sweep.variant]]", &VARIANT_KEYS, complaints);
+        let Some(name) = table.get("name").and_then(Node::as_str) else {
+            complaints.push(Complaint::new(&table.span, "a variant needs a `name`, a string"));
+            continue;
+        };
+        if steps.iter().any(|s| s.name.as_deref() == Some(name)) {
+            let span = table.get("name").map_or(&table.span, |n| &n.span);
+            complaints.push(Complaint::new(span, format!("there is a variant \"{name}\" above already")));
+        }
+        let set = table.get("set");
+        if let Some(node) = set.filter(|n| !matches!(n.kind, NodeKind::Table(_))) {
+            complaints.push(
+                Complaint::new(&node.span, "`set` expects a table of keys and their values")
+                    .help("for example: set = { \"joint_dynamics.coulomb\" = { model = \"square\" } }"),
+            );
+        }
+        let settings = set.map_or(&[][..], Node::entries).iter().map(|entry| Setting {
+            place: Place::new(&entry.key),
+            key_span: entry.key_span.clone(),
+            value: entry.value.clone(),
+        });
+        steps.push(Step { name: Some(name.to_owned()), settings: settings.collect() });
+    }
+    Some(Axis { steps })
+}
+
+/// The lists of `[sweep.grid]` or `[sweep.zip]`; dots in a key may stand outside quotes.
+fn lists(sweep: &Node, key: &str, complaints: &mut Vec<Complaint>) -> Vec<(Place, Span, Vec<Node>)> {
+    let mut found = Vec::new();
+    let Some(table) = sweep.get(key) else { return found };
+    if !matches!(table.kind, NodeKind::Table(_)) {
+        complaints.push(Complaint::new(&table.span, format!("`{key}` expects a table, write [sweep.{key}]")));
+    }
+    collect_lists(table, "", &mut found, complaints);
+    found
+}
+
+fn collect_lists(
+    table: &Node,
+    prefix: &str,
+    found: &mut Vec<(Place, Span, Vec<Node>)>,
+    complaints: &mut Vec<Complaint>,
+) {
+    for entry in table.entries() {
+        let key = format!("{prefix}{}", entry.key);
+        match &entry.value.kind {
+            NodeKind::Array(values) if !values.is_empty() => {
+                found.push((Place::new(&key), entry.key_span.clone(), values.clone()));
+            }
+            NodeKind::Table(_) => collect_lists(&entry.value, &format!("{key}."), found, complaints),
+            _ => complaints.push(
+                Complaint::new(&entry.value.span, format!("`{key}` expects a list of the values to try"))
+                    .help("for example: \"joint_dynamics.coulomb.model\" = [\"none\", \"square\"]"),
+            ),
+        }
+    }
+}
+
+/// Complains about keys that nobody knows.
+fn unknown(table: &Node, title: &str, known: &[&str], complaints: &mut Vec<Complaint>) {
+    for entry in table.entries().iter().filter(|e| !known.contains(&e.key.as_str())) {
+        complaints.push(
+            Complaint::new(&entry.key_span, format!("{title} has no key `{}`", entry.key))
+                .help(suggestion::help(&entry.key, "keys", known.iter().copied())),
+        );
+    }
+}

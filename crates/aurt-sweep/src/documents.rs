@@ -1,0 +1,125 @@
+//! Experiments as TOML documents: paths made absolute, places found again.
+
+use std::path::Path;
+
+use aurt_plugins::Span;
+use toml::{
+    Table, Value,
+    de::{DeTable, DeValue},
+};
+
+/// Makes the relative paths of an experiment absolute, so that it means the same from any folder. Paths that begin with
+/// an environment variable stay as they are.
+pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let fix = |value: &mut Value| {
+        if let Value::String(text) = value
+            && !text.starts_with('$')
+            && Path::new(text.as_str()).is_relative()
+        {
+            *text = folder.join(&*text).to_string_lossy().into_owned();
+        }
+    };
+    let section = |document: &mut Table, name: &str, key: &str| {
+        let Some(value) = document.get_mut(name).and_then(|s| s.get_mut(key)) else { return };
+        match value {
+            Value::Array(items) => items.iter_mut().for_each(|item| fix(file_of(item))),
+            other => fix(file_of(other)),
+        }
+    };
+    for (name, key) in [
+        ("robot", "mdh"),
+        ("plugins", "libraries"),
+        ("recordings", "calibration"),
+        ("recordings", "validation"),
+        ("recordings", "target"),
+        ("recordings", "simulated"),
+    ] {
+        section(document, name, key);
+    }
+}
+
+/// The path in a recording: the value itself, or its `file`.
+fn file_of(value: &mut Value) -> &mut Value {
+    match value {
+        Value::Table(table) if table.contains_key("file") => &mut table["file"],
+        other => other,
+    }
+}
+
+/// The way to what stands at `span` of a text: the deepest key or value that lies there.
+pub(crate) fn path_at(text: &str, span: &Span) -> Vec<String> {
+    let (table, _) = DeTable::parse_recoverable(text);
+    let mut best = (usize::MAX, Vec::new());
+    search_table(table.get_ref(), span, &mut Vec::new(), &mut best);
+    best.1
+}
+
+fn search_table(table: &DeTable<'_>, span: &Span, way: &mut Vec<String>, best: &mut (usize, Vec<String>)) {
+    for (key, value) in table {
+        way.push(key.get_ref().to_string());
+        consider(&key.span(), span, way, best);
+        consider(&value.span(), span, way, best);
+        search_value(value.get_ref(), span, way, best);
+        way.pop();
+    }
+}
+
+fn search_value(value: &DeValue<'_>, span: &Span, way: &mut Vec<String>, best: &mut (usize, Vec<String>)) {
+    match value {
+        DeValue::Table(table) => search_table(table, span, way, best),
+        DeValue::Array(list) => {
+            for (k, item) in list.iter().enumerate() {
+                way.push(k.to_string());
+                consider(&item.span(), span, way, best);
+                search_value(item.get_ref(), span, way, best);
+                way.pop();
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Takes `way` for the answer if what lies at `here` holds `span` more tightly than the best so far; of two that hold
+/// it alike, the deeper one.
+fn consider(here: &Span, span: &Span, way: &[String], best: &mut (usize, Vec<String>)) {
+    let holds = here.start <= span.start && span.end <= here.end;
+    let size = here.end - here.start;
+    if holds && (size < best.0 || (size == best.0 && way.len() > best.1.len())) {
+        *best = (size, way.to_vec());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_way_to_a_place_in_a_text_is_found() {
+        let text = "[joint_dynamics]\ncoulomb = { model = \"x\" }\n[[arm_terms]]\nmodel = \"y\"\njoints = [0, 9]\n";
+        let way = |what: &str| {
+            let start = text.find(what).unwrap();
+            path_at(text, &(start..start + what.len())).join(".")
+        };
+        assert_eq!(way("\"x\""), "joint_dynamics.coulomb.model");
+        assert_eq!(way("coulomb"), "joint_dynamics.coulomb");
+        assert_eq!(way("9"), "arm_terms.0.joints.1");
+        assert_eq!(way("{ model = \"x\" }"), "joint_dynamics.coulomb");
+    }
+
+    #[test]
+    fn paths_become_absolute_unless_a_variable_leads_them() {
+        let mut document: Table = toml::from_str(
+            "[robot]\nmdh = \"a.csv\"\n[recordings]\ncalibration = [\"$D/b.csv\", { file = \"c.csv\" }]\nvalidation = \"/d.csv\"",
+        )
+        .unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        make_absolute(&mut document, folder.path());
+        let folder = folder.path().canonicalize().unwrap();
+        let here = |name: &str| folder.join(name).to_string_lossy().into_owned();
+        assert_eq!(document["robot"]["mdh"].as_str(), Some(&*here("a.csv")));
+        assert_eq!(document["recordings"]["calibration"][0].as_str(), Some("$D/b.csv"));
+        assert_eq!(document["recordings"]["calibration"][1]["file"].as_str(), Some(&*here("c.csv")));
+        assert_eq!(document["recordings"]["validation"].as_str(), Some("/d.csv"));
+    }
+}

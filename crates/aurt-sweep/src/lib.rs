@@ -1,0 +1,1 @@
+//! Sweeps: many variants of an experiment, judged on what they were not fitted to.
