@@ -176,13 +176,15 @@ pub fn investigate(
     })
 }
 
-/// Turns rows into what is asked about: what a frozen model or another simulator leaves, in targets.
+/// Turns rows into what is asked about: what a frozen model or another simulator leaves.
 fn prepare(question: &Question<'_>, baseline: &Baseline, model: &RobotModel, rows: &mut [RecordingRows]) {
     if !baseline.frozen {
         return;
     }
+    // Without targets, what a given model leaves of any recording is the question.
+    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
     for (recording, rows) in question.recordings.iter().zip(rows) {
-        if rows.role == Role::Calibration {
+        if rows.role == Role::Calibration && !targets {
             rows.role = Role::Target;
         }
         for j in 0..rows.joints.len() {

@@ -125,7 +125,7 @@ fn findings(
             effect: group.effect.to_owned(),
             family: effect.family(),
             joints,
-            present_in: present_in(investigation, group.target_only()),
+            present_in: present_in(question, investigation, group.target_only()),
             recording: None,
             window_s: None,
             confidence: confidence(one.score),
@@ -226,12 +226,13 @@ fn concerned(chosen: &Chosen) -> Vec<usize> {
     (0..chosen.joint_loss.len()).filter(|j| chosen.joint_loss[*j] > CONCERNED * largest).collect()
 }
 
-fn present_in(investigation: &Investigation, target_only: bool) -> Vec<String> {
+fn present_in(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Vec<String> {
+    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
     let mut kinds = Vec::new();
-    if !target_only && investigation.problem.has_reference() {
+    if !targets || (!target_only && investigation.problem.has_reference()) {
         kinds.push("calibration".to_owned());
     }
-    if investigation.problem.has_target() {
+    if targets {
         kinds.push("target".to_owned());
     }
     kinds

@@ -4,6 +4,7 @@ mod calibrate;
 mod calibrate_validate;
 mod compile_rbd;
 mod compile_rd;
+mod conceal;
 mod data_options;
 mod demo;
 mod diagnose;
@@ -32,6 +33,7 @@ pub enum Command {
     CalibrateValidate(calibrate_validate::CalibrateValidate),
     Predict(predict::Predict),
     Diagnose(diagnose::Diagnose),
+    Conceal(conceal::Conceal),
     Models(models::Models),
     Explain(explain::Explain),
     NewPlugin(new_plugin::NewPlugin),
@@ -61,6 +63,7 @@ impl Command {
             Self::CalibrateValidate(command) => command.run(session),
             Self::Predict(command) => command.run(session),
             Self::Diagnose(command) => command.run(session.terminal),
+            Self::Conceal(command) => command.run(session),
             Self::Models(command) => command.run(session),
             Self::Explain(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
