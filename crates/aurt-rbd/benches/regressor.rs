@@ -8,6 +8,7 @@
 //! - `base, stored`: only the columns of the base parameters, into a tile.
 //!
 //! `-- --tsv` prints robot, level, case and the fastest round, separated by tabs, for scripts.
+#![expect(clippy::expect_used, reason = "the robots are constants")]
 
 use std::hint::black_box;
 use std::time::Instant;

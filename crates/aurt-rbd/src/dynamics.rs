@@ -177,3 +177,27 @@ impl Articulated {
         Self { j: j - h * r + r * shifted.transpose(), h: shifted, m }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MdhRows, MdhTable};
+
+    #[test]
+    fn parameters_that_do_not_fit_are_refused() {
+        let table = MdhTable::parse("alpha,a,d\n0,1,0\n0,0,0\n", "", MdhRows::Next).unwrap();
+        let chain = SerialChain::from_mdh(&table, [0.0, 0.0, -9.81]).unwrap();
+        let error = ChainDynamics::new(chain.clone(), &[1.0; 10]).unwrap_err().to_string();
+        assert_eq!(error, "standard inertial parameters: expected 20, got 10");
+        let mut standard = [1.0; 20];
+        standard[13] = f64::INFINITY;
+        let error = ChainDynamics::new(chain.clone(), &standard).unwrap_err().to_string();
+        assert_eq!(error, "standard inertial parameter 13 is not finite: inf");
+        let dynamics = ChainDynamics::new(chain.clone(), &[1.0; 20]).unwrap();
+        assert!(dynamics.clone().with_rotor_inertia(&[1.0]).is_err());
+        assert!(dynamics.with_rotor_inertia(&[1.0, f64::NAN]).is_err());
+        assert!(matches!(SerialChain::new(vec![], [0.0; 3]), Err(RbdError::NoJoints)));
+        let gravity = [0.0, f64::NAN, 0.0];
+        assert!(matches!(SerialChain::from_mdh(&table, gravity), Err(RbdError::Gravity { .. })));
+    }
+}

@@ -144,3 +144,62 @@ fn inconsistency(link: usize, standard: &[f64; INERTIAL_PARAMETERS]) -> Option<I
     (excess > 1e-12 * standard[0].abs().max(standard[3].abs()).max(largest))
         .then_some(Inconsistency::Triangle { link, excess_kg_m2: excess })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of mass 2 kg and edges 0.2, 0.3, 0.4 m, centred at (0.1, −0.2, 0.3).
+    const BOX: LinkBody = LinkBody {
+        mass_kg: 2.0,
+        com_m: [0.1, -0.2, 0.3],
+        inertia_at_com_kg_m2: [
+            2.0 / 12.0 * (0.09 + 0.16),
+            0.0,
+            0.0,
+            2.0 / 12.0 * (0.04 + 0.16),
+            0.0,
+            2.0 / 12.0 * (0.04 + 0.09),
+        ],
+    };
+
+    #[test]
+    fn steiner_by_hand_and_back() {
+        let standard = BOX.standard_parameters();
+        assert!((standard[0] - (2.0 * 0.25 / 12.0 + 2.0 * (0.04 + 0.09))).abs() < 1e-15);
+        assert!((standard[1] - 2.0 * 0.1 * 0.2).abs() < 1e-15, "XY is −m x y");
+        assert_eq!(standard[6..], [0.2, -0.4, 0.6, 2.0]);
+        let back = LinkBody::from_standard_parameters(&standard).unwrap();
+        assert!((back.com_m[2] - 0.3).abs() < 1e-15);
+        for (a, b) in back.inertia_at_com_kg_m2.iter().zip(BOX.inertia_at_com_kg_m2) {
+            assert!((a - b).abs() < 1e-15);
+        }
+        let mut massless = standard;
+        massless[9] = 0.0;
+        assert_eq!(LinkBody::from_standard_parameters(&massless), None);
+    }
+
+    #[test]
+    fn bodies_that_cannot_be_are_named() {
+        let with = |change: &dyn Fn(&mut [f64; INERTIAL_PARAMETERS])| {
+            let mut standard = BOX.standard_parameters();
+            change(&mut standard);
+            inconsistencies(&[BOX.standard_parameters(), standard].concat())
+        };
+        assert_eq!(with(&|_| ()), []);
+        assert!(matches!(with(&|p| p[9] = -1.0)[..], [Inconsistency::Mass { link: 1, mass_kg: -1.0 }]));
+        assert!(matches!(with(&|p| p[0] = f64::NAN)[..], [Inconsistency::NotFinite { link: 1 }]));
+        // With more mass at the same first moment, the inertia at the centre of mass grows; with less it is
+        // used up.
+        assert!(matches!(with(&|p| p[9] = 1.0)[..], [Inconsistency::Inertia { link: 1, .. }]));
+        assert!(matches!(with(&|p| p[5] += 1.0)[..], [Inconsistency::Triangle { link: 1, .. }]));
+        let words = with(&|p| p[5] += 1.0)[0].to_string();
+        assert!(
+            words.starts_with("link 1: one principal moment exceeds the sum of the others by 0.9"),
+            "{words}"
+        );
+        // A flat plate meets the triangle inequality with equality.
+        let plate = LinkBody { inertia_at_com_kg_m2: [0.01, 0.0, 0.0, 0.02, 0.0, 0.03], ..BOX };
+        assert_eq!(inconsistencies(&plate.standard_parameters()), []);
+    }
+}

@@ -1,4 +1,5 @@
 //! The regressor kernel's instruction sets, batches and tiles.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod robots;
 
@@ -76,7 +77,7 @@ proptest! {
     ) {
         let motion = motion(chain.joints().len(), samples, 4.0, seed);
         let wanted = destinations(&chain, |joint, parameter| {
-            (joint as u64 * 31 + parameter as u64 * 17 + seed % 1000) % density == 0
+            (joint as u64 * 31 + parameter as u64 * 17 + seed % 1000).is_multiple_of(density)
         });
         let stride = samples + padding;
         let reference = evaluate(Dispatch::Baseline, &chain, &motion, &wanted, stride, 0);

@@ -1,4 +1,5 @@
 //! Tables of modified Denavit–Hartenberg parameters: what reads, and how the rest is refused.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod robots;
 

@@ -1,6 +1,7 @@
 //! Torques, regressors, mass matrices, accelerations, energies and Jacobians against Pinocchio 4.1.
 //!
 //! `reference/make_reference.py` wrote `reference/reference.json` and says how the robots are built there.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use aurt_rbd::{ChainDynamics, Dispatch, MdhRow, MdhRows, MdhTable, SerialChain};
 use aurt_traits::{Motion, RegressorTile};

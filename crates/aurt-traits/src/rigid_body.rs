@@ -61,9 +61,11 @@ impl<'a> RegressorTile<'a> {
         data: &'a mut [f64],
     ) -> Self {
         assert!(stride >= samples, "stride shorter than a column");
-        let last = destination.iter().filter(|d| **d != Self::UNWANTED).max();
+        // One more than the last destination: those that are not wanted wrap around to 0, so that there is no
+        // branch and the search is a fraction of a small tile's work.
+        let end = destination.iter().map(|d| d.wrapping_add(1)).max().unwrap_or(0) as usize;
         assert!(
-            last.is_none_or(|d| *d as usize * stride + samples <= data.len()),
+            end == 0 || (end - 1) * stride + samples <= data.len(),
             "a destination lies outside the tile"
         );
         Self { destination, parameters, stride, samples, data }

@@ -1,7 +1,7 @@
 use aurt_traits::RegressorTile;
 
 use super::lanes::Lanes;
-use super::motion::{JointLanes, LinkMotion, Twist};
+use super::motion::{Derived, JointLanes, LinkMotion, Twist};
 use super::turn::dot;
 use crate::INERTIAL_PARAMETERS;
 
@@ -111,9 +111,10 @@ unsafe fn masked_blocks<T: Lanes, const MASK: u16>(
         // A copy that is in registers: between the writes, which might overlap the original for all that the
         // processor knows, it would be slow to read.
         let link = *link;
+        let derived = link.derived();
         for (joint, block) in joints.iter().zip(blocks) {
             // SAFETY: the caller's promise.
-            unsafe { masked_block::<T, MASK>(&link, &joint.twists[member], block, to.add(*first)) };
+            unsafe { masked_block::<T, MASK>(&link, &derived, &joint.twists[member], block, to.add(*first)) };
         }
     }
 }
@@ -123,6 +124,7 @@ unsafe fn masked_blocks<T: Lanes, const MASK: u16>(
 #[inline(always)]
 unsafe fn masked_block<T: Lanes, const MASK: u16>(
     link: &LinkMotion<T>,
+    derived: &Derived<T>,
     twist: &Twist<T>,
     block: &Block,
     to: *mut f64,
@@ -130,9 +132,9 @@ unsafe fn masked_block<T: Lanes, const MASK: u16>(
     let [sx, sy, sz] = twist.omega;
     let v = &twist.velocity;
     let [dx, dy, dz] = link.omega_dot;
-    let [[b00, b01, b02], [b10, b11, b12], [b20, b21, b22]] = link.b;
-    let [xy, xz, yz] = link.products;
-    let [xx_yy, zz_xx, yy_zz] = link.differences;
+    let [[b00, b01, b02], [b10, b11, b12], [b20, b21, b22]] = derived.b;
+    let [xy, xz, yz] = derived.products;
+    let [xx_yy, zz_xx, yy_zz] = derived.differences;
     write_entry!(MASK, block, to, 0, sz.neg_mul_add(xy, sy.mul_add(xz, sx * dx)));
     write_entry!(MASK, block, to, 1, sx.neg_mul_add(b20, sy.mul_add(b21, sz * xx_yy)));
     write_entry!(MASK, block, to, 2, sz.neg_mul_add(b12, sx.mul_add(b10, sy * zz_xx)));
@@ -182,14 +184,15 @@ unsafe fn masked_own_block<T: Lanes, const MASK: u16>(
 ) {
     let (plus, minus) = (T::splat(sign), T::splat(-sign));
     for (link, first) in links.iter().zip(group) {
-        let [xy, ..] = link.products;
+        let derived = link.derived();
+        let [xy, ..] = derived.products;
         // SAFETY: the caller's promise.
         let to = unsafe { to.add(*first) };
         write_entry!(MASK, block, to, 0, (xy * minus));
-        write_entry!(MASK, block, to, 1, (link.differences[0] * plus));
-        write_entry!(MASK, block, to, 2, (link.b[1][2] * minus));
+        write_entry!(MASK, block, to, 1, (derived.differences[0] * plus));
+        write_entry!(MASK, block, to, 2, (derived.b[1][2] * minus));
         write_entry!(MASK, block, to, 3, (xy * plus));
-        write_entry!(MASK, block, to, 4, (link.b[0][2] * plus));
+        write_entry!(MASK, block, to, 4, (derived.b[0][2] * plus));
         write_entry!(MASK, block, to, 5, (link.omega_dot[2] * plus));
         write_entry!(MASK, block, to, 6, (link.accel[1] * plus));
         write_entry!(MASK, block, to, 7, (link.accel[0] * minus));

@@ -5,7 +5,7 @@ use crate::chain::{Joint, JointFrame};
 
 /// How many vectors of samples go through each step of the calculation side by side: the steps are chains of
 /// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.
-pub(super) const GROUP: usize = 4;
+pub(super) const GROUP: usize = 6;
 
 /// What the kernel needs of a joint's place on the previous link.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ impl Rates<'_> {
     }
 }
 
-/// The motion of a link frame, in that frame's coordinates, and what its wrench regressor is made of.
+/// The motion of a link frame, in that frame's coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkMotion<T> {
     /// Angular velocity ω.
@@ -91,12 +91,6 @@ pub(super) struct LinkMotion<T> {
     pub omega_dot: Vector<T>,
     /// Acceleration of the frame's origin less gravity.
     pub accel: Vector<T>,
-    /// B = [ω̇]× + [ω]×[ω]×, so that a point at r accelerates with `accel` + B r.
-    pub b: [Vector<T>; 3],
-    /// ω_x ω_y, ω_x ω_z, ω_y ω_z.
-    pub products: [T; 3],
-    /// ω_x² − ω_y², ω_z² − ω_x², ω_y² − ω_z².
-    pub differences: [T; 3],
 }
 
 impl<T: Lanes> LinkMotion<T> {
@@ -104,19 +98,37 @@ impl<T: Lanes> LinkMotion<T> {
     #[inline(always)]
     pub fn zero() -> Self {
         let zero = [T::splat(0.0); 3];
-        Self { omega: zero, omega_dot: zero, accel: zero, b: [zero; 3], products: zero, differences: zero }
+        Self { omega: zero, omega_dot: zero, accel: zero }
     }
 
+    /// What follows from the motion; quicker to calculate twice than to keep.
     #[inline(always)]
-    fn from_rates(omega: Vector<T>, omega_dot: Vector<T>, accel: Vector<T>) -> Self {
-        let [wx, wy, wz] = omega;
-        let [ax, ay, az] = omega_dot;
+    pub fn derived(&self) -> Derived<T> {
+        let [wx, wy, wz] = self.omega;
+        let [ax, ay, az] = self.omega_dot;
         let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
         let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
-        let b =
-            [[-(yy + zz), xy - az, xz + ay], [xy + az, -(xx + zz), yz - ax], [xz - ay, yz + ax, -(xx + yy)]];
-        Self { omega, omega_dot, accel, b, products: [xy, xz, yz], differences: [xx - yy, zz - xx, yy - zz] }
+        Derived {
+            b: [
+                [-(yy + zz), xy - az, xz + ay],
+                [xy + az, -(xx + zz), yz - ax],
+                [xz - ay, yz + ax, -(xx + yy)],
+            ],
+            products: [xy, xz, yz],
+            differences: [xx - yy, zz - xx, yy - zz],
+        }
     }
+}
+
+/// What a link's wrench regressor is made of beside its [`LinkMotion`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Derived<T> {
+    /// B = [ω̇]× + [ω]×[ω]×, so that a point at r accelerates with `accel` + B r.
+    pub b: [Vector<T>; 3],
+    /// ω_x ω_y, ω_x ω_z, ω_y ω_z.
+    pub products: [T; 3],
+    /// ω_x² − ω_y², ω_z² − ω_x², ω_y² − ω_z².
+    pub differences: [T; 3],
 }
 
 /// The velocity that a joint's unit velocity gives to a link frame, in that frame's coordinates.
@@ -168,7 +180,7 @@ pub(super) fn first_link<T: Lanes>(
         for ((link, angle), first) in links.iter_mut().zip(angles).zip(group) {
             let (rate, acceleration) = rates.at(*first);
             let accel = angle.in_link(base);
-            *link = LinkMotion::from_rates([zero, zero, rate], [zero, zero, acceleration], accel);
+            *link = LinkMotion { omega: [zero, zero, rate], omega_dot: [zero, zero, acceleration], accel };
         }
     });
 }
@@ -186,11 +198,12 @@ pub(super) fn next_link<T: Lanes>(
     with_turn!(place.turn, turn => {
         for ((link, angle), first) in links.iter_mut().zip(angles).zip(group) {
             let mut at_joint = link.accel;
+            let b = link.derived().b;
             for c in 0..3 {
                 if p[c] != 0.0 {
                     let p = T::splat(p[c]);
                     for r in 0..3 {
-                        at_joint[r] = link.b[r][c].mul_add(p, at_joint[r]);
+                        at_joint[r] = b[r][c].mul_add(p, at_joint[r]);
                     }
                 }
             }
@@ -199,7 +212,7 @@ pub(super) fn next_link<T: Lanes>(
             let [ox, oy, oz] = angle.in_link(turn.in_joint(&link.omega));
             let [dx, dy, dz] = angle.in_link(turn.in_joint(&link.omega_dot));
             let omega_dot = [oy.mul_add(rate, dx), ox.neg_mul_add(rate, dy), dz + acceleration];
-            *link = LinkMotion::from_rates([ox, oy, oz + rate], omega_dot, accel);
+            *link = LinkMotion { omega: [ox, oy, oz + rate], omega_dot, accel };
         }
     });
 }

@@ -1,0 +1,122 @@
+"""Time of our regressor kernel against Pinocchio's in C++, in the same run.
+
+    pip install pin==4.1.0 cmeel-eigen
+    python benches/peers/pinocchio_regressor.py [--rounds 9] [--compiler g++]
+
+Builds `pinocchio_regressor.cpp` against the headers that PyPI's `pin` carries (-O3 -march=native) and the
+kernel's benchmark (`cargo bench`), runs them by turns, and prints per robot, instruction set and case the ratio
+Pinocchio / ours: the median of the rounds and, in brackets, the smallest and largest. Each figure of a round is
+the fastest of several hundred short repetitions, so that a busy machine disturbs both sides little.
+"""
+
+import argparse
+import collections
+import json
+import math
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+
+import pinocchio
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+PI = math.pi
+# alpha, a, d of each joint; alpha and a as they lead to the joint (Craig).
+ROBOTS = {
+    "ur10e": [
+        (0, 0, 0.1807),
+        (PI / 2, 0, 0),
+        (0, -0.6127, 0),
+        (0, -0.57155, 0.17415),
+        (PI / 2, 0, 0.11985),
+        (-PI / 2, 0, 0.11655),
+    ],
+    "panda": [
+        (0, 0, 0.333),
+        (-PI / 2, 0, 0),
+        (PI / 2, 0, 0.316),
+        (PI / 2, 0.0825, 0),
+        (-PI / 2, -0.0825, 0.384),
+        (PI / 2, 0, 0),
+        (PI / 2, 0.088, 0.107),
+    ],
+}
+
+
+def build_peer(compiler, folder):
+    """The C++ program, built against the headers of the installed `pin`."""
+    include = next(p / "include" for p in pathlib.Path(pinocchio.__file__).parents if p.name == "cmeel.prefix")
+    if not (include / "eigen3").is_dir():
+        sys.exit("Eigen's headers are missing: pip install cmeel-eigen")
+    program = pathlib.Path(folder) / "pinocchio_regressor"
+    flags = ["-std=c++17", "-O3", "-march=native", "-DNDEBUG", "-w"]
+    # Pinocchio's list of joint types is longer than Boost's defaults; these are the values of its own CMake files.
+    flags += ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30"]
+    flags += ["-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
+    source = HERE / "pinocchio_regressor.cpp"
+    command = [compiler, *flags, "-isystem", include, "-isystem", include / "eigen3", source, "-o", program]
+    subprocess.run([str(part) for part in command], check=True)
+    return program
+
+
+def build_ours(package):
+    """The kernel's benchmark."""
+    command = ["cargo", "bench", "-p", package, "--bench", "regressor", "--no-run", "--message-format=json"]
+    lines = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    messages = map(json.loads, lines)
+    return next(
+        m["executable"]
+        for m in messages
+        if m.get("reason") == "compiler-artifact" and m["target"]["name"] == "regressor" and m["executable"]
+    )
+
+
+def processor():
+    try:
+        lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--compiler", default="g++")
+    arguments = parser.parse_args()
+    theirs = collections.defaultdict(list)
+    ratios = collections.defaultdict(list)
+    times = collections.defaultdict(list)
+    with tempfile.TemporaryDirectory() as folder:
+        peer, ours = build_peer(arguments.compiler, folder), build_ours("aurt-rbd")
+        for _ in range(arguments.rounds):
+            for robot, joints in ROBOTS.items():
+                numbers = [str(value) for joint in joints for value in joint]
+                output = subprocess.run(
+                    [peer, str(len(joints)), *numbers, "400"], check=True, stdout=subprocess.PIPE, text=True
+                ).stdout
+                theirs[robot].append(float(output))
+            lines = subprocess.run([ours, "--bench", "--tsv"], check=True, stdout=subprocess.PIPE, text=True).stdout
+            for line in lines.splitlines():
+                robot, level, case, nanoseconds = line.split("\t")
+                times[robot, level, case].append(float(nanoseconds))
+                ratios[robot, level, case].append(theirs[robot][-1] / float(nanoseconds))
+    compiler = subprocess.run([arguments.compiler, "--version"], stdout=subprocess.PIPE, text=True).stdout
+    print(f"processor: {processor()}")
+    print(f"peer: Pinocchio {pinocchio.__version__}, {compiler.splitlines()[0]}, -O3 -march=native")
+    print(f"{arguments.rounds} rounds by turns, one core; ns per evaluation, ratio with [smallest, largest]")
+    for robot, values in theirs.items():
+        print(f"{robot:6} Pinocchio                {statistics.median(values):8.1f}")
+        for (of, level, case), ratio in ratios.items():
+            if of == robot:
+                ns = statistics.median(times[of, level, case])
+                spread = f"[{min(ratio):.1f}, {max(ratio):.1f}]"
+                print(f"{robot:6} {level:9} {case:14} {ns:8.1f} {statistics.median(ratio):6.1f} x {spread}")
+
+
+if __name__ == "__main__":
+    main()
