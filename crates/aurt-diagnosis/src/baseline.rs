@@ -119,6 +119,10 @@ pub fn evaluate_all(
     question
         .recordings
         .par_iter()
-        .map(|r| RecordingRows::evaluate(&r.data.name, r.role, &r.data.data, model, fit.load, fit))
+        .map(|r| {
+            let mut rows = RecordingRows::evaluate(&r.data.name, r.role, &r.data.data, model, fit.load, fit)?;
+            r.mask(&mut rows);
+            Ok(rows)
+        })
         .collect()
 }

@@ -5,7 +5,7 @@ use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
 use serde_json::Value;
 
 use crate::{
-    DiagnosisError, Layout, Question, RecordingRows, Role,
+    DiagnosisError, Fault, Layout, Question, QuestionedRecording, RecordingRows, Role,
     baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
     effects::{self, Addition, Context, Effect, Presence, Proposal},
     floor::noise_floor,
@@ -54,6 +54,8 @@ pub struct Investigation {
     pub floors: Vec<Vec<f64>>,
     /// Noise floor over the fitted rows, joint by joint.
     pub floor: Vec<f64>,
+    /// Faults of the recordings.
+    pub faults: Vec<Fault>,
     /// What selection found.
     pub selection: Selection,
     /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
@@ -74,6 +76,12 @@ pub fn investigate(
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
         return Err(DiagnosisError::NothingToDiagnose);
     }
+    progress("looking for faults of the recordings");
+    let recordings =
+        question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<Vec<_>, _>>()?;
+    let faults: Vec<Fault> =
+        recordings.iter().filter_map(|r| r.spoilt.as_ref()).flat_map(|s| s.faults.faults.clone()).collect();
+    let question = &Question { recordings: &recordings, ..*question };
     progress("fitting the model in question");
     let baseline = Baseline::new(question)?;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
@@ -121,14 +129,11 @@ pub fn investigate(
     let mut rows = Vec::new();
     for recording in question.recordings {
         let own = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-        rows.push(RecordingRows::evaluate(
-            &recording.data.name,
-            recording.role,
-            &recording.data.data,
-            &model,
-            &load,
-            &own,
-        )?);
+        let (name, data) = (&recording.data.name, &recording.data.data);
+        let mut own_and_candidates =
+            RecordingRows::evaluate(name, recording.role, data, &model, &load, &own)?;
+        recording.mask(&mut own_and_candidates);
+        rows.push(own_and_candidates);
     }
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
@@ -170,6 +175,7 @@ pub fn investigate(
         base_switches,
         floors,
         floor,
+        faults,
         selection,
         free,
         mean_independent_share,

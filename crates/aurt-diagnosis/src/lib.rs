@@ -31,7 +31,7 @@ pub use faults::{Fault, RecordingFaults};
 pub use improve::{Improvement, improved_experiment, improvement};
 pub use partition::Partition;
 pub use problem::{Problem, Switch};
-pub use question::{Question, QuestionedRecording};
+pub use question::{Question, QuestionedRecording, Spoilt};
 pub use report::verdict as write_verdict;
 pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
 pub use selection::{Chosen, Group, Selection, SelectionOptions};

@@ -46,8 +46,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
     });
     let residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
+    let faults = fault_findings(question, investigation);
+    let faulty = !faults.is_empty();
+    effects.splice(0..0, faults);
     let mut verdict = Verdict {
-        verdict: answer(&effects, &residual),
+        verdict: if faulty { Answer::Named } else { answer(&effects, &residual) },
         effects,
         not_decidable: not_decidable(question, investigation),
         residual,
@@ -55,6 +58,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         shifts: shifts(investigation, &all, &fit, &baseline.1),
         notes: Vec::new(),
     };
+    verdict.notes.extend(
+        investigation
+            .faults
+            .iter()
+            .filter(|f| !f.suffices)
+            .map(|f| format!("{}: {}", f.recording, f.sentence)),
+    );
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
         verdict.notes.push(
             "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),
@@ -65,6 +75,60 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .push("the model in question was taken as given; its coefficients were not refitted".into());
     }
     verdict
+}
+
+/// A fault is as certain as its probability says, but no verdict is surer than this.
+const SUREST: f64 = 0.99;
+
+/// Findings for the faults that suffice to explain a mismatch, those of one kind together.
+fn fault_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
+    let mut findings: Vec<Finding> = Vec::new();
+    for fault in investigation.faults.iter().filter(|f| f.suffices) {
+        let role = question.recordings.iter().find(|r| r.data.name == fault.recording).map(|r| r.role);
+        let kind = match role {
+            Some(Role::Validation) | None => continue,
+            Some(Role::Calibration) => "calibration",
+            Some(Role::Target) => "target",
+        };
+        if let Some(first) = findings.iter_mut().find(|f| f.effect == fault.effect) {
+            first.joints.extend(&fault.joints);
+            first.joints.sort_unstable();
+            first.joints.dedup();
+            if !first.present_in.iter().any(|k| k == kind) {
+                first.present_in.push(kind.to_owned());
+            }
+            if first.recording.as_ref() != Some(&fault.recording) {
+                first.recording = None;
+                first.window_s = None;
+            }
+            continue;
+        }
+        let Some(effect) = effects::find(fault.effect) else { continue };
+        let window = match fault.windows_s.as_slice() {
+            [only] => Some(*only),
+            _ => None,
+        };
+        findings.push(Finding {
+            effect: fault.effect.to_owned(),
+            family: effect.family(),
+            joints: fault.joints.clone(),
+            present_in: vec![kind.to_owned()],
+            recording: Some(fault.recording.clone()),
+            window_s: window,
+            confidence: (1.0 - 10.0_f64.powf(fault.log10_probability)).min(SUREST),
+            parameters: fault
+                .parameters
+                .iter()
+                .map(|(name, (value, std))| {
+                    (name.clone(), ParameterValue { value: value.clone(), std: std.clone() })
+                })
+                .collect(),
+            alternatives: Vec::new(),
+            evidence: Evidence { score: -fault.log10_probability * std::f64::consts::LN_10, threshold: 8.0 },
+            sentence: fault.sentence.clone(),
+        });
+    }
+    findings
 }
 
 /// Coefficients of the final model.

@@ -158,6 +158,7 @@ fn read(
             data: pipeline.preprocess(&loaded, Purpose::Calibration)?,
             options: pipeline.options(&loaded, Purpose::Calibration),
             simulated,
+            spoilt: None,
         });
     }
     Ok((recordings, unit))

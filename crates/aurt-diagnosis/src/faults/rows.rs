@@ -167,8 +167,7 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
 /// The step of an encoder as far as its readings tell: of the steps between rows, the smallest tenth. What is
 /// written to a file may be converted and rounded, so the smallest difference of all can be a fraction of it.
 fn usual_step(position: &[f64]) -> f64 {
-    let mut steps: Vec<f64> =
-        position.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+    let mut steps: Vec<f64> = position.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
     if steps.is_empty() {
         return f64::INFINITY;
     }

@@ -1,0 +1,279 @@
+//! External contact: a force on a link for a while.
+//!
+//! Looked for in the residuals of a fit, by time and link, after all other effects. For each link the torque of a
+//! force on it is known up to the force, r = C(q) F ([`force_columns`]). For a stretch of time, the share of the
+//! whitened residual that one constant F explains is
+//! T = gᵀ A⁻¹ g with A = Σ Cᵀ C/σ² and g = Σ Cᵀ r/σ²,
+//! a χ² variable of three degrees of freedom if there is only white noise. Residuals of real robots are not white,
+//! so T is divided by the inflation V of its own median over all stretches of the same length. A contact is a
+//! stretch whose T/V is large and which nothing else matches: no other time in any recording, since what repeats
+//! with the motion is no contact.
+
+mod columns;
+mod scan;
+#[cfg(test)]
+mod tests;
+
+pub use columns::{ForceColumns, force_columns};
+
+use scan::{Background, Prefix, scan};
+
+use crate::RecordingRows;
+
+/// A contact that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// Index of the recording.
+    pub recording: usize,
+    /// When, s from the recording's first stamp.
+    pub window_s: [f64; 2],
+    /// The touched link, as far as the joints tell: a force near the origin of a link's frame is felt alike by this
+    /// link and by the one before it.
+    pub link: usize,
+    /// Joints on which the force is felt, of those the ones that show it.
+    pub joints: Vec<usize>,
+    /// Evidence in nats, as Σ ½ n_eff log(MSE before / after): ½ T/V.
+    pub score: f64,
+    /// Its T/V over the largest of any other stretch of that length, in all recordings.
+    pub distinction: f64,
+    /// Mean force in the base frame while it lasts, N (if the measurement is in Nm).
+    pub force_n: [f64; 3],
+}
+
+/// What a contact must show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactOptions {
+    /// Least score. Of 120 recordings without contact (simulated and real), none reached 30.
+    pub score: f64,
+    /// Least distinction.
+    pub distinction: f64,
+    /// A joint rests at and below this speed, rad/s; then the sign of its friction is unknown.
+    pub rest_velocity_rad_s: f64,
+    /// Rows this near to a reversal or to an end of a segment are left out, s: filters smear what happens there.
+    pub margin_s: f64,
+    /// Largest number of contacts.
+    pub most: usize,
+}
+
+impl ContactOptions {
+    /// The defaults for dynamics up to `f_dyn_hz`.
+    #[must_use]
+    pub fn new(f_dyn_hz: f64) -> Self {
+        Self { score: 40.0, distinction: 3.0, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
+    }
+}
+
+/// What the search needs of one recording.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactRows<'a> {
+    /// Its rows.
+    pub rows: &'a RecordingRows,
+    /// Stamp of the recording's first sample, s: windows count from it.
+    pub origin_s: f64,
+    /// Residual of a fit, `[joint][row]`, best of one in which the recording took no part.
+    pub residual: &'a [Vec<f64>],
+    /// Columns of each link's force, from [`force_columns`].
+    pub forces: &'a [ForceColumns],
+    /// Rows to be left out, `[joint][row]`, for instance those that a fault has touched; may be empty.
+    pub left_out: &'a [Vec<bool>],
+}
+
+/// Lengths of the stretches that are compared, s.
+const LENGTHS_S: [f64; 9] = [0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.7, 7.0];
+
+/// Stretches longer than this share of their recording are no passing contact.
+const LONGEST_SHARE: f64 = 0.35;
+
+/// Contacts nearer than this to each other are one, s.
+const ALONE_S: f64 = 0.5;
+
+/// A joint shows the contact if the force explains this share of what it explains on the joint that shows most.
+const SHOWN: f64 = 0.05;
+
+/// Finds contacts in recordings, the clearest first.
+///
+/// The noise level of each joint and the background are those of all recordings together, so the recordings should
+/// belong to one robot and one fit. Windows are exact to about a row (2 rows where the filters are slow).
+#[must_use]
+pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -> Vec<Contact> {
+    let mut usable: Vec<Vec<Vec<bool>>> = recordings.iter().map(|r| usable_rows(r, options)).collect();
+    let sigma = noise_levels(recordings, &usable);
+    let mut found: Vec<Contact> = Vec::new();
+    while found.len() < options.most {
+        let Some(contact) = clearest(recordings, &usable, &sigma) else { break };
+        if contact.score < options.score || contact.distinction < options.distinction {
+            break;
+        }
+        let rows = recordings[contact.recording].rows;
+        let origin = recordings[contact.recording].origin_s;
+        let [from, to] = contact.window_s.map(|t| t + origin);
+        for (usable, t) in usable[contact.recording].iter_mut().flat_map(|u| u.iter_mut().zip(&rows.time_s)) {
+            *usable &= *t < from - ALONE_S || *t > to + ALONE_S;
+        }
+        found.push(contact);
+    }
+    found
+}
+
+/// Where a joint's residual is meaningful: it moves, has not just reversed, and no end of a segment is near.
+fn usable_rows(recording: &ContactRows<'_>, options: &ContactOptions) -> Vec<Vec<bool>> {
+    let rows = recording.rows;
+    let margin = (options.margin_s * rows.rate_hz).ceil() as usize;
+    rows.joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let n = rows.rows();
+            let mut usable = vec![true; n];
+            let mut spoil = |from: usize, to: usize| usable[from.min(n)..to.min(n)].fill(false);
+            for pair in rows.segment_starts.windows(2) {
+                spoil(pair[0], pair[0] + margin);
+                spoil(pair[1].saturating_sub(margin), pair[1]);
+            }
+            let slow = |v: &f64| v.abs() <= options.rest_velocity_rad_s;
+            for (k, v) in joint.velocity_rad_s.iter().enumerate() {
+                let reversed = k > 0 && v * joint.velocity_rad_s[k - 1] < 0.0;
+                if slow(v) || reversed {
+                    spoil(k.saturating_sub(margin), k + margin + 1);
+                }
+            }
+            for (k, out) in recording.left_out.get(j).into_iter().flatten().enumerate() {
+                if *out {
+                    spoil(k, k + 1);
+                }
+            }
+            usable
+        })
+        .collect()
+}
+
+/// Robust standard deviation of each joint's usable residuals; infinite where there are none.
+fn noise_levels(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>]) -> Vec<f64> {
+    let joints = recordings.iter().map(|r| r.residual.len()).max().unwrap_or(0);
+    (0..joints)
+        .map(|j| {
+            let mut magnitudes: Vec<f64> = recordings
+                .iter()
+                .zip(usable)
+                .flat_map(|(r, u)| r.residual[j].iter().zip(&u[j]))
+                .filter(|(_, usable)| **usable)
+                .map(|(r, _)| r.abs())
+                .collect();
+            if magnitudes.is_empty() {
+                return f64::INFINITY;
+            }
+            let middle = magnitudes.len() / 2;
+            // The median of |x| of a normal variable is 0.6745 of its standard deviation.
+            let median = *magnitudes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            if median > 0.0 { median / 0.674_49 } else { f64::INFINITY }
+        })
+        .collect()
+}
+
+/// The stretch of largest T/V over all recordings, links and lengths, refined.
+fn clearest(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>], sigma: &[f64]) -> Option<Contact> {
+    let links = recordings.first()?.forces.len();
+    let mut best: Option<(f64, usize, usize, usize, [usize; 2], Background)> = None;
+    for link in 0..links {
+        let prefixes: Vec<Prefix> = recordings
+            .iter()
+            .zip(usable)
+            .map(|(r, u)| Prefix::new(&r.forces[link], r.residual, u, sigma))
+            .collect();
+        let mut inflations = Vec::new();
+        let mut peaks = Vec::new();
+        for (which, length_s) in LENGTHS_S.iter().enumerate() {
+            let scans: Vec<_> = recordings
+                .iter()
+                .zip(&prefixes)
+                .map(|(r, prefix)| {
+                    let length = (length_s * r.rows.rate_hz).round() as usize;
+                    let longest = LONGEST_SHARE * r.rows.rows() as f64;
+                    if length < 2 || length as f64 > longest { Vec::new() } else { scan(prefix, length) }
+                })
+                .collect();
+            inflations.push(Background::inflation(scans.iter().flatten().map(|s| s.statistic)));
+            for (r, stretches) in scans.iter().enumerate() {
+                let Some(top) = stretches.iter().max_by(|a, b| a.statistic.total_cmp(&b.statistic)) else {
+                    continue;
+                };
+                let other = scans
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(other, list)| list.iter().map(move |s| (other, s)))
+                    .filter(|(other, s)| *other != r || s.apart(top))
+                    .map(|(_, s)| s.statistic)
+                    .fold(0.0, f64::max);
+                peaks.push((which, r, *top, other));
+            }
+        }
+        let background = Background::new(inflations);
+        for (which, r, top, other) in peaks {
+            let inflation = background.of_length(which);
+            let ratio = top.statistic / inflation;
+            // A stretch of which little is usable may have no rival at all; chance alone reaches this much.
+            let distinction = ratio / (other / inflation).max(CHANCE);
+            if best.as_ref().is_none_or(|(top, ..)| ratio > *top) && distinction >= 1.0 {
+                best = Some((ratio, r, link, which, top.span(), background.clone()));
+            }
+        }
+    }
+    let (_, r, link, _, span, background) = best?;
+    refine(recordings, usable, sigma, r, link, span, &background)
+}
+
+/// T/V that the best of some hundred stretches of white noise reaches.
+const CHANCE: f64 = 15.0;
+
+/// Moves both edges to where T/V is largest, and describes the contact.
+fn refine(
+    recordings: &[ContactRows<'_>],
+    usable: &[Vec<Vec<bool>>],
+    sigma: &[f64],
+    r: usize,
+    link: usize,
+    span: [usize; 2],
+    background: &Background,
+) -> Option<Contact> {
+    let recording = &recordings[r];
+    let rows = recording.rows;
+    let prefix = Prefix::new(&recording.forces[link], recording.residual, &usable[r], sigma);
+    let length_s = |[a, b]: [usize; 2]| (b - a) as f64 / rows.rate_hz;
+    let evidence = |span: [usize; 2]| prefix.statistic(span) / background.at(&LENGTHS_S, length_s(span));
+    let mut span = span;
+    // Each edge moves by up to its stretch's length; two rounds, since the second edge may free the first.
+    for _ in 0..2 {
+        let reach = (span[1] - span[0]).max(rows.rate_hz.ceil() as usize);
+        let starts = span[0].saturating_sub(reach)..span[1].saturating_sub(1);
+        span[0] = starts.max_by(|a, b| evidence([*a, span[1]]).total_cmp(&evidence([*b, span[1]])))?;
+        let ends = span[0] + 2..(span[1] + reach).min(rows.rows()) + 1;
+        span[1] = ends.max_by(|a, b| evidence([span[0], *a]).total_cmp(&evidence([span[0], *b])))?;
+    }
+    let value = evidence(span);
+    let inflation = background.at(&LENGTHS_S, length_s(span));
+    let rival = recordings
+        .iter()
+        .enumerate()
+        .flat_map(|(other, recording)| {
+            let prefix = Prefix::new(&recording.forces[link], recording.residual, &usable[other], sigma);
+            let length = (length_s(span) * recording.rows.rate_hz).round().max(2.0) as usize;
+            scan(&prefix, length).into_iter().filter(move |s| other != r || !s.meets(span))
+        })
+        .map(|s| s.statistic / inflation)
+        .fold(CHANCE, f64::max);
+    let force_n = prefix.force(span);
+    let explained =
+        prefix.explained_by_joint(&recording.forces[link], recording.residual, &usable[r], sigma, span);
+    let most = explained.iter().copied().fold(0.0, f64::max);
+    let time = |row: usize| rows.time_s[row.min(rows.rows() - 1)] - recording.origin_s;
+    let half_row_s = 0.5 / rows.rate_hz;
+    Some(Contact {
+        recording: r,
+        window_s: [time(span[0]) - half_row_s, time(span[1] - 1) + half_row_s],
+        link,
+        joints: (0..explained.len()).filter(|j| explained[*j] > SHOWN * most).collect(),
+        score: 0.5 * value,
+        distinction: value / rival,
+        force_n,
+    })
+}

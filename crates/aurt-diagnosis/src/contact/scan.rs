@@ -1,0 +1,206 @@
+//! The evidence for a constant force over any stretch of rows, from prefix sums.
+
+use super::ForceColumns;
+
+/// Normal equations of a link's force, summed from the first row: A (upper triangle), g.
+pub(super) struct Prefix {
+    sums: Vec<[f64; 9]>,
+}
+
+/// A stretch of rows and how much of its whitened residual a constant force explains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stretch {
+    pub(super) statistic: f64,
+    start: usize,
+    end: usize,
+}
+
+impl Stretch {
+    pub(super) fn span(&self) -> [usize; 2] {
+        [self.start, self.end]
+    }
+
+    /// Whether two stretches of one length do not overlap.
+    pub(super) fn apart(&self, other: &Self) -> bool {
+        !self.meets(other.span())
+    }
+
+    pub(super) fn meets(&self, [start, end]: [usize; 2]) -> bool {
+        self.start < end && start < self.end
+    }
+}
+
+impl Prefix {
+    pub(super) fn new(
+        forces: &ForceColumns,
+        residual: &[Vec<f64>],
+        usable: &[Vec<bool>],
+        sigma: &[f64],
+    ) -> Self {
+        let rows = residual.first().map_or(0, Vec::len);
+        let mut each = vec![[0.0; 9]; rows + 1];
+        for (joint, series) in residual.iter().enumerate() {
+            let [x, y, z] = [0, 1, 2].map(|axis| forces.axes[axis][joint].as_slice());
+            let weight = sigma[joint].powi(-2);
+            for (k, ((r, usable), sum)) in
+                series.iter().zip(&usable[joint]).zip(&mut each[1..]).enumerate().take(x.len())
+            {
+                if !usable {
+                    continue;
+                }
+                let c = [x[k], y[k], z[k]];
+                let terms = [
+                    c[0] * c[0],
+                    c[0] * c[1],
+                    c[0] * c[2],
+                    c[1] * c[1],
+                    c[1] * c[2],
+                    c[2] * c[2],
+                    c[0] * r,
+                    c[1] * r,
+                    c[2] * r,
+                ];
+                for (s, term) in sum.iter_mut().zip(terms) {
+                    *s += weight * term;
+                }
+            }
+        }
+        for k in 1..each.len() {
+            for i in 0..9 {
+                each[k][i] += each[k - 1][i];
+            }
+        }
+        Self { sums: each }
+    }
+
+    fn rows(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    fn between(&self, [start, end]: [usize; 2]) -> [f64; 9] {
+        let (first, last) = (&self.sums[start], &self.sums[end.min(self.rows())]);
+        std::array::from_fn(|i| last[i] - first[i])
+    }
+
+    /// T of a stretch.
+    pub(super) fn statistic(&self, span: [usize; 2]) -> f64 {
+        let sums = self.between(span);
+        let force = solve(&sums);
+        (0..3).map(|i| force[i] * sums[6 + i]).sum::<f64>().max(0.0)
+    }
+
+    /// The force that explains most of a stretch.
+    pub(super) fn force(&self, span: [usize; 2]) -> [f64; 3] {
+        solve(&self.between(span))
+    }
+
+    /// By how much the force lowers each joint's whitened sum of squares over a stretch.
+    pub(super) fn explained_by_joint(
+        &self,
+        forces: &ForceColumns,
+        residual: &[Vec<f64>],
+        usable: &[Vec<bool>],
+        sigma: &[f64],
+        span: [usize; 2],
+    ) -> Vec<f64> {
+        let force = self.force(span);
+        residual
+            .iter()
+            .enumerate()
+            .map(|(joint, series)| {
+                let columns = [0, 1, 2].map(|axis| forces.axes[axis][joint].as_slice());
+                if columns[0].is_empty() {
+                    return 0.0;
+                }
+                (span[0]..span[1].min(series.len()))
+                    .filter(|k| usable[joint][*k])
+                    .map(|k| {
+                        let torque: f64 = (0..3).map(|i| force[i] * columns[i][k]).sum();
+                        torque * (2.0 * series[k] - torque) / sigma[joint].powi(2)
+                    })
+                    .sum::<f64>()
+                    .max(0.0)
+            })
+            .collect()
+    }
+}
+
+/// Solves A F = g. A force along a direction that no joint feels is zero: a small ridge keeps it there.
+fn solve(sums: &[f64; 9]) -> [f64; 3] {
+    let trace = sums[0] + sums[3] + sums[5];
+    if trace <= 0.0 {
+        return [0.0; 3];
+    }
+    let ridge = 1e-3 * trace / 3.0;
+    let a = [
+        [sums[0] + ridge, sums[1], sums[2]],
+        [sums[1], sums[3] + ridge, sums[4]],
+        [sums[2], sums[4], sums[5] + ridge],
+    ];
+    let g = [sums[6], sums[7], sums[8]];
+    // Cramer's rule: three unknowns, and the ridge keeps the determinant away from zero.
+    let minor = |r: usize, c: usize| {
+        let [r0, r1] = [[1, 2], [0, 2], [0, 1]][r];
+        let [c0, c1] = [[1, 2], [0, 2], [0, 1]][c];
+        a[r0][c0] * a[r1][c1] - a[r0][c1] * a[r1][c0]
+    };
+    let sign = |r: usize, c: usize| if (r + c).is_multiple_of(2) { 1.0 } else { -1.0 };
+    let determinant: f64 = (0..3).map(|c| sign(0, c) * a[0][c] * minor(0, c)).sum();
+    std::array::from_fn(|i| (0..3).map(|r| sign(r, i) * minor(r, i) * g[r]).sum::<f64>() / determinant)
+}
+
+/// The statistic of every stretch of a length, in steps of an eighth of it.
+pub(super) fn scan(prefix: &Prefix, length: usize) -> Vec<Stretch> {
+    if length > prefix.rows() {
+        return Vec::new();
+    }
+    (0..=prefix.rows() - length)
+        .step_by((length / 8).max(1))
+        .map(|start| Stretch {
+            statistic: prefix.statistic([start, start + length]),
+            start,
+            end: start + length,
+        })
+        .collect()
+}
+
+/// How much larger than under white noise the statistic usually is, by length of the stretch.
+#[derive(Debug, Clone)]
+pub(super) struct Background {
+    inflation: Vec<f64>,
+}
+
+/// Median of a χ² variable of three degrees of freedom.
+const MEDIAN: f64 = 2.366;
+
+impl Background {
+    pub(super) fn new(inflation: Vec<f64>) -> Self {
+        Self { inflation }
+    }
+
+    /// The inflation of some stretches: their median over that under white noise, at least 1. Stretches in which
+    /// nothing is usable do not count.
+    pub(super) fn inflation(statistics: impl Iterator<Item = f64>) -> f64 {
+        let mut values: Vec<f64> = statistics.filter(|s| *s > 0.0).collect();
+        if values.is_empty() {
+            return f64::INFINITY;
+        }
+        let middle = values.len() / 2;
+        (*values.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN).max(1.0)
+    }
+
+    /// The inflation of the n-th length.
+    pub(super) fn of_length(&self, which: usize) -> f64 {
+        self.inflation[which]
+    }
+
+    /// The inflation at any length, interpolated in its logarithm.
+    pub(super) fn at(&self, lengths_s: &[f64], length_s: f64) -> f64 {
+        let last = lengths_s.len() - 1;
+        let after = lengths_s.partition_point(|l| *l < length_s).clamp(1, last);
+        let (a, b) = (lengths_s[after - 1], lengths_s[after]);
+        let share = ((length_s / a).ln() / (b / a).ln()).clamp(0.0, 1.0);
+        let (low, high) = (self.inflation[after - 1], self.inflation[after]);
+        if high.is_infinite() { low } else { low + share * (high - low) }
+    }
+}
