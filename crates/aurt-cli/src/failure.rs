@@ -8,6 +8,7 @@ use aurt_plugins::{BuildError, ExperimentErrors};
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
+use aurt_sweep::SweepError;
 use aurt_traits::{MeasurementUnit, ModelError};
 use thiserror::Error;
 
@@ -100,6 +101,9 @@ pub enum Failure {
         /// Its unit.
         other_unit: MeasurementUnit,
     },
+    /// A sweep.
+    #[error(transparent)]
+    Sweep(SweepError),
     /// An argument does not go with the rest.
     #[error("{option}: {reason}; {remedy}")]
     Argument {
@@ -128,6 +132,16 @@ impl From<RbdError> for Failure {
         match error {
             RbdError::Mdh(errors) => Self::Mdh(errors),
             other => Self::Rbd(other),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Definition(errors) => Self::Experiment(errors),
+            SweepError::Plugins(error) => error.into(),
+            other => Self::Sweep(other),
         }
     }
 }

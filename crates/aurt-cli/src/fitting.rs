@@ -61,21 +61,21 @@ impl Role {
     }
 }
 
+/// The rows by which a model is judged: the fit by all that it was fitted to; on a held-out recording those in which
+/// the robot stands before and after the motion are left out, as they are in calibration.
+pub const fn judged_rows(role: Role, trim_rest: bool) -> ValidatedRows {
+    match role {
+        Role::Validation if trim_rest => ValidatedRows::WhileInMotion,
+        Role::Validation | Role::Calibration => ValidatedRows::All,
+    }
+}
+
 impl Job {
     fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
             joints: self.model.joints(),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
-        }
-    }
-
-    /// The rows by which a model is judged: the fit by all that it was fitted to; on a held-out recording those
-    /// in which the robot stands before and after the motion are left out, as they are in calibration.
-    const fn judged_rows(&self, role: Role) -> ValidatedRows {
-        match role {
-            Role::Validation if self.preprocessing.trim_rest => ValidatedRows::WhileInMotion,
-            Role::Validation | Role::Calibration => ValidatedRows::All,
         }
     }
 
@@ -161,7 +161,12 @@ impl Job {
                 label: loaded.source.label.clone(),
                 role: *role,
                 window_s: loaded.source.window_s,
-                validation: validate(&here.model, &here.calibration, prepared, self.judged_rows(*role))?,
+                validation: validate(
+                    &here.model,
+                    &here.calibration,
+                    prepared,
+                    judged_rows(*role, self.preprocessing.trim_rest),
+                )?,
                 notes,
                 prediction: Some(name),
             });

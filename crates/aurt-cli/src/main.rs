@@ -14,6 +14,7 @@ mod output;
 mod rendering;
 mod results;
 mod simulated;
+mod sweeping;
 
 use std::process::ExitCode;
 

@@ -111,7 +111,8 @@ impl Definition {
             Some((_, Some("held_out"))) => Validate::HeldOut,
             Some((_, Some("leave_one_out"))) => Validate::LeaveOneOut,
             Some((node, word)) => {
-                let help = suggestion::help(word.unwrap_or_default(), "values", ["held_out", "leave_one_out"]);
+                let help =
+                    suggestion::help(word.unwrap_or_default(), "values", ["held_out", "leave_one_out"]);
                 complaints.push(Complaint::new(&node.span, "`validate` cannot be this").help(help));
                 Validate::default()
             }
@@ -120,7 +121,8 @@ impl Definition {
             None => BLOCK_S,
             Some((_, Some(x))) if x.is_finite() && x > 0.0 => x,
             Some((node, _)) => {
-                complaints.push(Complaint::new(&node.span, "`block_s` expects a number of seconds above zero"));
+                complaints
+                    .push(Complaint::new(&node.span, "`block_s` expects a number of seconds above zero"));
                 BLOCK_S
             }
         };
@@ -197,7 +199,8 @@ fn variants(sweep: &Node, complaints: &mut Vec<Complaint>) -> Option<Axis> {
     let node = sweep.get("variant")?;
     let NodeKind::Array(tables) = &node.kind else {
         complaints.push(
-            Complaint::new(&node.span, "`variant` expects tables").help("write [[sweep.variant]], two brackets"),
+            Complaint::new(&node.span, "`variant` expects tables")
+                .help("write [[sweep.variant]], two brackets"),
         );
         return None;
     };

@@ -41,10 +41,10 @@ pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
 
 /// The path in a recording: the value itself, or its `file`.
 fn file_of(value: &mut Value) -> &mut Value {
-    match value {
-        Value::Table(table) if table.contains_key("file") => &mut table["file"],
-        other => other,
+    if value.get("file").is_some() {
+        return &mut value["file"];
     }
+    value
 }
 
 /// The way to what stands at `span` of a text: the deepest key or value that lies there.
@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn the_way_to_a_place_in_a_text_is_found() {
-        let text = "[joint_dynamics]\ncoulomb = { model = \"x\" }\n[[arm_terms]]\nmodel = \"y\"\njoints = [0, 9]\n";
+        let text =
+            "[joint_dynamics]\ncoulomb = { model = \"x\" }\n[[arm_terms]]\nmodel = \"y\"\njoints = [0, 9]\n";
         let way = |what: &str| {
             let start = text.find(what).unwrap();
             path_at(text, &(start..start + what.len())).join(".")

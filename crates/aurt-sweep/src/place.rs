@@ -168,7 +168,10 @@ mod tests {
     use super::*;
 
     fn document() -> Table {
-        toml::from_str("[joint_dynamics]\ncoulomb = { model = \"none\" }\n[[arm_terms]]\nmodel = \"spring\"\n").unwrap()
+        toml::from_str(
+            "[joint_dynamics]\ncoulomb = { model = \"none\" }\n[[arm_terms]]\nmodel = \"spring\"\n",
+        )
+        .unwrap()
     }
 
     #[test]

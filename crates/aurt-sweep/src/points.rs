@@ -215,7 +215,9 @@ fn name_of(steps: &[&Step]) -> String {
         .iter()
         .flat_map(|step| match &step.name {
             Some(name) => vec![name.clone()],
-            None => step.settings.iter().map(|s| format!("{}={}", s.place.short(), brief(&s.value))).collect(),
+            None => {
+                step.settings.iter().map(|s| format!("{}={}", s.place.short(), brief(&s.value))).collect()
+            }
         })
         .collect();
     parts.join(", ")
@@ -227,9 +229,10 @@ fn twins(points: &[Point], definition: &Definition, written: &str) -> Option<Com
     names.sort_unstable();
     let twin = names.windows(2).find(|pair| pair[0] == pair[1])?;
     let doubled = definition.axes.iter().flat_map(|axis| {
-        axis.steps.iter().enumerate().filter(|(k, step)| {
-            axis.steps[..*k].iter().any(|s| name_of(&[s]) == name_of(&[*step]))
-        })
+        axis.steps
+            .iter()
+            .enumerate()
+            .filter(|(k, step)| axis.steps[..*k].iter().any(|s| name_of(&[s]) == name_of(&[*step])))
     });
     let span = doubled
         .filter_map(|(_, step)| step.settings.first())

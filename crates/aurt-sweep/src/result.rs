@@ -1,6 +1,6 @@
 //! The result of a point, as it is kept.
 
-use aurt_calibration::{CalibratedParameter, Metrics, ShapeReport};
+use aurt_calibration::{CalibratedParameter, ShapeReport};
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
@@ -55,8 +55,8 @@ pub struct Fold {
     /// The search for shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape_fit: Option<ShapeReport>,
-    /// Condition number of the weighted observation matrix.
-    pub condition_number: f64,
+    /// Condition number of the weighted observation matrix; absent if it is infinite.
+    pub condition_number: Option<f64>,
     /// Warnings of the calibration.
     pub warnings: Vec<String>,
     /// The held-out recordings.
@@ -69,22 +69,28 @@ pub struct Fold {
 pub struct Judged {
     /// Its name.
     pub recording: String,
-    /// Over all rows while the robot is in motion.
-    pub all: Errors,
+    /// Over all rows while the robot is in motion, joint after joint.
+    pub all: Vec<JointErrors>,
     /// Over the rows at which the joint moves.
-    pub moving: Errors,
+    pub moving: Vec<JointErrors>,
 }
 
-/// Errors over some rows: in all, and block of time by block of time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Sums over one joint's rows, in all and block of time by block of time.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Errors {
-    /// In all.
-    pub metrics: Metrics,
-    /// Rows of each block, `[joint][block]`.
-    pub block_rows: Vec<Vec<usize>>,
-    /// Σ (y − ŷ)² of each block, `[joint][block]`.
-    pub block_squared_errors: Vec<Vec<f64>>,
+pub struct JointErrors {
+    /// Number of rows.
+    pub rows: usize,
+    /// Σ (y − ŷ)², unit of the measurement squared.
+    pub squared_error: f64,
+    /// Σ y².
+    pub squared_measurement: f64,
+    /// Σ |y|.
+    pub absolute_measurement: f64,
+    /// Rows of each block.
+    pub block_rows: Vec<usize>,
+    /// Σ (y − ŷ)² of each block.
+    pub block_squared_error: Vec<f64>,
 }
 
 /// Which rows are looked at.
@@ -98,10 +104,51 @@ pub enum Rows {
     Moving,
 }
 
-impl Judged {
-    /// The errors over some rows.
+impl JointErrors {
+    /// Takes in a row of a block.
+    pub(crate) fn add(&mut self, block: usize, measured: f64, predicted: f64) {
+        let squared = (measured - predicted).powi(2);
+        self.rows += 1;
+        self.squared_error += squared;
+        self.squared_measurement += measured * measured;
+        self.absolute_measurement += measured.abs();
+        if self.block_rows.len() <= block {
+            self.block_rows.resize(block + 1, 0);
+            self.block_squared_error.resize(block + 1, 0.0);
+        }
+        self.block_rows[block] += 1;
+        self.block_squared_error[block] += squared;
+    }
+
+    /// Appends empty blocks, so that all joints have the same.
+    pub(crate) fn extend_to(&mut self, blocks: usize) {
+        self.block_rows.resize(blocks, 0);
+        self.block_squared_error.resize(blocks, 0.0);
+    }
+
+    /// Mean squared error; `NaN` without rows.
     #[must_use]
-    pub const fn errors(&self, rows: Rows) -> &Errors {
+    pub fn mse(&self) -> f64 {
+        self.squared_error / self.rows as f64
+    }
+
+    /// Mean squared error over mean absolute measurement (Table II of the paper).
+    #[must_use]
+    pub fn nmse(&self) -> f64 {
+        self.squared_error / self.absolute_measurement
+    }
+
+    /// Root mean squared error over root mean squared measurement, as a fraction.
+    #[must_use]
+    pub fn nrmse(&self) -> f64 {
+        (self.squared_error / self.squared_measurement).sqrt()
+    }
+}
+
+impl Judged {
+    /// The errors over some rows, joint after joint.
+    #[must_use]
+    pub fn errors(&self, rows: Rows) -> &[JointErrors] {
         match rows {
             Rows::All => &self.all,
             Rows::Moving => &self.moving,
@@ -115,29 +162,19 @@ impl Evaluation {
         self.folds.iter().flat_map(|f| &f.judged)
     }
 
-    /// Mean squared error of each joint over all held-out recordings, unit of the measurement squared; `NaN` where no
-    /// row qualifies.
+    /// The sums of each joint over all held-out recordings; their blocks follow each other.
     #[must_use]
-    pub fn mse(&self, rows: Rows) -> Vec<f64> {
-        self.pooled(rows).into_iter().map(|(squared, _, rows)| squared / rows as f64).collect()
-    }
-
-    /// Root mean squared error over root mean squared measurement, as a fraction.
-    #[must_use]
-    pub fn nrmse(&self, rows: Rows) -> Vec<f64> {
-        self.pooled(rows).into_iter().map(|(squared, power, _)| (squared / power).sqrt()).collect()
-    }
-
-    /// Σ e², Σ y² and rows of each joint.
-    fn pooled(&self, rows: Rows) -> Vec<(f64, f64, usize)> {
-        let mut pooled: Vec<(f64, f64, usize)> = Vec::new();
-        for metrics in self.judged().map(|j| &j.errors(rows).metrics) {
-            pooled.resize(metrics.samples.len(), (0.0, 0.0, 0));
-            for (joint, sum) in pooled.iter_mut().enumerate().filter(|(j, _)| metrics.samples[*j] > 0) {
-                let squared = metrics.mse[joint] * metrics.samples[joint] as f64;
-                sum.0 += squared;
-                sum.1 += squared / metrics.nrmse[joint].powi(2);
-                sum.2 += metrics.samples[joint];
+    pub fn pooled(&self, rows: Rows) -> Vec<JointErrors> {
+        let mut pooled: Vec<JointErrors> = Vec::new();
+        for errors in self.judged().map(|j| j.errors(rows)) {
+            pooled.resize(errors.len(), JointErrors::default());
+            for (sum, one) in pooled.iter_mut().zip(errors) {
+                sum.rows += one.rows;
+                sum.squared_error += one.squared_error;
+                sum.squared_measurement += one.squared_measurement;
+                sum.absolute_measurement += one.absolute_measurement;
+                sum.block_rows.extend_from_slice(&one.block_rows);
+                sum.block_squared_error.extend_from_slice(&one.block_squared_error);
             }
         }
         pooled

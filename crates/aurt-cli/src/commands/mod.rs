@@ -12,7 +12,8 @@ mod explain;
 mod models;
 mod new_plugin;
 mod predict;
-mod run;
+pub mod run;
+mod sweep;
 
 use aurt_plugins::Registry;
 use clap::Subcommand;
@@ -33,6 +34,7 @@ pub enum Command {
     CalibrateValidate(calibrate_validate::CalibrateValidate),
     Predict(predict::Predict),
     Diagnose(diagnose::Diagnose),
+    Sweep(sweep::Sweep),
     Conceal(conceal::Conceal),
     Models(models::Models),
     Explain(explain::Explain),
@@ -62,6 +64,7 @@ impl Command {
             Self::Calibrate(command) => command.run(session),
             Self::CalibrateValidate(command) => command.run(session),
             Self::Predict(command) => command.run(session),
+            Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session.terminal),
             Self::Conceal(command) => command.run(session),
             Self::Models(command) => command.run(session),

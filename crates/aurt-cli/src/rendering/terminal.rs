@@ -97,6 +97,18 @@ impl Terminal {
     }
 }
 
+impl Terminal {
+    /// A bar over the points of a sweep, with their rate and the time left.
+    pub fn points_bar(&self, points: usize) -> Progress {
+        let progress = self.progress(points);
+        let template = "{bar:24} {pos}/{len} points, {per_sec}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            progress.bar.set_style(style);
+        }
+        progress
+    }
+}
+
 /// The progress of a command.
 #[derive(Debug)]
 pub struct Progress {
@@ -107,6 +119,17 @@ impl Progress {
     /// Says what begins.
     pub fn step(&self, what: impl Into<String>) {
         self.bar.set_message(what.into());
+        self.bar.inc(1);
+    }
+
+    /// Passes over steps that were done before; they do not count for the rate.
+    pub fn skip(&self, steps: usize) {
+        self.bar.set_position(steps as u64);
+        self.bar.reset_eta();
+    }
+
+    /// Notes that one step more is done.
+    pub fn advance(&self) {
         self.bar.inc(1);
     }
 }

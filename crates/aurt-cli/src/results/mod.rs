@@ -4,3 +4,4 @@ pub mod metrics;
 pub mod parameters;
 pub mod predictions;
 pub mod shapes;
+pub mod sweep_table;

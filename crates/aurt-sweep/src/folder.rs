@@ -1,0 +1,275 @@
+//! A sweep's folder: its plan, one resolved experiment a point, one result a point.
+//!
+//! ```text
+//! sweep.json           the plan: names of the points, keys of their results
+//! experiment.toml      the experiment as it was
+//! points/0001.toml     the resolved experiment of each point
+//! results/KEY.json     results, under the hash of what they depend on
+//! table.csv, table.json
+//! ```
+//!
+//! Files appear whole or not at all: they are written beside their place and renamed. A process that is killed leaves no
+//! half of one, and the results of others stay. After a power failure a file that the disk lost is a result that is not
+//! there, and is made again.
+
+use std::{
+    fs::{self, File, TryLockError},
+    io::{ErrorKind, Write},
+    path::{Path, PathBuf},
+};
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use crate::{
+    Sweep, SweepError,
+    plan::{self, Plan},
+    result::{self, PointResult},
+};
+
+const PLAN: &str = "sweep.json";
+const LOCK: &str = "lock";
+const RESULTS: &str = "results";
+const POINTS: &str = "points";
+/// Begin of the names of files that are being written.
+const UNFINISHED: &str = ".unfinished-";
+
+/// A sweep's folder.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// Held as long as the folder is worked in; the system releases it however the process ends.
+    _lock: Option<File>,
+}
+
+/// Who else may work in a folder at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sharing {
+    /// Nobody.
+    Exclusive,
+    /// Others that write single results.
+    Shared,
+}
+
+impl Folder {
+    /// A folder for the sweep of an experiment, made if it does not exist, for this process alone.
+    ///
+    /// # Errors
+    /// [`SweepError::Locked`] if another process works in it, [`SweepError::Folder`] if it holds another experiment's
+    /// sweep or something else.
+    pub fn for_sweep(path: &Path, sweep: &Sweep) -> Result<Self, SweepError> {
+        let folder = Self { path: path.to_owned(), _lock: None };
+        let refuse = |reason: String, remedy: &str| SweepError::Folder {
+            path: path.to_owned(),
+            reason,
+            remedy: remedy.to_owned(),
+        };
+        match fs::read_dir(path) {
+            Ok(mut entries) => {
+                let known = [PLAN, LOCK];
+                let foreign = !folder.file(PLAN).exists()
+                    && entries.any(|e| e.is_ok_and(|e| known.iter().all(|k| e.file_name() != *k)));
+                if foreign {
+                    return Err(refuse(
+                        "holds files that are no sweep's".into(),
+                        "name a new or an empty folder",
+                    ));
+                }
+            }
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Err(source) if source.kind() == ErrorKind::NotADirectory => {
+                return Err(refuse("is a file".into(), "name a folder"));
+            }
+            Err(source) => return Err(SweepError::Read { path: path.to_owned(), source }),
+        }
+        fs::create_dir_all(path).map_err(|source| SweepError::Write { path: path.to_owned(), source })?;
+        let folder = folder.locked(Sharing::Exclusive)?;
+        if folder.file(PLAN).exists() {
+            let experiment = sweep.path.canonicalize().unwrap_or_else(|_| sweep.path.clone());
+            let plan = folder.plan()?;
+            if plan.experiment != experiment {
+                return Err(refuse(
+                    format!("holds the results of another experiment, {}", plan.experiment.display()),
+                    "name another folder",
+                ));
+            }
+        }
+        folder.clear_unfinished();
+        Ok(folder)
+    }
+
+    /// The folder of a planned sweep, to be read.
+    ///
+    /// # Errors
+    /// [`SweepError::Folder`] if there is no plan in it.
+    pub fn planned(path: &Path) -> Result<Self, SweepError> {
+        let folder = Self { path: path.to_owned(), _lock: None };
+        if !folder.file(PLAN).is_file() {
+            return Err(SweepError::Folder {
+                path: path.to_owned(),
+                reason: "holds no sweep".into(),
+                remedy: "make one with `aurt sweep run EXPERIMENT --out DIR` or `aurt sweep plan`".into(),
+            });
+        }
+        Ok(folder)
+    }
+
+    /// The folder of a planned sweep, to add single results while others do so too.
+    ///
+    /// # Errors
+    /// As [`Self::planned`]; [`SweepError::Locked`] while the whole sweep is run or planned.
+    pub fn shared(path: &Path) -> Result<Self, SweepError> {
+        Self::planned(path)?.locked(Sharing::Shared)
+    }
+
+    fn locked(self, sharing: Sharing) -> Result<Self, SweepError> {
+        let path = self.file(LOCK);
+        let fail = |source| SweepError::Write { path: path.clone(), source };
+        let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(fail)?;
+        let taken = match sharing {
+            Sharing::Exclusive => file.try_lock(),
+            Sharing::Shared => file.try_lock_shared(),
+        };
+        match taken {
+            Ok(()) => Ok(Self { path: self.path, _lock: Some(file) }),
+            Err(TryLockError::WouldBlock) => Err(SweepError::Locked { path: self.path }),
+            Err(TryLockError::Error(source)) => Err(fail(source)),
+        }
+    }
+
+    /// The folder's path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// The file of a point's resolved experiment; points are numbered from 1.
+    #[must_use]
+    pub fn point_file(&self, number: usize) -> PathBuf {
+        self.file(POINTS).join(format!("{number:04}.toml"))
+    }
+
+    /// Reads the plan.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`]; [`SweepError::Folder`] if it is another version's.
+    pub fn plan(&self) -> Result<Plan, SweepError> {
+        let path = self.file(PLAN);
+        let text = fs::read_to_string(&path).map_err(|source| SweepError::Read { path, source })?;
+        let refuse = |reason: String| SweepError::Folder {
+            path: self.file(PLAN),
+            reason,
+            remedy: "plan again in a new folder".into(),
+        };
+        let plan: Plan =
+            serde_json::from_str(&text).map_err(|e| refuse(format!("is no plan of this version: {e}")))?;
+        if plan.schema != plan::SCHEMA {
+            return Err(refuse(format!(
+                "is a plan of version {}, this program reads {}",
+                plan.schema,
+                plan::SCHEMA
+            )));
+        }
+        Ok(plan)
+    }
+
+    /// Writes the plan, the experiment and every point's; points of an earlier plan go, results stay.
+    ///
+    /// # Errors
+    /// [`SweepError::Write`].
+    pub fn write_plan(&self, sweep: &Sweep, plan: &Plan) -> Result<(), SweepError> {
+        for name in [POINTS, RESULTS] {
+            let path = self.file(name);
+            fs::create_dir_all(&path).map_err(|source| SweepError::Write { path, source })?;
+        }
+        let source = sweep.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        for (k, point) in sweep.points.iter().enumerate() {
+            let text =
+                format!("# Point {} of the sweep of {source}: {}\n\n{}", k + 1, point.name, point.text);
+            write_whole(&self.point_file(k + 1), text.as_bytes())?;
+        }
+        let mut beyond = sweep.points.len() + 1;
+        while fs::remove_file(self.point_file(beyond)).is_ok() {
+            beyond += 1;
+        }
+        write_whole(&self.file("experiment.toml"), sweep.text.as_bytes())?;
+        write_json(&self.file(PLAN), plan)
+    }
+
+    /// A point's result, if there is one; a file that cannot be understood is none.
+    #[must_use]
+    pub fn result(&self, key: &str) -> Option<PointResult> {
+        let result: PointResult = read_json(&self.result_file(key))?;
+        (result.schema == result::SCHEMA && result.key == key).then_some(result)
+    }
+
+    /// Keeps a result.
+    ///
+    /// # Errors
+    /// [`SweepError::Write`].
+    pub fn keep(&self, result: &PointResult) -> Result<(), SweepError> {
+        write_json(&self.result_file(&result.key), result)
+    }
+
+    fn result_file(&self, key: &str) -> PathBuf {
+        self.file(RESULTS).join(format!("{key}.json"))
+    }
+
+    /// Writes a file of the folder.
+    ///
+    /// # Errors
+    /// [`SweepError::Write`].
+    pub fn write(&self, name: &str, contents: &[u8]) -> Result<PathBuf, SweepError> {
+        let path = self.file(name);
+        write_whole(&path, contents)?;
+        Ok(path)
+    }
+
+    /// Removes what a killed process left half-written.
+    fn clear_unfinished(&self) {
+        for name in ["", POINTS, RESULTS] {
+            let Ok(entries) = fs::read_dir(self.file(name)) else { continue };
+            for entry in entries.flatten() {
+                if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+                    // Nobody else writes here; what cannot be removed is in nobody's way.
+                    let _ = fs::remove_file(entry.path());
+                }
+            }
+        }
+    }
+}
+
+fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    serde_json::from_slice(&fs::read(path).ok()?).ok()
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {
+    let fail = |source| SweepError::Write { path: path.to_owned(), source };
+    let mut text = serde_json::to_vec_pretty(value).map_err(|e| fail(e.into()))?;
+    text.push(b'\n');
+    write_whole(path, &text)
+}
+
+/// Writes a file so that nobody ever sees half of it.
+fn write_whole(path: &Path, contents: &[u8]) -> Result<(), SweepError> {
+    let fail = |source| SweepError::Write { path: path.to_owned(), source };
+    if fs::read(path).is_ok_and(|old| old == contents) {
+        return Ok(());
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What any new file gets; the umask takes away what it should.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(fail)?;
+    file.write_all(contents).map_err(fail)?;
+    file.persist(path).map_err(|e| fail(e.error))?;
+    Ok(())
+}

@@ -1,0 +1,230 @@
+//! Running points: on all cores, each result kept as soon as it is there.
+
+use std::{
+    any::Any,
+    collections::BTreeMap,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use aurt_plugins::{Experiment, Registry};
+use rayon::prelude::*;
+
+use crate::{
+    Folder, Loader, Plan, Point, PointError, Sweep, SweepError,
+    definition::Validate,
+    evaluation::evaluate,
+    family::{SharedRows, common_part, with_shared_rows},
+    result::{self, Outcome, PointResult},
+};
+
+/// What is told while points are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event {
+    /// How many points are to be run and how many results are there already.
+    Begin {
+        /// To be run.
+        missing: usize,
+        /// There already.
+        present: usize,
+    },
+    /// A point has its result.
+    Done {
+        /// Whether it could be judged.
+        judged: bool,
+    },
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Summary {
+    /// Points whose result was there already.
+    pub present: usize,
+    /// Points that were run now.
+    pub run: usize,
+    /// Of all points, those that could not be judged.
+    pub failed: usize,
+    /// Time from begin to end.
+    pub elapsed: Duration,
+    /// Groups of points that share recordings and rigid bodies.
+    pub families: usize,
+    /// Time to read, preprocess and filter what each family shares, over all families.
+    pub preparation: Duration,
+    /// Time of the points themselves, over all points and processors.
+    pub points: Duration,
+}
+
+/// Runs all points of a plan whose result is not there yet.
+///
+/// # Errors
+/// [`SweepError::Write`] if a result cannot be kept. What is wrong with a point is its result.
+pub fn run(
+    sweep: &Sweep,
+    plan: &Plan,
+    folder: &Folder,
+    loader: &dyn Loader,
+    watch: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, SweepError> {
+    let begin = Instant::now();
+    let mut families: BTreeMap<String, Vec<(usize, &Point)>> = BTreeMap::new();
+    let mut seen = std::collections::HashSet::new();
+    let (mut present, mut missing, mut failed) = (0, 0, 0);
+    for (k, point) in sweep.points.iter().enumerate() {
+        let key = &plan.points[k].key;
+        if let Some(result) = folder.result(key) {
+            present += 1;
+            failed += usize::from(matches!(result.outcome, Outcome::Failed(_)));
+        } else if seen.insert(key) {
+            missing += 1;
+            families.entry(common_part(&point.text)).or_default().push((k, point));
+        }
+    }
+    watch(Event::Begin { missing, present });
+    let work = Runner {
+        plan,
+        folder,
+        loader,
+        watch,
+        failed: AtomicUsize::new(failed),
+        preparation: Mutex::new(Duration::ZERO),
+        points: Mutex::new(Duration::ZERO),
+    };
+    families.values().collect::<Vec<_>>().par_iter().try_for_each(|points| work.family(points))?;
+    let time = |sum: Mutex<Duration>| sum.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(Summary {
+        present,
+        run: missing,
+        failed: work.failed.into_inner(),
+        elapsed: begin.elapsed(),
+        families: families.len(),
+        preparation: time(work.preparation),
+        points: time(work.points),
+    })
+}
+
+/// Runs one point of a planned sweep, counted from 1; one that has its result already is left alone. Returns whether it
+/// could be judged.
+///
+/// # Errors
+/// [`SweepError::NoPoint`], [`SweepError::Stale`] if the point is no longer what was planned, [`SweepError::Definition`]
+/// if its file no longer is an experiment.
+pub fn run_point(
+    folder: &Folder,
+    number: usize,
+    registry: &mut Registry,
+    loader: &dyn Loader,
+) -> Result<bool, SweepError> {
+    let plan = folder.plan()?;
+    let path = folder.path().to_owned();
+    let index = number.checked_sub(1).filter(|k| *k < plan.points.len()).ok_or(SweepError::NoPoint {
+        path: path.clone(),
+        index: number,
+        points: plan.points.len(),
+    })?;
+    let point = read_point(&folder.point_file(number), &plan.points[index].name, registry)?;
+    if !plan.is_current(index, &point.text, &point.experiment, registry)? {
+        return Err(SweepError::Stale { path, index: number });
+    }
+    if let Some(result) = folder.result(&plan.points[index].key) {
+        return Ok(matches!(result.outcome, Outcome::Judged(_)));
+    }
+    let runner = Runner {
+        plan: &plan,
+        folder,
+        loader,
+        watch: &|_| (),
+        failed: AtomicUsize::new(0),
+        preparation: Mutex::default(),
+        points: Mutex::default(),
+    };
+    runner.family(&[(index, &point)])?;
+    Ok(runner.failed.into_inner() == 0)
+}
+
+/// A point's resolved experiment, as the plan wrote it.
+fn read_point(path: &Path, name: &str, registry: &mut Registry) -> Result<Point, SweepError> {
+    let written =
+        std::fs::read_to_string(path).map_err(|source| SweepError::Read { path: path.to_owned(), source })?;
+    let experiment =
+        Experiment::parse(&written, path, registry).map_err(|errors| SweepError::Definition(errors))?;
+    // Without the comment at its head, the text is the one that the key was made of.
+    let text = toml::from_str::<toml::Table>(&written).map_or(written, |document| document.to_string());
+    Ok(Point { name: name.to_owned(), text, experiment })
+}
+
+struct Runner<'a> {
+    plan: &'a Plan,
+    folder: &'a Folder,
+    loader: &'a dyn Loader,
+    watch: &'a (dyn Fn(Event) + Sync),
+    failed: AtomicUsize,
+    preparation: Mutex<Duration>,
+    points: Mutex<Duration>,
+}
+
+impl Runner<'_> {
+    /// Runs the points of a family.
+    fn family(&self, points: &[(usize, &Point)]) -> Result<(), SweepError> {
+        let Some((_, first)) = points.first() else { return Ok(()) };
+        let Plan { validate, .. } = *self.plan;
+        let begin = Instant::now();
+        let run = |rows: &SharedRows<'_>| {
+            add(&self.preparation, begin.elapsed());
+            points.par_iter().try_for_each(|(k, point)| self.point(*k, point, rows))
+        };
+        match prepared(first, validate, self.loader, run) {
+            Ok(result) => result,
+            // What they share cannot be had, so none of them can be judged.
+            Err(error) => {
+                points.iter().try_for_each(|(k, _)| self.keep(*k, Outcome::Failed(error.to_string())))
+            }
+        }
+    }
+
+    fn point(&self, k: usize, point: &Point, rows: &SharedRows<'_>) -> Result<(), SweepError> {
+        let begin = Instant::now();
+        let attempt = AssertUnwindSafe(|| evaluate(point, rows, self.plan.block_s, self.loader));
+        let outcome = match catch_unwind(attempt) {
+            Ok(Ok(evaluation)) => Outcome::Judged(evaluation),
+            Ok(Err(error)) => Outcome::Failed(error.to_string()),
+            Err(panic) => Outcome::Failed(PointError::Panic(message(&*panic)).to_string()),
+        };
+        add(&self.points, begin.elapsed());
+        self.keep(k, outcome)
+    }
+
+    fn keep(&self, k: usize, outcome: Outcome) -> Result<(), SweepError> {
+        let judged = matches!(outcome, Outcome::Judged(_));
+        self.failed.fetch_add(usize::from(!judged), Ordering::Relaxed);
+        let key = self.plan.points[k].key.clone();
+        self.folder.keep(&PointResult { schema: result::SCHEMA, key, outcome })?;
+        (self.watch)(Event::Done { judged });
+        Ok(())
+    }
+}
+
+/// [`with_shared_rows`], a panic being an error.
+fn prepared<R>(
+    first: &Point,
+    validate: Validate,
+    loader: &dyn Loader,
+    work: impl FnOnce(&SharedRows<'_>) -> R,
+) -> Result<R, PointError> {
+    catch_unwind(AssertUnwindSafe(|| with_shared_rows(first, validate, loader, work)))
+        .unwrap_or_else(|panic| Err(PointError::Panic(message(&*panic))))
+}
+
+fn add(sum: &Mutex<Duration>, time: Duration) {
+    *sum.lock().unwrap_or_else(PoisonError::into_inner) += time;
+}
+
+/// What a panic said.
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".into())
+}
