@@ -4,6 +4,8 @@ mod bad_experiment;
 mod bad_model_file;
 mod bad_recording;
 mod chain;
+mod checks;
+mod diagnosis;
 mod machine_output;
 mod outputs;
 mod real_recordings;
