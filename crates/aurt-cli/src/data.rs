@@ -154,6 +154,22 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// Reads a recording of a robot with that many joints, or, without, with as many as it has positions.
+    ///
+    /// # Errors
+    /// What is wrong with the file, and where.
+    pub fn read(source: Source, joints: Option<usize>, purpose: Purpose) -> Result<Self, Failure> {
+        let options = ReadOptions {
+            columns: source.columns.as_ref().map(selection).unwrap_or_default(),
+            unit: source.unit,
+            joints,
+            needs_measurement: purpose != Purpose::Prediction,
+            ..ReadOptions::default()
+        };
+        let recording = read_recording(&source.file, &options)?;
+        Ok(Self { source, recording })
+    }
+
     /// The time of every row of the file, in s. Rows that were dropped as corrupt have none that can be trusted;
     /// they take the middle between their neighbours.
     ///
@@ -199,15 +215,7 @@ impl Pipeline<'_> {
     /// # Errors
     /// What is wrong with the file, and where.
     pub fn read(&self, source: Source, purpose: Purpose) -> Result<Loaded, Failure> {
-        let options = ReadOptions {
-            columns: source.columns.as_ref().map(selection).unwrap_or_default(),
-            unit: source.unit,
-            joints: Some(self.joints),
-            needs_measurement: purpose != Purpose::Prediction,
-            ..ReadOptions::default()
-        };
-        let recording = read_recording(&source.file, &options)?;
-        Ok(Loaded { source, recording })
+        Loaded::read(source, Some(self.joints), purpose)
     }
 
     /// The unit of what a recording measured once the instrument is undone; none if it measured nothing.

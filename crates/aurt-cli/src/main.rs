@@ -10,6 +10,7 @@ mod demo;
 mod failure;
 mod fitting;
 mod glossary;
+mod inspection;
 mod output;
 mod rendering;
 mod results;

@@ -127,7 +127,11 @@ impl CompileRd {
     }
 }
 
-fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
+/// A model by its table.
+///
+/// # Errors
+/// All complaints about the table.
+pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
     registry.build_from_json(&table).map_err(|errors: Vec<BuildError>| Failure::Build(errors))
 }
 

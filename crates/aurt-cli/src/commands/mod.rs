@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod calibrate_validate;
+mod check;
 mod compile_rbd;
 mod compile_rd;
 mod conceal;
@@ -28,6 +29,7 @@ use crate::{
 pub enum Command {
     Run(run::Run),
     Demo(demo::Demo),
+    Check(check::Check),
     CompileRbd(compile_rbd::CompileRbd),
     CompileRd(compile_rd::CompileRd),
     Calibrate(calibrate::Calibrate),
@@ -59,6 +61,7 @@ impl Command {
         match self {
             Self::Run(command) => command.run(session),
             Self::Demo(command) => command.run(session),
+            Self::Check(command) => command.run(session),
             Self::CompileRbd(command) => command.run(),
             Self::CompileRd(command) => command.run(session),
             Self::Calibrate(command) => command.run(session),

@@ -157,3 +157,30 @@ fn a_headerless_log_is_read_by_column_numbers() {
     let headerless = numbers(&metrics["recordings"][2]["nrmse"]);
     assert_near("headerless", &headerless, &named, 1e-3);
 }
+
+/// One joint of a UR3e moves: a check says so, and which parameters that leaves out of reach.
+#[test]
+fn a_check_tells_what_a_motion_leaves_out() {
+    let Some(data) = real_recordings("a_check_tells_what_a_motion_leaves_out") else { return };
+    let folder = Folder::new();
+    let (recording, mdh) = (text(&data.join("ur3e/wave_joint_1.csv")), text(&data.join("ur3e/mdh.csv")));
+    let run = folder.aurt(["check", &recording, "--mdh", &mdh, "--json"]);
+    assert_eq!(run.status(), 1);
+    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let findings = report["findings"].to_string();
+    assert!(findings.contains("only joint 1 moves"), "{findings}");
+    let parameters = report["excitation"]["parameters"].as_array().unwrap();
+    let is = |name: &str| parameters.iter().find(|p| p["name"] == name).unwrap()["is"].clone();
+    assert_eq!(report["excitation"]["base_parameters"], 36);
+    for joint in [0, 2, 3, 4, 5] {
+        assert_eq!(is(&format!("F_C0_{joint}")), "out_of_reach");
+        assert_eq!(is(&format!("F_v1_{joint}")), "out_of_reach");
+    }
+    for name in ["F_C0_1", "F_v1_1", "mX_1", "mY_1"] {
+        assert_eq!(is(name), "determined", "{name}");
+    }
+    // An exciting motion of all joints leaves nothing out, and nothing to heed.
+    let (recording, mdh) = (text(&data.join("ur10e/excitation_20s.csv")), text(&data.join("ur10e/mdh.csv")));
+    let report = folder.aurt(["check", &recording, "--mdh", &mdh]).succeeded().stdout();
+    assert!(report.contains("48 determined, 0 only in combinations, 0 out of"), "{report}");
+}

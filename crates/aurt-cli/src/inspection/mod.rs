@@ -1,0 +1,5 @@
+//! What a recording is good for, before anyone calibrates on it.
+
+pub mod excitation;
+pub mod joints;
+pub mod series;

@@ -1,0 +1,145 @@
+//! What a single series of samples says of its sensor: resolution and noise.
+
+/// Share of the steps between samples that must fit a resolution.
+const FITTING_SHARE: f64 = 0.99;
+
+/// The resolution to which values were rounded: the smallest step between neighbouring samples of which all other
+/// steps are multiples. `None` if there is none, or fewer than ten samples differ.
+pub fn resolution(values: &[f64]) -> Option<f64> {
+    let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    // Below this two values differ by rounding of the decimal text alone.
+    let dust = 1e-12 * largest;
+    let steps: Vec<f64> =
+        values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|s| *s > dust && s.is_finite()).collect();
+    if steps.len() < 10 {
+        return None;
+    }
+    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    // The smallest step carries the rounding of two decimal texts; the mean over large multiples does not.
+    let multiples: f64 = steps.iter().map(|s| (s / smallest).round()).sum();
+    let step = steps.iter().sum::<f64>() / multiples;
+    let fits = |s: &&f64| {
+        let multiple = *s / step;
+        (multiple - multiple.round()).abs() < 0.02
+    };
+    let fitting = steps.iter().filter(fits).count();
+    // With multiples beyond some hundred everything fits; that is no evidence.
+    let telling = multiples / steps.len() as f64;
+    (fitting as f64 >= FITTING_SHARE * steps.len() as f64 && telling < 500.0).then_some(step)
+}
+
+/// Standard deviation of the part of a uniformly sampled series that has no memory: white noise.
+///
+/// Fourth differences take smooth motion away and multiply the variance of white noise by 70; the median of their
+/// magnitudes is not moved by single leaps.
+pub fn white_noise(values: &[f64]) -> Option<f64> {
+    let mut differences: Vec<f64> =
+        values.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    if differences.is_empty() {
+        return None;
+    }
+    let middle = differences.len() / 2;
+    let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
+    Some(median / 0.674_489_75 / 70.0_f64.sqrt())
+}
+
+/// How often a velocity changes its direction, counting only strokes that reach `threshold`.
+pub fn reversals(velocity: &[f64], threshold: f64) -> usize {
+    let mut direction = 0.0;
+    let mut count = 0;
+    for v in velocity.iter().filter(|v| v.abs() > threshold) {
+        if direction * v < 0.0 {
+            count += 1;
+        }
+        direction = v.signum();
+    }
+    count
+}
+
+/// The frequency below which 99.9 % of the power of a uniformly sampled series lies, in Hz.
+pub fn bandwidth_hz(values: &[f64], rate_hz: f64) -> Option<f64> {
+    const MOST_SAMPLES: usize = 4096;
+    const SHARE: f64 = 0.999;
+    // Means of neighbours: what lies above the lower rate is not motion of an arm.
+    let block = values.len().div_ceil(MOST_SAMPLES);
+    let series: Vec<f64> =
+        values.chunks_exact(block.max(1)).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+    let n = series.len();
+    if n < 16 {
+        return None;
+    }
+    let mean = series.iter().sum::<f64>() / n as f64;
+    let power: Vec<f64> = (1..n / 2)
+        .map(|k| {
+            let angle = std::f64::consts::TAU * k as f64 / n as f64;
+            // Goertzel's recurrence for one bin of the discrete Fourier transform.
+            let (mut before, mut last) = (0.0, 0.0);
+            for v in &series {
+                (before, last) = (last, v - mean + 2.0 * angle.cos() * last - before);
+            }
+            last * last + before * before - 2.0 * angle.cos() * last * before
+        })
+        .collect();
+    let total: f64 = power.iter().sum();
+    let mut sum = 0.0;
+    let bin = power.iter().position(|p| {
+        sum += p;
+        sum >= SHARE * total
+    })?;
+    (total > 0.0).then(|| (bin + 1) as f64 * rate_hz / (block * n) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform pseudo-random numbers between −½ and ½, one after the other from fractional parts.
+    fn random(n: usize) -> Vec<f64> {
+        let mut state = 0.5_f64;
+        (0..n)
+            .map(|_| {
+                state = (state * 97.0 + 0.123_456_789).fract();
+                state - 0.5
+            })
+            .collect()
+    }
+
+    #[test]
+    fn rounding_shows() {
+        let smooth: Vec<f64> = (0..3000).map(|k| (f64::from(k) * 0.003).sin()).collect();
+        let rounded: Vec<f64> = smooth.iter().map(|v| (v * 1e4).round() / 1e4).collect();
+        let found = resolution(&rounded).unwrap();
+        assert!((found - 1e-4).abs() < 1e-7, "{found}");
+        assert_eq!(resolution(&smooth), None);
+        assert_eq!(resolution(&[1.0; 100]), None);
+    }
+
+    #[test]
+    fn noise_is_told_from_motion() {
+        let noise = random(20_000);
+        // A uniform number between −½ and ½ has a standard deviation of 1/√12.
+        let series: Vec<f64> =
+            noise.iter().enumerate().map(|(k, n)| 5.0 * (k as f64 * 0.01).sin() + 0.02 * n).collect();
+        let found = white_noise(&series).unwrap();
+        assert!((found / (0.02 / 12.0_f64.sqrt()) - 1.0).abs() < 0.1, "{found}");
+        assert_eq!(white_noise(&[1.0; 4]), None);
+    }
+
+    #[test]
+    fn the_highest_of_several_tones_is_found() {
+        let tone = |f: f64, t: f64| (std::f64::consts::TAU * f * t).sin();
+        let series: Vec<f64> = (0..20_000)
+            .map(|k| f64::from(k) / 500.0)
+            .map(|t| tone(0.4, t) + 0.5 * tone(1.5, t) + 0.002 * tone(40.0, t))
+            .collect();
+        let found = bandwidth_hz(&series, 500.0).unwrap();
+        assert!((found - 1.5).abs() < 0.05, "{found}");
+        assert_eq!(bandwidth_hz(&[1.0; 400], 100.0), None);
+    }
+
+    #[test]
+    fn dithering_about_rest_is_no_reversal() {
+        let velocity = [0.0, 0.5, 0.4, -0.01, 0.01, -0.01, 0.5, -0.5, -0.2, 0.3];
+        assert_eq!(reversals(&velocity, 0.1), 2);
+    }
+}
