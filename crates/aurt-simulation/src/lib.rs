@@ -1,5 +1,6 @@
 //! Recordings of simulated robot manipulators with known, concealable physics.
 
+pub mod case;
 pub mod effects;
 mod error;
 pub mod fit;
@@ -8,6 +9,7 @@ mod random;
 pub mod robots;
 mod scenario;
 pub mod sensors;
+mod strength;
 pub mod trajectory;
 
 pub use error::SimulationError;
@@ -16,4 +18,5 @@ pub use random::Random;
 pub use robots::{Drive, Robot, Rotors};
 pub use scenario::{Scenario, simulate, simulate_with_traces, trace};
 pub use sensors::{Logger, SimulatedRecording};
+pub use strength::Strength;
 pub use trajectory::{Motion, Trajectory};

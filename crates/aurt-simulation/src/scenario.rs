@@ -80,6 +80,13 @@ pub fn trace(scenario: &Scenario) -> Result<Traces, SimulationError> {
     plant::run(scenario.set_up()?.machine, &scenario.controller, &scenario.trajectory)
 }
 
+/// The same with the sensors that belong to it.
+pub(crate) fn trace_with_instrument(scenario: &Scenario) -> Result<(Traces, Instrument), SimulationError> {
+    let setup = scenario.set_up()?;
+    let traces = plant::run(setup.machine, &scenario.controller, &scenario.trajectory)?;
+    Ok((traces, setup.instrument))
+}
+
 /// What the logger writes of a scenario.
 ///
 /// # Errors

@@ -5,41 +5,40 @@ use crate::{result::JointErrors, student::two_sided};
 /// Fewer blocks than this say nothing.
 const FEWEST_BLOCKS: usize = 8;
 
-/// Probability that block-by-block differences like these arise where the points do no differently on average; nothing
-/// where the blocks are too few, are not the same stretches of time, or do not differ at all.
+/// Probability that one point does better than another, block of time by block of time, as consistently as it does if
+/// neither is better; nothing where the blocks are too few or are not the same stretches of time, or where the two do
+/// alike.
 ///
-/// The difference of the squared errors, summed over a block of time, is one number a block; the two points are thus
-/// compared on the same motion. Its mean over the blocks is tested against zero by Student's t. Neighbouring blocks
-/// are not independent: the variance of the mean takes in their autocovariance up to a lag of 4 (n/100)^(2/9), with
-/// triangular weights (Newey and West 1987).
+/// Both points are compared on the same motion: each block gives one number, the logarithm of the ratio of their summed
+/// squared errors, so that no single stretch of large errors decides. The mean of these numbers is tested against zero
+/// by Student's t. Neighbouring blocks are not independent: the variance of the mean takes in their autocovariance up to
+/// a lag of 4 (n/100)^(2/9), with triangular weights (Newey and West 1987). Where the blocks speak for the one point and
+/// the sum over all of them for the other, the probability is one.
 #[must_use]
 pub fn paired(a: &JointErrors, b: &JointErrors) -> Option<f64> {
-    if a.block_rows != b.block_rows {
-        return None;
-    }
-    let used = a.block_rows.iter().zip(a.block_squared_error.iter().zip(&b.block_squared_error));
-    let differences: Vec<f64> = used.filter(|(rows, _)| **rows > 0).map(|(_, (a, b))| a - b).collect();
-    test(&differences)
+    paired_overall(std::slice::from_ref(a), std::slice::from_ref(b))
 }
 
-/// [`paired`] over all joints together, each joint's errors in units of its mean squared error in `unit`.
+/// [`paired`] over all joints together: each block gives the mean of the joints' logarithms.
 #[must_use]
-pub fn paired_overall(a: &[JointErrors], b: &[JointErrors], unit: &[f64]) -> Option<f64> {
-    let blocks = a.first()?.block_rows.len();
-    let mut differences = vec![0.0; blocks];
-    for ((a, b), unit) in a.iter().zip(b).zip(unit).filter(|(_, unit)| **unit > 0.0) {
-        // Trailing blocks without a row of this joint are not written down.
-        if a.block_rows != b.block_rows {
-            return None;
-        }
-        differences.resize(differences.len().max(a.block_rows.len()), 0.0);
-        for (sum, (a, b)) in
-            differences.iter_mut().zip(a.block_squared_error.iter().zip(&b.block_squared_error))
-        {
-            *sum += (a - b) / unit;
-        }
+pub fn paired_overall(a: &[JointErrors], b: &[JointErrors]) -> Option<f64> {
+    if a.len() != b.len() || a.iter().zip(b).any(|(a, b)| a.block_rows != b.block_rows) {
+        return None;
     }
-    test(&differences)
+    let blocks = a.iter().map(|e| e.block_rows.len()).max()?;
+    let logarithm = |a: f64, b: f64| Some((a / b).ln()).filter(|log| log.is_finite());
+    let mean = |logs: Vec<f64>| (!logs.is_empty()).then(|| logs.iter().sum::<f64>() / logs.len() as f64);
+    let of_block = |block: usize| {
+        let joints = a.iter().zip(b).filter_map(|(a, b)| {
+            logarithm(*a.block_squared_error.get(block)?, *b.block_squared_error.get(block)?)
+        });
+        mean(joints.collect())
+    };
+    let logs: Vec<f64> = (0..blocks).filter_map(of_block).collect();
+    let total =
+        mean(a.iter().zip(b).filter_map(|(a, b)| logarithm(a.squared_error, b.squared_error)).collect())?;
+    let probability = test(&logs)?;
+    Some(if total * logs.iter().sum::<f64>() > 0.0 { probability } else { 1.0 })
 }
 
 fn test(differences: &[f64]) -> Option<f64> {
@@ -120,30 +119,47 @@ mod tests {
     }
 
     #[test]
-    fn a_difference_that_repeats_is_found_below_much_larger_common_noise() {
-        let common = uniform(3, 60);
-        let small = uniform(4, 60);
-        let a: Vec<f64> = common.iter().map(|c| 100.0 * c).collect();
-        let b: Vec<f64> = a.iter().zip(&small).map(|(a, s)| a + 0.05 + 0.1 * s).collect();
+    fn a_difference_that_repeats_is_found_below_much_larger_common_variation() {
+        let a: Vec<f64> = uniform(3, 60).iter().map(|c| 0.1 + 100.0 * c).collect();
+        let b: Vec<f64> = a.iter().zip(uniform(4, 60)).map(|(a, s)| a * (1.02 + 0.06 * s)).collect();
         assert!(paired(&errors(&a), &errors(&b)).unwrap() < 1e-6);
         assert_eq!(paired(&errors(&a), &errors(&a)), None);
     }
 
     #[test]
+    fn a_few_blocks_do_not_hide_what_all_the_others_say_and_do_not_decide_alone() {
+        let good = vec![1.0; 30];
+        let mut bad: Vec<f64> = uniform(5, 30).iter().map(|u| 1.5 + u).collect();
+        bad[7] = 1e4;
+        assert!(paired(&errors(&bad), &errors(&good)).unwrap() < 1e-6);
+        // Better in every block but one that outweighs them all: no verdict.
+        let mut odd: Vec<f64> = uniform(6, 30).iter().map(|u| 0.5 + 0.2 * u).collect();
+        odd[7] = 1e4;
+        assert_eq!(paired(&errors(&odd), &errors(&good)), Some(1.0));
+    }
+
+    #[test]
+    fn joints_are_taken_together() {
+        let base = [errors(&uniform(7, 40)), errors(&uniform(8, 40))];
+        let worse = [7, 8].map(|seed| {
+            let values: Vec<f64> =
+                uniform(seed, 40).iter().zip(uniform(seed + 9, 40)).map(|(v, s)| v * (1.0 + s)).collect();
+            errors(&values)
+        });
+        assert!(paired_overall(&worse, &base).unwrap() < 1e-6);
+        assert_eq!(paired_overall(&worse[..1], &base), None);
+    }
+
+    #[test]
     fn drifting_differences_are_not_taken_for_independent() {
         // Runs of ten blocks that differ alike: 60 blocks hold six independent ones.
-        let steps = uniform(11, 6);
+        let steps = [0.9_f64, 1.4, 1.6, 0.8, 1.5, 1.3];
         let runs: Vec<f64> = (0..60).map(|k| steps[k / 10]).collect();
-        let flat = vec![0.5; 60];
-        let once: Vec<f64> = uniform(12, 60);
-        let wide = paired(&errors(&runs), &errors(&flat)).unwrap();
-        let t = |x: &[f64]| {
-            let mean = x.iter().map(|v| v - 0.5).sum::<f64>() / 60.0;
-            let variance = x.iter().map(|v| (v - 0.5 - mean).powi(2)).sum::<f64>() / 60.0;
-            two_sided(mean / (variance / 59.0).sqrt(), 59.0)
-        };
-        assert!(wide > t(&runs));
-        assert!(paired(&errors(&once), &errors(&flat)).unwrap() >= t(&once) - 1e-12);
+        let shuffled: Vec<f64> = (0..60).map(|k| steps[k % 6]).collect();
+        let flat = errors(&[1.0; 60]);
+        let (drifting, scattered) =
+            (paired(&errors(&runs), &flat).unwrap(), paired(&errors(&shuffled), &flat).unwrap());
+        assert!(drifting > 10.0 * scattered, "{drifting} {scattered}");
     }
 
     #[test]

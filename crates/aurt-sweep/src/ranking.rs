@@ -140,7 +140,7 @@ fn ranked(mut entries: Vec<Entry<'_>>, reference: &[JointErrors], unit: Measurem
     });
     let scale: Vec<f64> = reference.iter().map(JointErrors::mse).collect();
     let against_best: Vec<Option<f64>> = match entries.first() {
-        Some(best) => entries.iter().map(|e| paired_overall(&e.sums, &best.sums, &scale)).collect(),
+        Some(best) => entries.iter().map(|e| paired_overall(&e.sums, &best.sums)).collect(),
         None => Vec::new(),
     };
     let worse_than_best = holm(&against_best, LEVEL);

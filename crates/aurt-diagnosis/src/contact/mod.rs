@@ -6,8 +6,8 @@
 //! T = gᵀ A⁻¹ g with A = Σ Cᵀ C/σ² and g = Σ Cᵀ r/σ²,
 //! a χ² variable of three degrees of freedom if there is only white noise. Residuals of real robots are not white,
 //! so T is divided by the inflation V of its own median over all stretches of the same length. A contact is a
-//! stretch whose T/V is large and which nothing else matches: no other time in any recording, since what repeats
-//! with the motion is no contact.
+//! stretch whose T/V is large, which several joints show, and which nothing else matches: no other time in any
+//! recording, since what repeats with the motion is no contact.
 
 mod columns;
 mod scan;
@@ -43,7 +43,7 @@ pub struct Contact {
 /// What a contact must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactOptions {
-    /// Least score. Of 120 recordings without contact (simulated and real), none reached 30.
+    /// Least score.
     pub score: f64,
     /// Least distinction.
     pub distinction: f64,
@@ -59,7 +59,7 @@ impl ContactOptions {
     /// The defaults for dynamics up to `f_dyn_hz`.
     #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
-        Self { score: 40.0, distinction: 3.0, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
+        Self { score: 30.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
     }
 }
 
@@ -84,11 +84,18 @@ const LENGTHS_S: [f64; 9] = [0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.7, 7.0];
 /// Stretches longer than this share of their recording are no passing contact.
 const LONGEST_SHARE: f64 = 0.35;
 
+/// A touch shorter than this cannot be told from an outlier, s.
+const SHORTEST_S: f64 = 0.2;
+
 /// Contacts nearer than this to each other are one, s.
 const ALONE_S: f64 = 0.5;
 
 /// A joint shows the contact if the force explains this share of what it explains on the joint that shows most.
 const SHOWN: f64 = 0.05;
+
+/// Least fall of a joint's whitened sum of squares, over the inflation, for the joint to show a contact: three
+/// standard deviations.
+const LEAST_OF_JOINT: f64 = 9.0;
 
 /// Finds contacts in recordings, the clearest first.
 ///
@@ -101,7 +108,9 @@ pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -
     let mut found: Vec<Contact> = Vec::new();
     while found.len() < options.most {
         let Some(contact) = clearest(recordings, &usable, &sigma) else { break };
-        if contact.score < options.score || contact.distinction < options.distinction {
+        // What a single joint shows, its own drive can do: ringing after a start, a tooth that sticks.
+        let shared = contact.joints.len() > 1;
+        if contact.score < options.score || contact.distinction < options.distinction || !shared {
             break;
         }
         let rows = recordings[contact.recording].rows;
@@ -225,7 +234,7 @@ fn clearest(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>], sigma: &[
 /// T/V that the best of some hundred stretches of white noise reaches.
 const CHANCE: f64 = 15.0;
 
-/// Moves both edges to where T/V is largest, and describes the contact.
+/// Moves both edges to where T is largest, and describes the contact.
 fn refine(
     recordings: &[ContactRows<'_>],
     usable: &[Vec<Vec<bool>>],
@@ -239,18 +248,20 @@ fn refine(
     let rows = recording.rows;
     let prefix = Prefix::new(&recording.forces[link], recording.residual, &usable[r], sigma);
     let length_s = |[a, b]: [usize; 2]| (b - a) as f64 / rows.rate_hz;
-    let evidence = |span: [usize; 2]| prefix.statistic(span) / background.at(&LENGTHS_S, length_s(span));
+    // The inflation grows with length, by less than a true force adds: edges are found at one inflation.
+    let evidence = |span: [usize; 2]| prefix.statistic(span);
     let mut span = span;
+    let shortest = (SHORTEST_S * rows.rate_hz).ceil().max(2.0) as usize;
     // Each edge moves by up to its stretch's length; two rounds, since the second edge may free the first.
     for _ in 0..2 {
         let reach = (span[1] - span[0]).max(rows.rate_hz.ceil() as usize);
-        let starts = span[0].saturating_sub(reach)..span[1].saturating_sub(1);
+        let starts = span[0].saturating_sub(reach)..(span[1] + 1).saturating_sub(shortest);
         span[0] = starts.max_by(|a, b| evidence([*a, span[1]]).total_cmp(&evidence([*b, span[1]])))?;
-        let ends = span[0] + 2..(span[1] + reach).min(rows.rows()) + 1;
+        let ends = span[0] + shortest..(span[1] + reach).min(rows.rows()) + 1;
         span[1] = ends.max_by(|a, b| evidence([span[0], *a]).total_cmp(&evidence([span[0], *b])))?;
     }
-    let value = evidence(span);
     let inflation = background.at(&LENGTHS_S, length_s(span));
+    let value = evidence(span) / inflation;
     let rival = recordings
         .iter()
         .enumerate()
@@ -267,11 +278,13 @@ fn refine(
     let most = explained.iter().copied().fold(0.0, f64::max);
     let time = |row: usize| rows.time_s[row.min(rows.rows() - 1)] - recording.origin_s;
     let half_row_s = 0.5 / rows.rate_hz;
+    let shows = |j: &usize| explained[*j] > (SHOWN * most).max(LEAST_OF_JOINT * inflation);
+    let joints: Vec<usize> = (0..explained.len()).filter(shows).collect();
     Some(Contact {
         recording: r,
         window_s: [time(span[0]) - half_row_s, time(span[1] - 1) + half_row_s],
         link,
-        joints: (0..explained.len()).filter(|j| explained[*j] > SHOWN * most).collect(),
+        joints,
         score: 0.5 * value,
         distinction: value / rival,
         force_n,

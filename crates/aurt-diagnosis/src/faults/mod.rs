@@ -63,8 +63,8 @@ impl RecordingFaults {
     /// nothing is found.
     #[must_use]
     pub fn find(name: &str, recording: &Recording) -> Self {
-        let (mut faults, clipped) = saturation::find(name, recording);
         let found = rows::find(name, recording);
+        let (mut faults, clipped) = saturation::find(name, recording, &found.spoilt);
         faults.extend(found.fault);
         faults.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
         Self { faults, clipped, spoilt: found.spoilt, gaps_s: found.gaps_s }

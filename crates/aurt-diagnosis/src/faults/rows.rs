@@ -3,9 +3,10 @@
 //! - *Missing*: the distance of two stamps spans a further period, and no shorter distance beside it makes up for
 //!   it, as it does where a single stamp is late.
 //! - *Repeated*: a stamp that is there already.
-//! - *Held*: a new stamp with all values of the row before, or with all its positions or all its measurements,
-//!   while the joints' motion before and after makes at least two steps of an encoder in a row's time. A true
-//!   encoder cannot stand still then, and noisy measurements do not repeat on all joints at once.
+//! - *Held*: a new stamp with old values. Noisy measurements do not repeat on all joints at once, so where they do,
+//!   and the arm goes on afterwards, the row is an old one. Positions alone that repeat are old if the motion
+//!   before and after makes at least two steps of an encoder in a row's time: a true encoder cannot stand still
+//!   then.
 //! - *Corrupt*: dropped by the reader, or a measurement that leaps away for a single row.
 
 use std::collections::BTreeMap;
@@ -30,6 +31,10 @@ const LONGEST_PERIOD: f64 = 1.4;
 
 /// Encoder steps that a joint has to make per row before a row without any counts as held.
 const STEPS_PER_ROW: f64 = 2.0;
+
+/// A run of identical rows up to this long is a fault even where the arm hardly moves. Longer ones at rest are
+/// those of a drive that is switched off.
+const LONGEST_BURST_ROWS: usize = 20;
 
 /// Share of the way that a joint must have made during the rows in question.
 const CAUGHT_UP: f64 = 0.5;
@@ -133,12 +138,11 @@ fn missing(time: &[f64], period_s: f64) -> (usize, Vec<[f64; 2]>) {
     (count, gaps)
 }
 
-/// Rows that repeat positions, measurements or both while the robot moves.
+/// Rows that repeat positions, measurements or both while the robot moves on.
 fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
     let n = recording.samples();
     let mut held = vec![false; n];
     let same = |family: &[Vec<f64>], k: usize| family.iter().all(|s| s[k] == s[k - 1]);
-    let finest: Vec<f64> = recording.position_rad.iter().map(|q| resolution(q)).collect();
     let usual: Vec<f64> = recording.position_rad.iter().map(|q| usual_step(q)).collect();
     let still: Vec<bool> =
         (0..n).map(|k| k > 0 && !repeated[k] && same(&recording.position_rad, k)).collect();
@@ -155,8 +159,9 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
             continue;
         }
         let end = (k..n).find(|e| !(still[*e] || frozen[*e])).unwrap_or(n);
-        let steps = if frozen[k..end].contains(&true) { &finest } else { &usual };
-        if moves_on(recording, steps, k, end) {
+        let steps = if frozen[k..end].contains(&true) { None } else { Some(usual.as_slice()) };
+        let identical = (k..end).all(|row| still[row] && frozen[row]);
+        if identical && end - k <= LONGEST_BURST_ROWS || moves_on(recording, steps, k, end) {
             held[k..end].fill(true);
         }
         k = end;
@@ -194,23 +199,23 @@ fn measurements_never_agree(measurement: &[Vec<f64>]) -> bool {
     log10_poisson_tail(probability * n as f64, 1) < -2.0
 }
 
-/// Whether some joint's motion before and after the rows `first..end` makes several encoder steps in a row's
-/// time, in one direction, and the joint has gone on meanwhile: where a joint really rested, it has not.
-fn moves_on(recording: &Recording, steps: &[f64], first: usize, end: usize) -> bool {
+/// Whether some joint has gone on during the rows `first..end` as fast as before and after them: where a joint
+/// really rested, it has not. With `steps`, its motion has to make several of these in a row's time as well, before
+/// and after, in one direction.
+fn moves_on(recording: &Recording, steps: Option<&[f64]>, first: usize, end: usize) -> bool {
     let time = &recording.time_s;
     let n = time.len();
     let (from, to) = ((first - 1).saturating_sub(MOTION_ROWS), (end + MOTION_ROWS).min(n) - 1);
     if from + 1 >= first || to <= end {
         return false;
     }
-    let pause_s = (time[end.min(n - 1)] - time[first - 1]) / (end - first + 1) as f64;
-    recording.position_rad.iter().zip(steps).any(|(q, step)| {
+    let pause_s = (time[end] - time[first - 1]) / (end - first + 1) as f64;
+    recording.position_rad.iter().enumerate().any(|(joint, q)| {
         let slope = |a: usize, b: usize| (q[b] - q[a]) / (time[b] - time[a]).max(f64::MIN_POSITIVE);
-        let (before, after) = (slope(from, first - 1), slope(end, to));
+        let (before, during, after) = (slope(from, first - 1), slope(first - 1, end), slope(end, to));
         let slower = before.abs().min(after.abs());
-        before * after > 0.0
-            && slower * pause_s >= STEPS_PER_ROW * step
-            && slope(first - 1, end) * before.signum() > CAUGHT_UP * slower
+        let fast = steps.is_none_or(|s| before * after > 0.0 && slower * pause_s >= STEPS_PER_ROW * s[joint]);
+        fast && during != 0.0 && during.abs() > CAUGHT_UP * before.abs().max(after.abs())
     })
 }
 

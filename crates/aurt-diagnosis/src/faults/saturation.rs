@@ -46,15 +46,16 @@ struct Side {
     log10_probability: f64,
 }
 
-/// The joints that are clipped, and which of their samples, `[joint][sample]`.
-pub(super) fn find(name: &str, recording: &Recording) -> (Vec<Fault>, Vec<Vec<bool>>) {
+/// The joints that are clipped, and which of their samples, `[joint][sample]`. Samples that are spoilt anyway do not
+/// count.
+pub(super) fn find(name: &str, recording: &Recording, spoilt: &[bool]) -> (Vec<Fault>, Vec<Vec<bool>>) {
     let samples = recording.samples();
     let mut clipped = vec![vec![false; samples]; recording.joints()];
     let mut faults = Vec::new();
     let Some(measurement) = &recording.measurement else { return (faults, clipped) };
     for (joint, series) in measurement.iter().enumerate() {
         let moves = moving(&recording.position_rad[joint]);
-        let sides = [1.0, -1.0].map(|sign| side(series, sign, &moves));
+        let sides = [1.0, -1.0].map(|sign| side(series, sign, &moves, spoilt));
         let certain = |s: &Side| s.log10_probability < LOG10_ACCEPTED;
         let Some(limit) = sides.iter().filter(|s| certain(s)).map(|s| s.limit).max_by(f64::total_cmp) else {
             continue;
@@ -91,23 +92,25 @@ pub(super) fn find(name: &str, recording: &Recording) -> (Vec<Fault>, Vec<Vec<bo
 }
 
 /// Samples at the extreme of one side, and how probable they are without a limit.
-fn side(series: &[f64], sign: f64, moves: &[bool]) -> Side {
-    let extreme = series.iter().map(|v| sign * v).fold(f64::NEG_INFINITY, f64::max);
-    let peak = series.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+fn side(series: &[f64], sign: f64, moves: &[bool], spoilt: &[bool]) -> Side {
+    let sound = || series.iter().zip(spoilt).filter(|(_, bad)| !**bad).map(|(v, _)| *v);
+    let extreme = sound().map(|v| sign * v).fold(f64::NEG_INFINITY, f64::max);
+    let peak = sound().fold(0.0_f64, |m, v| m.max(v.abs()));
     let none = Side { limit: extreme, at: Vec::new(), log10_probability: 0.0 };
-    let step = resolution(series);
+    let step = resolution(&sound().collect::<Vec<f64>>());
     if step == 0.0 || extreme <= LEAST_SHARE_OF_PEAK * peak {
         return none;
     }
-    let below = |v: &f64| extreme - sign * v;
-    let at: Vec<usize> = (0..series.len()).filter(|k| below(&series[*k]) < 0.25 * step).collect();
+    let below = |v: f64| extreme - sign * v;
+    let at: Vec<usize> =
+        (0..series.len()).filter(|k| !spoilt[*k] && below(series[*k]) < 0.25 * step).collect();
     let moving = at.iter().filter(|k| moves[**k]).count();
-    let near = series.iter().filter(|v| (0.25 * step..STEPS_BELOW * step).contains(&below(v))).count();
+    let near = sound().filter(|v| (0.25 * step..STEPS_BELOW * step).contains(&below(*v))).count();
     if moving < FEWEST || (moving as f64) < RATIO * near as f64 {
         return none;
     }
     // Density of values beneath the extreme: the next hundredth of the samples and the range that they cover.
-    let mut distances: Vec<f64> = series.iter().map(below).filter(|d| *d >= 0.25 * step).collect();
+    let mut distances: Vec<f64> = sound().map(below).filter(|d| *d >= 0.25 * step).collect();
     let wanted = (series.len() / 100).max(10).min(distances.len().saturating_sub(1));
     if wanted == 0 {
         return none;

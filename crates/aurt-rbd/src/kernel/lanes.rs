@@ -1,13 +1,11 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Several samples side by side, one lane each.
+/// Several samples side by side, one lane each: plain arrays, which the compiler turns into the vector registers
+/// of the function that the code ends up in.
 ///
-/// Every method is `#[inline(always)]`, so that its instructions end up in the kernel function that was
-/// compiled for their instruction set. Processor intrinsics rather than loops over arrays: whether the
-/// compiler turns such loops into vector instructions depends on the size of the function around them, and
-/// in the kernel it did not.
-///
-/// An implementation may only be used where its instruction set has been detected.
+/// For that everything is `#[inline(always)]`, and neither here nor in the kernel are there closures: a closure
+/// is a function of its own, compiled for the baseline instruction set wherever it is not inlined, which costs
+/// a factor of ten.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
@@ -23,6 +21,8 @@ pub(crate) trait Lanes:
     /// # Safety
     /// As many values as there are lanes can be written at `to`.
     unsafe fn store_at(self, to: *mut f64);
+    /// The first lane.
+    fn first(self) -> f64;
     /// self · b + c, rounded once if the instruction set can.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// c − self · b, rounded once if the instruction set can.
@@ -30,97 +30,147 @@ pub(crate) trait Lanes:
     /// The bits of self where bit 0 of `selector` is 0, those of `other` where it is 1.
     fn select_odd(self, other: Self, selector: Self) -> Self;
     /// Changes the sign where bit 1 of `selector` (plus `offset`, as integers) is 1.
-    fn flip_by_bit_one(self, selector: Self, offset: i64) -> Self;
+    fn flip_by_bit_one(self, selector: Self, offset: u64) -> Self;
 }
 
-/// An array of lanes, for single values and for processors without an implementation of their own.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Array2([f64; 2]);
-
-impl Array2 {
-    /// The first lane.
-    pub fn first(self) -> f64 {
-        self.0[0]
-    }
+/// The array of an expression's values for every lane.
+macro_rules! each_lane {
+    ($lanes:literal, $l:ident => $value:expr) => {{
+        let mut lanes = [0.0; $lanes];
+        for $l in 0..$lanes {
+            lanes[$l] = $value;
+        }
+        Self(lanes)
+    }};
 }
 
-impl Lanes for Array2 {
-    const LANES: usize = 2;
+macro_rules! lanes {
+    ($(#[$attribute:meta])* $name:ident, $lanes:literal, $bytes:literal, $mul_add:ident) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy)]
+        #[repr(C, align($bytes))]
+        pub(crate) struct $name([f64; $lanes]);
 
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Self([value; 2])
-    }
+        $(#[$attribute])*
+        impl Lanes for $name {
+            const LANES: usize = $lanes;
 
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        Self([from[0], from[1]])
-    }
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                Self([value; $lanes])
+            }
 
-    #[inline(always)]
-    unsafe fn store_at(self, to: *mut f64) {
-        // SAFETY: the caller's promise.
-        unsafe { to.cast::<[f64; 2]>().write(self.0) };
-    }
+            #[inline(always)]
+            fn load(from: &[f64]) -> Self {
+                let from = &from[..$lanes];
+                each_lane!($lanes, l => from[l])
+            }
 
-    #[inline(always)]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        self * b + c
-    }
+            #[inline(always)]
+            unsafe fn store_at(self, to: *mut f64) {
+                // SAFETY: the caller's promise; an array of numbers has their alignment.
+                unsafe { to.cast::<[f64; $lanes]>().write(self.0) };
+            }
 
-    #[inline(always)]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        c - self * b
-    }
+            #[inline(always)]
+            fn first(self) -> f64 {
+                self.0[0]
+            }
 
-    #[inline(always)]
-    fn select_odd(self, other: Self, selector: Self) -> Self {
-        let select = |l: usize| if selector.0[l].to_bits() & 1 == 0 { self.0[l] } else { other.0[l] };
-        Self([select(0), select(1)])
-    }
+            #[inline(always)]
+            fn mul_add(self, b: Self, c: Self) -> Self {
+                each_lane!($lanes, l => $mul_add(self.0[l], b.0[l], c.0[l]))
+            }
 
-    #[inline(always)]
-    fn flip_by_bit_one(self, selector: Self, offset: i64) -> Self {
-        let flip = |l: usize| {
-            let sign = (selector.0[l].to_bits().wrapping_add_signed(offset) & 2) << 62;
-            f64::from_bits(self.0[l].to_bits() ^ sign)
-        };
-        Self([flip(0), flip(1)])
-    }
+            #[inline(always)]
+            fn neg_mul_add(self, b: Self, c: Self) -> Self {
+                each_lane!($lanes, l => $mul_add(-self.0[l], b.0[l], c.0[l]))
+            }
+
+            #[inline(always)]
+            fn select_odd(self, other: Self, selector: Self) -> Self {
+                each_lane!($lanes, l => {
+                    let mask = (selector.0[l].to_bits() & 1).wrapping_neg();
+                    f64::from_bits((self.0[l].to_bits() & !mask) | (other.0[l].to_bits() & mask))
+                })
+            }
+
+            #[inline(always)]
+            fn flip_by_bit_one(self, selector: Self, offset: u64) -> Self {
+                each_lane!($lanes, l => {
+                    let sign = (selector.0[l].to_bits().wrapping_add(offset) & 2) << 62;
+                    f64::from_bits(self.0[l].to_bits() ^ sign)
+                })
+            }
+        }
+
+        $(#[$attribute])*
+        impl Add for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                each_lane!($lanes, l => self.0[l] + other.0[l])
+            }
+        }
+
+        $(#[$attribute])*
+        impl Sub for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                each_lane!($lanes, l => self.0[l] - other.0[l])
+            }
+        }
+
+        $(#[$attribute])*
+        impl Mul for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                each_lane!($lanes, l => self.0[l] * other.0[l])
+            }
+        }
+
+        $(#[$attribute])*
+        impl Neg for $name {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                each_lane!($lanes, l => -self.0[l])
+            }
+        }
+    };
 }
 
-impl Add for Array2 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self([self.0[0] + other.0[0], self.0[1] + other.0[1]])
-    }
+#[inline(always)]
+fn plain(a: f64, b: f64, c: f64) -> f64 {
+    a * b + c
 }
 
-impl Sub for Array2 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self([self.0[0] - other.0[0], self.0[1] - other.0[1]])
-    }
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn fused(a: f64, b: f64, c: f64) -> f64 {
+    a.mul_add(b, c)
 }
 
-impl Mul for Array2 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self([self.0[0] * other.0[0], self.0[1] * other.0[1]])
-    }
-}
-
-impl Neg for Array2 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self([-self.0[0], -self.0[1]])
-    }
-}
+// Two lanes without fused operations: SSE2 and NEON registers, and the same bits on every machine.
+lanes!(Plain2, 2, 16, plain);
+// Four and eight lanes with fused multiply-add: AVX2 and AVX-512 registers.
+lanes!(
+    #[cfg(target_arch = "x86_64")]
+    Fused4,
+    4,
+    32,
+    fused
+);
+lanes!(
+    #[cfg(target_arch = "x86_64")]
+    Fused8,
+    8,
+    64,
+    fused
+);

@@ -11,15 +11,13 @@ mod motion;
 mod plan;
 mod sine_cosine;
 mod turn;
-#[cfg(target_arch = "x86_64")]
-mod x86;
 
 use aurt_traits::{MotionView, RegressorTile};
 
 use crate::SerialChain;
 use block::{other_blocks, own_block};
 use dispatch::Dispatch;
-use lanes::Lanes;
+use lanes::{Lanes, Plain2};
 use motion::{
     GROUP, JointLanes, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,
 };
@@ -27,12 +25,6 @@ use plan::Plan;
 
 pub(crate) use motion::Place;
 pub(crate) use sine_cosine::sine_cosine_of;
-
-/// What every processor of the target can run.
-#[cfg(target_arch = "x86_64")]
-type Baseline = x86::Sse2;
-#[cfg(not(target_arch = "x86_64"))]
-type Baseline = lanes::Array2;
 
 /// Writes the wanted entries of the regressor for every sample of `motion`.
 ///
@@ -52,20 +44,20 @@ pub(crate) fn evaluate(
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
         Dispatch::Avx2 if level.is_available() => unsafe { evaluate_avx2(plan, stride, data) },
-        _ => evaluate_lanes::<Baseline>(plan, stride, data),
+        _ => evaluate_lanes::<Plain2>(plan, stride, data),
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 fn evaluate_avx512(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
-    evaluate_lanes::<x86::Avx512>(plan, stride, data);
+    evaluate_lanes::<lanes::Fused8>(plan, stride, data);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn evaluate_avx2(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
-    evaluate_lanes::<x86::Avx2>(plan, stride, data);
+    evaluate_lanes::<lanes::Fused4>(plan, stride, data);
 }
 
 /// Robots of up to this many joints need no memory from the heap, which would take longer to get than a few
@@ -164,35 +156,5 @@ fn evaluate_group<T: Lanes>(
             other_blocks(links, before, others, group, to);
             own_block(links, joint.sign, *own, group, to);
         }
-    }
-}
-
-#[cfg(all(test, target_arch = "x86_64"))]
-mod tests {
-    use super::*;
-    use crate::{MdhRows, MdhTable};
-
-    /// What processors without an implementation of their own run gives the baseline's bits.
-    #[test]
-    fn arrays_give_the_bits_of_the_baseline() {
-        let table =
-            MdhTable::parse("alpha,a,d\npi/2,0,0.1\n0.3,-0.4,0\n0,0.2,0.1\n", "", MdhRows::Next).unwrap();
-        let chain = SerialChain::from_mdh(&table, [0.1, 0.2, -9.81]).unwrap();
-        let samples = 11;
-        let series: Vec<f64> = (0..3 * samples).map(|k| (f64::from(k) * 0.37).fract() * 6.0 - 3.0).collect();
-        let samples = samples as usize;
-        let motion =
-            aurt_traits::Motion::new(3, vec![0.0; samples], series.clone(), series.clone(), series).unwrap();
-        let destinations: Vec<u32> = (0..90).collect();
-        let evaluate = |evaluate: fn(Plan<'_>, usize, &mut [f64])| {
-            let mut data = vec![0.0; 90 * samples];
-            let mut tile = RegressorTile::new(&destinations, 30, samples, samples, &mut data);
-            let plan = Plan::new(&chain, motion.view(), &mut tile);
-            evaluate(plan, samples, &mut data);
-            data.into_iter().map(f64::to_bits).collect::<Vec<_>>()
-        };
-        let arrays = evaluate(evaluate_lanes::<lanes::Array2>);
-        assert_eq!(arrays, evaluate(evaluate_lanes::<Baseline>));
-        assert!(arrays.iter().filter(|bits| **bits != 0).count() > 40 * samples);
     }
 }

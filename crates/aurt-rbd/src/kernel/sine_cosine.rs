@@ -1,4 +1,4 @@
-use super::lanes::{Array2, Lanes};
+use super::lanes::{Lanes, Plain2};
 
 /// Adding this to a number below 2^51 in magnitude and subtracting it again rounds to an integer, which
 /// stands in the lowest bits of the sum in between.
@@ -55,7 +55,7 @@ pub(crate) fn sine_cosine<T: Lanes>(x: T) -> (T, T) {
 
 /// [`sine_cosine`] of one angle.
 pub(crate) fn sine_cosine_of(x: f64) -> (f64, f64) {
-    let (sine, cosine) = sine_cosine(Array2::splat(x));
+    let (sine, cosine) = sine_cosine(Plain2::splat(x));
     (sine.first(), cosine.first())
 }
 
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn agrees_with_the_library_to_one_ulp_of_one() {
         for reach in [1.0, 10.0, 1e3, 1e6] {
-            assert!(largest_error::<Array2>(reach) < 2.3e-16, "{reach}: {}", largest_error::<Array2>(reach));
+            assert!(largest_error::<Plain2>(reach) < 2.3e-16, "{reach}: {}", largest_error::<Plain2>(reach));
         }
     }
 
@@ -106,7 +106,7 @@ mod tests {
         use std::f64::consts::{FRAC_PI_2, PI};
         for (x, s, c) in [(0.0, 0.0, 1.0), (FRAC_PI_2, 1.0, 0.0), (PI, 0.0, -1.0), (-FRAC_PI_2, -1.0, 0.0)] {
             let mut values = [0.0; 2];
-            let (sine, cosine) = sine_cosine(Array2::splat(x));
+            let (sine, cosine) = sine_cosine(Plain2::splat(x));
             store(sine, &mut values);
             assert!((values[0] - s).abs() < 2e-16, "sin {x}");
             store(cosine, &mut values);
@@ -114,7 +114,7 @@ mod tests {
         }
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut values = [0.0; 2];
-            store(sine_cosine(Array2::splat(x)).0, &mut values);
+            store(sine_cosine(Plain2::splat(x)).0, &mut values);
             assert!(values[0].is_nan());
         }
     }

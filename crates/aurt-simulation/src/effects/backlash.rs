@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::joint_elasticity::{check_rotors, gear_damping_nm_s, heavy_link, make_compliant};
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, Rotors, SimulationError};
@@ -54,12 +54,12 @@ impl Effect for Backlash {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("gap_rad", self.gap_rad)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("gap_rad", vec![self.gap_rad])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        self.gap_rad = (self.gap_rad * factor).clamp(5e-5, 0.03);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        self.gap_rad = (self.gap_rad * factor.on(self.joint)).clamp(5e-5, 0.03);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -58,13 +58,13 @@ impl Effect for BaseTilt {
         Vec::new()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("roll_rad", self.roll_rad), ("pitch_rad", self.pitch_rad)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("roll_rad", vec![self.roll_rad]), ("pitch_rad", vec![self.pitch_rad])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         let size = (self.roll_rad * self.roll_rad + self.pitch_rad * self.pitch_rad).sqrt();
-        let factor = factor.min(LARGEST_RAD / size.max(1e-12));
+        let factor = factor.on(0).min(LARGEST_RAD / size.max(1e-12));
         self.roll_rad *= factor;
         self.pitch_rad *= factor;
     }

@@ -1,7 +1,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Hidden, Presence, Setup, check_joints, check_values, kind};
+use super::{
+    Draw, Effect, EffectKind, Factor, Family, Hidden, Presence, Setup, check_joints, check_values, kind,
+};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -13,7 +15,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     presence: Presence::Structural,
     rotors: None,
     takes: kind::Takes::Few,
-    suits: kind::any_joint,
+    suits: constant_level,
     draw,
     read: kind::read::<Coulomb>,
 };
@@ -26,6 +28,11 @@ pub struct Coulomb {
     pub joints: Vec<usize>,
     /// Level in the place of the robot's own, Nm.
     pub coulomb_nm: Vec<f64>,
+}
+
+/// Whether a joint's friction does not depend on the load by itself.
+fn constant_level(robot: &Robot, joint: usize) -> bool {
+    robot.drives[joint].load_coefficient == 0.0
 }
 
 fn draw(context: &Draw<'_>, _random: &mut Random) -> Box<dyn Effect> {
@@ -41,17 +48,17 @@ impl Effect for Coulomb {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("coulomb_nm", &self.coulomb_nm)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("coulomb_nm", self.coulomb_nm.clone())]
     }
 
     fn hidden(&self) -> Hidden {
         Hidden::Coulomb
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         for (joint, level) in self.joints.iter().zip(&mut self.coulomb_nm) {
-            *level = (*level * factor).clamp(1e-3, 2.0 * robot.drives[*joint].coulomb_nm.max(0.1));
+            *level = (*level * factor.on(*joint)).clamp(1e-3, 2.0 * robot.drives[*joint].coulomb_nm.max(0.1));
         }
     }
 

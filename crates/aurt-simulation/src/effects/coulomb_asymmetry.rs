@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -47,16 +47,16 @@ impl Effect for CoulombAsymmetry {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        match (self.mean_nm.as_slice(), self.half_difference_nm.as_slice()) {
-            ([mean], [half]) => vec![("coulomb_pos_nm", mean + half), ("coulomb_neg_nm", mean - half)],
-            _ => Vec::new(),
-        }
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let with = |sign: f64| {
+            self.mean_nm.iter().zip(&self.half_difference_nm).map(|(mean, half)| mean + sign * half).collect()
+        };
+        vec![("coulomb_pos_nm", with(1.0)), ("coulomb_neg_nm", with(-1.0))]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for (half, mean) in self.half_difference_nm.iter_mut().zip(&self.mean_nm) {
-            *half = (*half * factor).clamp(-0.95 * mean, 0.95 * mean);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for ((joint, half), mean) in self.joints.iter().zip(&mut self.half_difference_nm).zip(&self.mean_nm) {
+            *half = (*half * factor.on(*joint)).clamp(-0.95 * mean, 0.95 * mean);
         }
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -41,14 +41,14 @@ impl Effect for CurrentOffset {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("offset", &self.offset_nm)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("offset", self.offset_nm.clone())]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         for (joint, offset) in self.joints.iter().zip(&mut self.offset_nm) {
             let most = 0.3 * robot.drives[*joint].torque_limit_nm;
-            *offset = (*offset * factor).clamp(-most, most);
+            *offset = (*offset * factor.on(*joint)).clamp(-most, most);
         }
     }
 

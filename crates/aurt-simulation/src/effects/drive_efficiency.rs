@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -13,7 +13,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     presence: Presence::Structural,
     rotors: None,
     takes: kind::Takes::Few,
-    suits: kind::any_joint,
+    suits: constant_level,
     draw,
     read: kind::read::<DriveEfficiency>,
 };
@@ -29,6 +29,11 @@ pub struct DriveEfficiency {
     pub driving: Vec<f64>,
     /// Loss per load while driven, Nm/Nm.
     pub driven: Vec<f64>,
+}
+
+/// Whether a joint's friction does not depend on the load by itself.
+fn constant_level(robot: &Robot, joint: usize) -> bool {
+    robot.drives[joint].load_coefficient == 0.0
 }
 
 fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
@@ -51,15 +56,13 @@ impl Effect for DriveEfficiency {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        let mut parameters = super::single("driving", &self.driving);
-        parameters.extend(super::single("driven", &self.driven));
-        parameters
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("driving", self.driving.clone()), ("driven", self.driven.clone())]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for (a, b) in self.driving.iter_mut().zip(&mut self.driven) {
-            let factor = factor.min(0.5 / a.max(*b).max(1e-9));
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, (a, b)) in self.joints.iter().zip(self.driving.iter_mut().zip(&mut self.driven)) {
+            let factor = factor.on(*joint).min(0.5 / a.max(*b).max(1e-9));
             (*a, *b) = (*a * factor, *b * factor);
         }
     }

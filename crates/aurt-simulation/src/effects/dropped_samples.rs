@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
 use crate::random::Random;
 use crate::sensors::{ClockFaults, CorruptRows};
 use crate::{Robot, SimulationError};
@@ -47,17 +47,17 @@ impl Effect for DroppedSamples {
         Vec::new()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         let f = &self.faults;
-        vec![("share", f.missing_share + f.repeated_share + f.held_share + f.corrupt.share)]
+        vec![("share", vec![f.missing_share + f.repeated_share + f.held_share + f.corrupt.share])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         let f = &mut self.faults;
         for share in [&mut f.missing_share, &mut f.repeated_share, &mut f.held_share] {
-            *share = (*share * factor).clamp(0.0, 0.2);
+            *share = (*share * factor.on(0)).clamp(0.0, 0.2);
         }
-        f.corrupt.share = (f.corrupt.share * factor).clamp(0.0, 0.008);
+        f.corrupt.share = (f.corrupt.share * factor.on(0)).clamp(0.0, 0.008);
     }
 
     fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {

@@ -2,7 +2,7 @@ use aurt_rbd::{LinkFrame, SerialChain};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, LinkTorque};
 use crate::random::Random;
@@ -63,17 +63,17 @@ impl Effect for ExternalContact {
         (0..=self.link).collect()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("link", self.link as f64)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("link", vec![self.link as f64])]
     }
 
     fn window_s(&self) -> Option<[f64; 2]> {
         Some(self.window_s)
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         let size = self.force_n.iter().map(|f| f * f).sum::<f64>().sqrt();
-        let factor = factor.min(LARGEST_N / size.max(1e-12));
+        let factor = factor.on(self.link).min(LARGEST_N / size.max(1e-12));
         self.force_n = self.force_n.map(|f| f * factor);
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::plant::ViscousLaw;
 use crate::random::Random;
@@ -52,13 +52,14 @@ impl Effect for FrictionLevelChanged {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         Vec::new()
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for change in self.coulomb_change.iter_mut().chain(&mut self.viscous_change) {
-            *change = (*change * factor).clamp(-0.8, 3.0);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        let joints = self.joints.iter().chain(&self.joints);
+        for (joint, change) in joints.zip(self.coulomb_change.iter_mut().chain(&mut self.viscous_change)) {
+            *change = (*change * factor.on(*joint)).clamp(-0.8, 3.0);
         }
     }
 

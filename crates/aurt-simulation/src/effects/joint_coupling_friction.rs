@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, conflict, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, conflict, kind};
 use crate::error::Complaints;
 use crate::plant::{CoupledRotor, Gear};
 use crate::random::Random;
@@ -69,19 +69,19 @@ impl Effect for JointCouplingFriction {
         joints
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         vec![
-            ("partner", self.partner as f64),
-            ("ratio", self.ratio),
-            ("inertia_kg_m2", self.inertia_kg_m2),
-            ("viscous_nm_s", self.viscous_nm_s),
-            ("coulomb_nm", self.coulomb_nm),
+            ("partner", vec![self.partner as f64]),
+            ("ratio", vec![self.ratio]),
+            ("inertia_kg_m2", vec![self.inertia_kg_m2]),
+            ("viscous_nm_s", vec![self.viscous_nm_s]),
+            ("coulomb_nm", vec![self.coulomb_nm]),
         ]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = robot.drives.iter().map(|d| d.coulomb_nm).fold(0.1, f64::max);
-        let factor = factor.min(3.0 * most / self.coulomb_nm.max(1e-12));
+        let factor = factor.on(self.joint).min(3.0 * most / self.coulomb_nm.max(1e-12));
         self.inertia_kg_m2 *= factor;
         self.viscous_nm_s *= factor;
         self.coulomb_nm *= factor;

@@ -1,7 +1,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, conflict, kind};
+use super::{
+    Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, conflict, kind,
+};
 use crate::error::Complaints;
 use crate::plant::Gear;
 use crate::random::Random;
@@ -77,17 +79,16 @@ impl Effect for JointElasticity {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        let mut parameters = super::single("stiffness_nm_rad", &self.stiffness_nm_rad);
-        parameters.extend(super::single("damping_nm_s", &self.damping_nm_s));
-        parameters
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("stiffness_nm_rad", self.stiffness_nm_rad.clone()), ("damping_nm_s", self.damping_nm_s.clone())]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let stiffnesses = self.stiffness_nm_rad.iter_mut().zip(&mut self.damping_nm_s);
         for (joint, (stiffness, damping)) in self.joints.iter().zip(stiffnesses) {
             let data_sheet = robot.drives[*joint].gear_stiffness_nm_rad;
-            let softer = (*stiffness / factor.max(1e-12)).clamp(0.02 * data_sheet, 3.0 * data_sheet);
+            let softer =
+                (*stiffness / factor.on(*joint).max(1e-12)).clamp(0.02 * data_sheet, 3.0 * data_sheet);
             *damping *= (softer / *stiffness).sqrt();
             *stiffness = softer;
         }

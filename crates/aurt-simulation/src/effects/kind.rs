@@ -122,10 +122,25 @@ impl EffectKind {
         all
     }
 
+    /// Whether the robot has joints for an effect of this kind.
+    #[must_use]
+    pub fn fits(&self, robot: &Robot) -> bool {
+        let suited = (0..robot.joints()).filter(|j| (self.suits)(robot, *j)).count();
+        match self.takes {
+            Takes::Pair => suited >= 2,
+            Takes::Few | Takes::One | Takes::All => suited >= 1,
+        }
+    }
+
     /// An effect of this kind, of medium strength as far as that can be said beforehand.
     #[must_use]
     pub fn draw(&self, context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         (self.draw)(context, random)
+    }
+
+    /// Whether the effect has a size of its own on each of its joints.
+    pub(crate) fn joint_by_joint(&self) -> bool {
+        self.takes == Takes::Few
     }
 
     /// Whether the effect concerns all joints at once.

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -13,7 +13,7 @@ pub(super) const KIND: EffectKind = EffectKind {
     presence: Presence::Structural,
     rotors: None,
     takes: kind::Takes::Few,
-    suits: kind::any_joint,
+    suits: constant_level,
     draw,
     read: kind::read::<LoadDependentFriction>,
 };
@@ -26,6 +26,11 @@ pub struct LoadDependentFriction {
     pub joints: Vec<usize>,
     /// Friction per load, Nm/Nm.
     pub load_coefficient: Vec<f64>,
+}
+
+/// Whether a joint's friction does not depend on the load by itself.
+fn constant_level(robot: &Robot, joint: usize) -> bool {
+    robot.drives[joint].load_coefficient == 0.0
 }
 
 fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
@@ -45,13 +50,13 @@ impl Effect for LoadDependentFriction {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("load_coefficient", &self.load_coefficient)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("load_coefficient", self.load_coefficient.clone())]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for coefficient in &mut self.load_coefficient {
-            *coefficient = (*coefficient * factor).min(0.45);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, coefficient) in self.joints.iter().zip(&mut self.load_coefficient) {
+            *coefficient = (*coefficient * factor.on(*joint)).min(0.45);
         }
     }
 

@@ -93,8 +93,8 @@ pub trait Effect: Debug + Send + Sync {
     /// The joints that the effect names; for effects of the whole arm, all.
     fn joints(&self) -> Vec<usize>;
 
-    /// Its parameters by their canonical names, where one number says it.
-    fn parameters(&self) -> Vec<(&'static str, f64)>;
+    /// Its parameters by their canonical names: one value, or one for each of [`Self::joints`].
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)>;
 
     /// When it acts, if it does not always.
     fn window_s(&self) -> Option<[f64; 2]> {
@@ -108,7 +108,7 @@ pub trait Effect: Debug + Send + Sync {
     }
 
     /// Makes the effect stronger or weaker, about in proportion, within what a real machine could have.
-    fn scale(&mut self, factor: f64, robot: &Robot);
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot);
 
     /// Checks that the effect can be on this robot.
     ///
@@ -124,6 +124,26 @@ pub trait Effect: Debug + Send + Sync {
 
     /// All its fields, readable by [`read_effect`].
     fn fields(&self) -> Value;
+}
+
+/// By how much effects are to change their size.
+#[derive(Debug, Clone, Copy)]
+pub enum Factor<'a> {
+    /// By the same factor on all joints.
+    Uniform(f64),
+    /// By a factor for each of the robot's joints.
+    PerJoint(&'a [f64]),
+}
+
+impl Factor<'_> {
+    /// The factor for a joint.
+    #[must_use]
+    pub fn on(&self, joint: usize) -> f64 {
+        match self {
+            Self::Uniform(factor) => *factor,
+            Self::PerJoint(factors) => factors.get(joint).copied().unwrap_or(1.0),
+        }
+    }
 }
 
 /// A term of equation (6) that an effect stands for.
@@ -178,14 +198,6 @@ fn check_values(
     }
 }
 
-/// A named parameter, if the effect is on one joint and one number says it.
-fn single(name: &'static str, values: &[f64]) -> Vec<(&'static str, f64)> {
-    match values {
-        [value] => vec![(name, *value)],
-        _ => Vec::new(),
-    }
-}
-
 fn conflict(first: &str, second: &str, joint: usize, reason: &str) -> SimulationError {
     SimulationError::Conflict { first: first.into(), second: second.into(), joint, reason: reason.into() }
 }
@@ -223,7 +235,7 @@ mod tests {
                 let copy = read_effect(kind.identifier, effect.fields()).unwrap();
                 assert_eq!(copy.fields(), effect.fields());
                 for factor in [0.1, 1e3, 1e-6, 1e9] {
-                    effect.scale(factor, &robot);
+                    effect.scale(Factor::Uniform(factor), &robot);
                     effect.validate(&robot).unwrap_or_else(|e| panic!("{} × {factor}: {e}", kind.identifier));
                 }
             }

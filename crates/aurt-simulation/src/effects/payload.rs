@@ -2,7 +2,7 @@ use aurt_rbd::LinkBody;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -68,12 +68,12 @@ impl Effect for Payload {
         (0..=self.link).collect()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("mass_kg", self.mass_kg), ("link", self.link as f64)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("mass_kg", vec![self.mass_kg]), ("link", vec![self.link as f64])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        self.mass_kg = (self.mass_kg * factor).clamp(0.01, 12.0);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        self.mass_kg = (self.mass_kg * factor.on(self.link)).clamp(0.01, 12.0);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, conflict, kind};
+use super::{
+    Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, conflict, kind,
+};
 use crate::error::Complaints;
 use crate::plant::Bristle;
 use crate::plant::bristles::{Gms, LuGre, Masing};
@@ -97,13 +99,13 @@ impl Effect for PreslidingHysteresis {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         Vec::new()
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for distance in &mut self.distance_rad {
-            *distance = (*distance * factor).clamp(DISTANCES_RAD.0, DISTANCES_RAD.1);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, distance) in self.joints.iter().zip(&mut self.distance_rad) {
+            *distance = (*distance * factor.on(*joint)).clamp(DISTANCES_RAD.0, DISTANCES_RAD.1);
         }
     }
 

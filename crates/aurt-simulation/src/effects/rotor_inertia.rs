@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, Rotors, SimulationError};
@@ -41,13 +41,13 @@ impl Effect for RotorInertia {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("inertia_kg_m2", &self.inertia_kg_m2)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("inertia_kg_m2", self.inertia_kg_m2.clone())]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for inertia in &mut self.inertia_kg_m2 {
-            *inertia = (*inertia * factor).min(6.0);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, inertia) in self.joints.iter().zip(&mut self.inertia_kg_m2) {
+            *inertia = (*inertia * factor.on(*joint)).min(6.0);
         }
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -45,13 +45,13 @@ impl Effect for Saturation {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("limit", self.limit_nm)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("limit", vec![self.limit_nm])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         // What is cut off grows faster than the share of the range that is missing.
-        let missing = (1.0 - self.limit_nm / self.peak_nm) * factor.max(0.0).sqrt();
+        let missing = (1.0 - self.limit_nm / self.peak_nm) * factor.on(self.joint).max(0.0).sqrt();
         self.limit_nm = self.peak_nm * (1.0 - missing).clamp(0.25, 0.98);
     }
 

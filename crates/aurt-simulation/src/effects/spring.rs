@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, LinkTorque};
 use crate::random::Random;
@@ -50,13 +50,13 @@ impl Effect for Spring {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("stiffness_nm_rad", self.stiffness_nm_rad), ("rest_rad", self.rest_rad)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("rest_rad", vec![self.rest_rad])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 0.3 * robot.drives[self.joint].torque_limit_nm;
-        self.stiffness_nm_rad = (self.stiffness_nm_rad * factor).min(most);
+        self.stiffness_nm_rad = (self.stiffness_nm_rad * factor.on(self.joint)).min(most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::plant::{DryTerm, Instant};
 use crate::random::Random;
@@ -45,7 +45,7 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         stribeck_velocity_rad_s: random.between(0.03, 0.1),
         exponent: random.between(1.3, 2.2),
     };
-    effect.scale(1.0, context.robot);
+    effect.scale(Factor::Uniform(1.0), context.robot);
     Box::new(effect)
 }
 
@@ -58,17 +58,17 @@ impl Effect for Stribeck {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        let mut parameters = vec![("stribeck_velocity_rad_s", self.stribeck_velocity_rad_s)];
-        if let ([coulomb], [excess]) = (self.coulomb_nm.as_slice(), self.excess_nm.as_slice()) {
-            parameters.push(("static_nm", coulomb + excess));
-        }
-        parameters
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let rest = self.coulomb_nm.iter().zip(&self.excess_nm).map(|(coulomb, excess)| coulomb + excess);
+        vec![
+            ("stribeck_velocity_rad_s", vec![self.stribeck_velocity_rad_s; self.joints.len()]),
+            ("static_nm", rest.collect()),
+        ]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for (excess, coulomb) in self.excess_nm.iter_mut().zip(&self.coulomb_nm) {
-            *excess = (*excess * factor).min(1.5 * coulomb);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for ((joint, excess), coulomb) in self.joints.iter().zip(&mut self.excess_nm).zip(&self.coulomb_nm) {
+            *excess = (*excess * factor.on(*joint)).min(1.5 * coulomb);
         }
     }
 

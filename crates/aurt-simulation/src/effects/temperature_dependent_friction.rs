@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::plant::Warmth;
 use crate::random::Random;
@@ -56,13 +56,13 @@ impl Effect for TemperatureDependentFriction {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         Vec::new()
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for fall in &mut self.fall_per_k {
-            *fall = (*fall * factor).min(0.12);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, fall) in self.joints.iter().zip(&mut self.fall_per_k) {
+            *fall = (*fall * factor.on(*joint)).min(0.12);
         }
     }
 

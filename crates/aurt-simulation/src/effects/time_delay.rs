@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -39,12 +39,12 @@ impl Effect for TimeDelay {
         Vec::new()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("delay_s", self.delay_s)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("delay_s", vec![self.delay_s])]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        self.delay_s = (self.delay_s * factor).clamp(2e-4, 0.08);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        self.delay_s = (self.delay_s * factor.on(0)).clamp(2e-4, 0.08);
     }
 
     fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::random::Random;
 use crate::{Robot, SimulationError};
@@ -42,13 +42,13 @@ impl Effect for TorqueConstant {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("gain_error", &self.gain_error)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("gain_error", self.gain_error.clone())]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for error in &mut self.gain_error {
-            *error = (*error * factor).clamp(-0.5, 1.0);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for (joint, error) in self.joints.iter().zip(&mut self.gain_error) {
+            *error = (*error * factor.on(*joint)).clamp(-0.5, 1.0);
         }
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -58,13 +58,13 @@ impl Effect for TorqueRipple {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("order", self.order), ("amplitude_nm", self.amplitude_nm)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("order", vec![self.order]), ("amplitude_nm", vec![self.amplitude_nm])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 0.2 * robot.drives[self.joint].torque_limit_nm;
-        self.amplitude_nm = (self.amplitude_nm * factor).min(most);
+        self.amplitude_nm = (self.amplitude_nm * factor.on(self.joint)).min(most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,9 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Hidden, Presence, Setup, check_joints, check_values, kind};
+use super::{
+    Draw, Effect, EffectKind, Factor, Family, Hidden, Presence, Setup, check_joints, check_values, kind,
+};
 use crate::error::Complaints;
 use crate::plant::LinearViscous;
 use crate::random::Random;
@@ -42,17 +44,18 @@ impl Effect for Viscous {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        super::single("viscous_nm_s", &self.viscous_nm_s)
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("viscous_nm_s", self.viscous_nm_s.clone())]
     }
 
     fn hidden(&self) -> Hidden {
         Hidden::Viscous
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         for (joint, slope) in self.joints.iter().zip(&mut self.viscous_nm_s) {
-            *slope = (*slope * factor).clamp(1e-3, 3.0 * robot.drives[*joint].viscous_nm_s.max(0.1));
+            *slope =
+                (*slope * factor.on(*joint)).clamp(1e-3, 3.0 * robot.drives[*joint].viscous_nm_s.max(0.1));
         }
     }
 

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::plant::ViscousLaw;
 use crate::random::Random;
@@ -37,7 +37,7 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         half_difference_nm_s: context.noises(2.0 * random.sign()),
         mean_nm_s: context.joints.iter().map(|j| context.robot.drives[*j].viscous_nm_s).collect(),
     };
-    effect.scale(1.0, context.robot);
+    effect.scale(Factor::Uniform(1.0), context.robot);
     Box::new(effect)
 }
 
@@ -50,16 +50,22 @@ impl Effect for ViscousAsymmetry {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        match (self.mean_nm_s.as_slice(), self.half_difference_nm_s.as_slice()) {
-            ([mean], [half]) => vec![("viscous_pos_nm_s", mean + half), ("viscous_neg_nm_s", mean - half)],
-            _ => Vec::new(),
-        }
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let with = |sign: f64| {
+            self.mean_nm_s
+                .iter()
+                .zip(&self.half_difference_nm_s)
+                .map(|(mean, half)| mean + sign * half)
+                .collect()
+        };
+        vec![("viscous_pos_nm_s", with(1.0)), ("viscous_neg_nm_s", with(-1.0))]
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
-        for (half, mean) in self.half_difference_nm_s.iter_mut().zip(&self.mean_nm_s) {
-            *half = (*half * factor).clamp(-0.95 * mean, 0.95 * mean);
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
+        for ((joint, half), mean) in
+            self.joints.iter().zip(&mut self.half_difference_nm_s).zip(&self.mean_nm_s)
+        {
+            *half = (*half * factor.on(*joint)).clamp(-0.95 * mean, 0.95 * mean);
         }
     }
 

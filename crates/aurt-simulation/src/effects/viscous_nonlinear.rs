@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, check_values, kind};
+use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
 use crate::error::Complaints;
 use crate::plant::ViscousLaw;
 use crate::random::Random;
@@ -47,7 +47,7 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         reference_rad_s: drives().map(|d| 0.5 * d.velocity_limit_rad_s).collect(),
         onset: random.between(0.08, 0.25),
     };
-    effect.scale(1.0, context.robot);
+    effect.scale(Factor::Uniform(1.0), context.robot);
     Box::new(effect)
 }
 
@@ -77,13 +77,14 @@ impl Effect for ViscousNonlinear {
         self.joints.clone()
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
         Vec::new()
     }
 
-    fn scale(&mut self, factor: f64, _robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
         for i in 0..self.bend_nm.len() {
-            self.bend_nm[i] = (self.bend_nm[i] * factor).min(0.98 * self.largest_bend_nm(i));
+            self.bend_nm[i] =
+                (self.bend_nm[i] * factor.on(self.joints[i])).min(0.98 * self.largest_bend_nm(i));
         }
     }
 

@@ -3,6 +3,7 @@
 //! nothing of it is reported but residuals.
 
 mod columns;
+mod decidable;
 mod gram;
 mod processed;
 

@@ -1,4 +1,5 @@
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use aurt_recording::{PreprocessOptions, Preprocessed, ReadReport, Recording, Segment, preprocess};
 
@@ -9,7 +10,7 @@ use crate::{Robot, SimulationError};
 /// A structure fitted to recordings after the usual preprocessing (filtered, differentiated, decimated).
 #[derive(Debug)]
 pub struct ProcessedFit {
-    columns: Columns,
+    columns: Arc<Columns>,
     coefficients: Vec<f64>,
     weights: Vec<f64>,
 }
@@ -52,8 +53,15 @@ impl ProcessedFit {
         structure: &Structure,
         recordings: &[&Preprocessed],
     ) -> Result<Self, SimulationError> {
-        let columns = Columns::new(robot, structure)?;
-        let weights = vec![1.0; robot.joints()];
+        Self::of_columns(Arc::new(Columns::new(robot, structure)?), recordings)
+    }
+
+    pub(crate) fn of_columns(
+        columns: Arc<Columns>,
+        recordings: &[&Preprocessed],
+    ) -> Result<Self, SimulationError> {
+        let joints = columns.joints();
+        let weights = vec![1.0; joints];
         let coefficients = vec![0.0; columns.coefficients()];
         let mut fit = Self { columns, coefficients, weights };
         let rows: Vec<Filtered> = recordings
@@ -69,7 +77,7 @@ impl ProcessedFit {
                 }
             }
             fit.coefficients = gram.solve();
-            for j in 0..robot.joints() {
+            for j in 0..joints {
                 let left: Vec<f64> = rows.iter().flat_map(|f| fit.left_over(f, j)).collect();
                 fit.weights[j] = 1.0 / mean_square(&left).max(1e-18);
             }

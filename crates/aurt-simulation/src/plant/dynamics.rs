@@ -163,6 +163,12 @@ impl Plant {
         rotor.ratios.iter().map(|(j, ratio)| ratio * state[self.shaft_velocity_index(*j)]).sum()
     }
 
+    /// The velocity up to which a dry contact rests: none for joints, whose velocities are set to zero when
+    /// they stop; rounding of the sum for coupled rotors.
+    pub const fn rest_rad_s(&self, contact: usize) -> f64 {
+        if contact < self.joints { 0.0 } else { 1e-7 }
+    }
+
     /// The acceleration of a dry contact, given the state's rates.
     pub fn sliding_rad_s2(&self, contact: usize, rates: &[f64]) -> f64 {
         // The state's rates hold accelerations where the state holds velocities.

@@ -34,7 +34,7 @@ use step::Integrator;
 use crate::{SimulationError, Trajectory};
 
 /// Distance of the samples of [`Traces`], s.
-pub const TRACE_STEP_S: f64 = 1e-3;
+pub const TRACE_STEP_S: f64 = 2e-3;
 /// Angle between a joint and its command beyond which a simulation has failed, rad.
 const LARGEST_ERROR_RAD: f64 = 0.5;
 

@@ -11,7 +11,7 @@ use super::{Drive, Robot, body, row};
 /// *DH parameters for calculations of kinematics and dynamics* and the tensors of its ROS description, turned
 /// from the distal frames given there into the frames used here. Friction, rotor inertia and torque
 /// constants: half to two thirds of the UR10's, which Madsen et al. (2022) and Raviola et al. (2021) report
-/// for the smaller arm. Limits: data sheet.
+/// for the smaller arm; shoulder and elbow rub more under load. Limits: data sheet.
 #[must_use]
 pub fn ur5e() -> Robot {
     let size_3 = Drive {
@@ -85,11 +85,19 @@ pub fn ur5e() -> Robot {
         ],
         drives: vec![
             size_3,
-            Drive { coulomb_nm: 7.1, viscous_nm_s: 7.9, home_rad: -1.5, torque_noise_nm: 1.0, ..size_3 },
+            Drive {
+                coulomb_nm: 7.1,
+                viscous_nm_s: 7.9,
+                load_coefficient: 0.08,
+                home_rad: -1.5,
+                torque_noise_nm: 1.0,
+                ..size_3
+            },
             Drive {
                 rotor_inertia_kg_m2: 0.6,
                 coulomb_nm: 4.9,
                 viscous_nm_s: 5.4,
+                load_coefficient: 0.07,
                 position_limit_rad: [-3.0, 3.0],
                 home_rad: 0.7,
                 torque_noise_nm: 0.8,

@@ -67,6 +67,14 @@ impl Instrument {
         instrument
     }
 
+    /// What the sensors would show of a drive torque if they had no noise, Nm.
+    #[must_use]
+    pub fn noise_free_nm(&self, joint: usize, torque_nm: f64) -> f64 {
+        let channel = &self.channels[joint];
+        let limit = channel.saturation_nm;
+        (torque_nm / (1.0 + channel.gain_error) + channel.offset_nm).clamp(-limit, limit)
+    }
+
     /// Checks that the sensors can be built.
     ///
     /// # Errors

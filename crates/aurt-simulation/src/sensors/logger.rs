@@ -146,9 +146,7 @@ impl Logger {
                 row.velocity[j] = linear_at(&traces.velocity_rad_s, traces, time_s, j) + velocity_noise;
                 let torque = linear_at(&traces.torque_nm, traces, time_s - instrument.torque_delay_s, j);
                 let noise = channel.torque_noise_nm * currents.normal();
-                let limit = channel.saturation_nm;
-                let measured =
-                    ((torque + noise) / (1.0 + channel.gain_error) + channel.offset_nm).clamp(-limit, limit);
+                let measured = instrument.noise_free_nm(j, torque + noise);
                 row.measurement[j] = match unit {
                     MeasurementUnit::NewtonMetre => measured,
                     MeasurementUnit::Ampere => measured / channel.torque_constant_nm_per_a,

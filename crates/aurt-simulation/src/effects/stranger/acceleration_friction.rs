@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{DryTerm, Instant};
 use crate::random::Random;
@@ -45,14 +45,14 @@ impl Effect for AccelerationFriction {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("growth_nm_s2", self.growth_nm_s2)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("growth_nm_s2", vec![self.growth_nm_s2])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 10.0 * robot.drives[self.joint].coulomb_nm.max(0.1)
             / robot.drives[self.joint].acceleration_limit_rad_s2;
-        self.growth_nm_s2 = (self.growth_nm_s2 * factor).clamp(-most, most);
+        self.growth_nm_s2 = (self.growth_nm_s2 * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

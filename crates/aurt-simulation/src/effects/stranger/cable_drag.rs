@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -57,13 +57,13 @@ impl Effect for CableDrag {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("tension_nm", self.tension_nm)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("tension_nm", vec![self.tension_nm])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = robot.drives[self.joint].torque_limit_nm;
-        self.tension_nm = (self.tension_nm * factor).clamp(-most, most);
+        self.tension_nm = (self.tension_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

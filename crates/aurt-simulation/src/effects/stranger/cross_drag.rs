@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -52,13 +52,13 @@ impl Effect for CrossDrag {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("drag_nm_s2", self.drag_nm_s2)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("drag_nm_s2", vec![self.drag_nm_s2])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 0.2 * robot.drives[self.joint].torque_limit_nm;
-        self.drag_nm_s2 = (self.drag_nm_s2 * factor).clamp(-most, most);
+        self.drag_nm_s2 = (self.drag_nm_s2 * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

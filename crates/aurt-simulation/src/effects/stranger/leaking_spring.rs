@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -53,13 +53,13 @@ impl Effect for LeakingSpring {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("stiffness_nm_rad", self.stiffness_nm_rad), ("leak_s", self.leak_s)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("stiffness_nm_rad", vec![self.stiffness_nm_rad]), ("leak_s", vec![self.leak_s])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 0.5 * robot.drives[self.joint].torque_limit_nm;
-        self.stiffness_nm_rad = (self.stiffness_nm_rad * factor).clamp(-most, most);
+        self.stiffness_nm_rad = (self.stiffness_nm_rad * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -50,13 +50,13 @@ impl Effect for PeriodicDisturbance {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("amplitude_nm", self.amplitude_nm), ("frequency_hz", self.frequency_hz)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("amplitude_nm", vec![self.amplitude_nm]), ("frequency_hz", vec![self.frequency_hz])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 0.4 * robot.drives[self.joint].torque_limit_nm;
-        self.amplitude_nm = (self.amplitude_nm * factor).clamp(-most, most);
+        self.amplitude_nm = (self.amplitude_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

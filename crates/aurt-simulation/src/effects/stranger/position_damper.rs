@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{Instant, ShaftTorque};
 use crate::random::Random;
@@ -50,13 +50,13 @@ impl Effect for PositionDamper {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("damping_nm_s", self.damping_nm_s)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("damping_nm_s", vec![self.damping_nm_s])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 6.0 * robot.drives[self.joint].viscous_nm_s.max(0.5);
-        self.damping_nm_s = (self.damping_nm_s * factor).clamp(-most, most);
+        self.damping_nm_s = (self.damping_nm_s * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::effects::{Draw, Effect, EffectKind, Family, Presence, Setup, check_joints, fields, kind};
+use crate::effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind};
 use crate::error::Complaints;
 use crate::plant::{DryTerm, Instant};
 use crate::random::Random;
@@ -51,13 +51,13 @@ impl Effect for StickingWindow {
         vec![self.joint]
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("excess_nm", self.excess_nm)]
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("excess_nm", vec![self.excess_nm])]
     }
 
-    fn scale(&mut self, factor: f64, robot: &Robot) {
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
         let most = 3.0 * robot.drives[self.joint].coulomb_nm.max(0.1);
-        self.excess_nm = (self.excess_nm * factor).clamp(-most, most);
+        self.excess_nm = (self.excess_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
     fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {

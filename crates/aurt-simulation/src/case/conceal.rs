@@ -1,0 +1,107 @@
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::make::{Case, make_case};
+use super::plan::Plan;
+use super::truth::Truth;
+use crate::SimulationError;
+
+/// How far the making of cases has come.
+#[derive(Debug, Clone)]
+pub struct Progress<'a> {
+    /// Cases that are done.
+    pub done: usize,
+    /// All cases.
+    pub all: usize,
+    /// The case that was done last.
+    pub last: &'a str,
+}
+
+/// What was concealed.
+#[derive(Debug, Clone)]
+pub struct Concealed {
+    /// The truths, case after case.
+    pub truths: Vec<Truth>,
+}
+
+/// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
+/// `sealed/case_0001.json` … with the truth. The same plan and seed give the same bytes, on any number of
+/// threads.
+///
+/// # Errors
+/// The first case that cannot be made, or a file that cannot be written.
+pub fn conceal(
+    plan: &Plan,
+    seed: u64,
+    cases: impl AsRef<Path>,
+    sealed: impl AsRef<Path>,
+    progress: &(dyn Fn(Progress<'_>) + Sync),
+) -> Result<Concealed, SimulationError> {
+    let (cases, sealed) = (cases.as_ref(), sealed.as_ref());
+    let requests = plan.requests(seed)?;
+    for folder in [cases, sealed] {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| SimulationError::Io { path: folder.into(), source })?;
+    }
+    let (all, done) = (requests.len(), AtomicUsize::new(0));
+    let truths = requests
+        .par_iter()
+        .enumerate()
+        .map(|(index, request)| {
+            let name = case_name(index);
+            let case = make_case(&name, request, &plan.recordings, case_seed(seed, index))?;
+            case.write(cases, sealed)?;
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(Progress { done, all, last: &name });
+            Ok(case.truth)
+        })
+        .collect::<Result<Vec<_>, SimulationError>>()?;
+    Ok(Concealed { truths })
+}
+
+impl Plan {
+    /// The cases of a plan one by one, without writing them: name, and the case or why it cannot be made.
+    ///
+    /// # Errors
+    /// As [`Plan::requests`].
+    pub fn cases(
+        &self,
+        seed: u64,
+    ) -> Result<impl Iterator<Item = (String, Result<Case, SimulationError>)>, SimulationError> {
+        let settings = self.recordings;
+        Ok(self.requests(seed)?.into_iter().enumerate().map(move |(index, request)| {
+            let name = case_name(index);
+            let case = make_case(&name, &request, &settings, case_seed(seed, index));
+            (name, case)
+        }))
+    }
+}
+
+fn case_name(index: usize) -> String {
+    format!("case_{:04}", index + 1)
+}
+
+fn case_seed(seed: u64, index: usize) -> u64 {
+    crate::Random::labelled(seed, &format!("case {index}")).bits()
+}
+
+impl Case {
+    /// Writes the case's folder into `cases` and its truth into `sealed`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`].
+    pub fn write(&self, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
+        let write = |path: std::path::PathBuf, content: &[u8]| {
+            std::fs::write(&path, content).map_err(|source| SimulationError::Io { path, source })
+        };
+        let folder = cases.join(&self.name);
+        std::fs::create_dir_all(&folder)
+            .map_err(|source| SimulationError::Io { path: folder.clone(), source })?;
+        for (name, content) in &self.files {
+            write(folder.join(name), content)?;
+        }
+        write(sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())
+    }
+}

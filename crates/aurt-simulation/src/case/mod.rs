@@ -1,0 +1,17 @@
+//! Cases: folders with an experiment and recordings, whose physics is known and sealed elsewhere.
+
+mod conceal;
+mod experiment;
+mod layout;
+mod make;
+mod plan;
+mod probe;
+mod request;
+mod truth;
+
+pub use conceal::{Concealed, Progress, conceal};
+pub use layout::{RecordingSettings, Role};
+pub use make::{Case, make_case};
+pub use plan::{NullPlan, PairPlan, Plan, SinglePlan};
+pub use request::{CaseRequest, CaseType};
+pub use truth::{TrueEffect, Truth, ValidationFloor};
