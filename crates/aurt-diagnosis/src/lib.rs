@@ -5,6 +5,7 @@
 
 mod baseline;
 mod confidence;
+mod contact;
 mod diagnose;
 pub mod effects;
 mod error;
@@ -25,6 +26,7 @@ mod simulated;
 mod verdict;
 
 pub use baseline::Baseline;
+pub use contact::{Contact, ContactOptions, ContactRows, ForceColumns, find_contacts, force_columns};
 pub use diagnose::{Candidate, Investigation, investigate};
 pub use error::DiagnosisError;
 pub use faults::{Fault, RecordingFaults};

@@ -187,7 +187,7 @@ proptest! {
         seed in any::<u64>(),
         start in 4.0_f64..20.0,
         length in 1.0_f64..5.0,
-        angle in 0.0_f64..6.28,
+        angle in 0.0_f64..6.0,
     ) {
         let force = [12.0 * angle.cos(), 0.0, 12.0 * angle.sin()];
         let mut recordings: Vec<_> = (0..3)
