@@ -14,7 +14,8 @@ use crate::{Robot, SimulationError, Trajectory};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controller {
-    /// Bandwidth of the loop, Hz: K_p = I ω², K_d = 2 ζ I ω with the joint's nominal inertia I at home.
+    /// Bandwidth of the loop, Hz: K_p = I ω², K_d = 2 ζ I ω with the joint's nominal inertia I at home, the
+    /// other joints free.
     pub bandwidth_hz: f64,
     /// Damping ratio ζ.
     pub damping_ratio: f64,
@@ -84,7 +85,9 @@ impl TrackingLoop {
         let mut mass = vec![0.0; joints * joints];
         dynamics.mass_matrix(&home, &mut mass);
         let omega = std::f64::consts::TAU * controller.bandwidth_hz;
-        let inertia = |j: usize| mass[j * joints + j];
+        let inverse =
+            nalgebra::DMatrix::from_row_slice(joints, joints, &mass).cholesky().map(|f| f.inverse());
+        let inertia = |j: usize| inverse.as_ref().map_or(mass[j * joints + j], |m| 1.0 / m[(j, j)]);
 
         let count = (trajectory.duration_s() / step_s) as usize + 3;
         let mut nodes = Vec::with_capacity(count * joints);

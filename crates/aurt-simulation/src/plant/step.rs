@@ -6,7 +6,7 @@ use crate::SimulationError;
 use crate::plant::machine::Gear;
 
 /// Accuracy of the times of events, s.
-const EVENT_S: f64 = 1e-8;
+const EVENT_S: f64 = 2e-7;
 /// Events within one step after which the rest of it is taken as a whole.
 const MOST_EVENTS: usize = 40;
 /// Excess over a holding level that rounding explains, relative.
