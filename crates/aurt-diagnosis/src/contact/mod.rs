@@ -11,12 +11,13 @@
 
 mod columns;
 mod scan;
+mod search;
 #[cfg(test)]
 mod tests;
 
 pub use columns::{ForceColumns, force_columns};
 
-use scan::{Background, Prefix, scan};
+use search::LinkSearch;
 
 use crate::RecordingRows;
 
@@ -78,24 +79,8 @@ pub struct ContactRows<'a> {
     pub left_out: &'a [Vec<bool>],
 }
 
-/// Lengths of the stretches that are compared, s.
-const LENGTHS_S: [f64; 9] = [0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.7, 7.0];
-
-/// Stretches longer than this share of their recording are no passing contact.
-const LONGEST_SHARE: f64 = 0.35;
-
-/// A touch shorter than this cannot be told from an outlier, s.
-const SHORTEST_S: f64 = 0.2;
-
 /// Contacts nearer than this to each other are one, s.
 const ALONE_S: f64 = 0.5;
-
-/// A joint shows the contact if the force explains this share of what it explains on the joint that shows most.
-const SHOWN: f64 = 0.05;
-
-/// Least fall of a joint's whitened sum of squares, over the inflation, for the joint to show a contact: three
-/// standard deviations.
-const LEAST_OF_JOINT: f64 = 9.0;
 
 /// Finds contacts in recordings, the clearest first.
 ///
@@ -107,12 +92,19 @@ pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -
     let sigma = noise_levels(recordings, &usable);
     let mut found: Vec<Contact> = Vec::new();
     while found.len() < options.most {
-        let Some(contact) = clearest(recordings, &usable, &sigma) else { break };
-        // What a single joint shows, its own drive can do: ringing after a start, a tooth that sticks.
-        let shared = contact.joints.len() > 1;
-        if contact.score < options.score || contact.distinction < options.distinction || !shared {
-            break;
-        }
+        let links = recordings.first().map_or(0, |r| r.forces.len());
+        let passes = |contact: &Contact| {
+            // What a single joint shows, its own drive can do: ringing after a start, a tooth that sticks.
+            contact.score >= options.score
+                && contact.distinction >= options.distinction
+                && contact.joints.len() > 1
+        };
+        // Of the links whose force would do, it is the one that explains most.
+        let clearest = (0..links)
+            .filter_map(|link| LinkSearch::new(link, recordings, &usable, &sigma).best())
+            .filter(|candidate| passes(&candidate.contact))
+            .max_by(|a, b| a.explained.total_cmp(&b.explained));
+        let Some(contact) = clearest.map(|c| c.contact) else { break };
         let rows = recordings[contact.recording].rows;
         let origin = recordings[contact.recording].origin_s;
         let [from, to] = contact.window_s.map(|t| t + origin);
@@ -121,6 +113,7 @@ pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -
         }
         found.push(contact);
     }
+    found.sort_by(|a, b| b.score.total_cmp(&a.score));
     found
 }
 
@@ -177,116 +170,4 @@ fn noise_levels(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>]) -> Ve
             if median > 0.0 { median / 0.674_49 } else { f64::INFINITY }
         })
         .collect()
-}
-
-/// The stretch of largest T/V over all recordings, links and lengths, refined.
-fn clearest(recordings: &[ContactRows<'_>], usable: &[Vec<Vec<bool>>], sigma: &[f64]) -> Option<Contact> {
-    let links = recordings.first()?.forces.len();
-    let mut best: Option<(f64, usize, usize, usize, [usize; 2], Background)> = None;
-    for link in 0..links {
-        let prefixes: Vec<Prefix> = recordings
-            .iter()
-            .zip(usable)
-            .map(|(r, u)| Prefix::new(&r.forces[link], r.residual, u, sigma))
-            .collect();
-        let mut inflations = Vec::new();
-        let mut peaks = Vec::new();
-        for (which, length_s) in LENGTHS_S.iter().enumerate() {
-            let scans: Vec<_> = recordings
-                .iter()
-                .zip(&prefixes)
-                .map(|(r, prefix)| {
-                    let length = (length_s * r.rows.rate_hz).round() as usize;
-                    let longest = LONGEST_SHARE * r.rows.rows() as f64;
-                    if length < 2 || length as f64 > longest { Vec::new() } else { scan(prefix, length) }
-                })
-                .collect();
-            inflations.push(Background::inflation(scans.iter().flatten().map(|s| s.statistic)));
-            for (r, stretches) in scans.iter().enumerate() {
-                let Some(top) = stretches.iter().max_by(|a, b| a.statistic.total_cmp(&b.statistic)) else {
-                    continue;
-                };
-                let other = scans
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(other, list)| list.iter().map(move |s| (other, s)))
-                    .filter(|(other, s)| *other != r || s.apart(top))
-                    .map(|(_, s)| s.statistic)
-                    .fold(0.0, f64::max);
-                peaks.push((which, r, *top, other));
-            }
-        }
-        let background = Background::new(inflations);
-        for (which, r, top, other) in peaks {
-            let inflation = background.of_length(which);
-            let ratio = top.statistic / inflation;
-            // A stretch of which little is usable may have no rival at all; chance alone reaches this much.
-            let distinction = ratio / (other / inflation).max(CHANCE);
-            if best.as_ref().is_none_or(|(top, ..)| ratio > *top) && distinction >= 1.0 {
-                best = Some((ratio, r, link, which, top.span(), background.clone()));
-            }
-        }
-    }
-    let (_, r, link, _, span, background) = best?;
-    refine(recordings, usable, sigma, r, link, span, &background)
-}
-
-/// T/V that the best of some hundred stretches of white noise reaches.
-const CHANCE: f64 = 15.0;
-
-/// Moves both edges to where T is largest, and describes the contact.
-fn refine(
-    recordings: &[ContactRows<'_>],
-    usable: &[Vec<Vec<bool>>],
-    sigma: &[f64],
-    r: usize,
-    link: usize,
-    span: [usize; 2],
-    background: &Background,
-) -> Option<Contact> {
-    let recording = &recordings[r];
-    let rows = recording.rows;
-    let prefix = Prefix::new(&recording.forces[link], recording.residual, &usable[r], sigma);
-    let length_s = |[a, b]: [usize; 2]| (b - a) as f64 / rows.rate_hz;
-    // The inflation grows with length, by less than a true force adds: edges are found at one inflation.
-    let evidence = |span: [usize; 2]| prefix.statistic(span);
-    let mut span = span;
-    let shortest = (SHORTEST_S * rows.rate_hz).ceil().max(2.0) as usize;
-    // Each edge moves by up to its stretch's length; two rounds, since the second edge may free the first.
-    for _ in 0..2 {
-        let reach = (span[1] - span[0]).max(rows.rate_hz.ceil() as usize);
-        let starts = span[0].saturating_sub(reach)..(span[1] + 1).saturating_sub(shortest);
-        span[0] = starts.max_by(|a, b| evidence([*a, span[1]]).total_cmp(&evidence([*b, span[1]])))?;
-        let ends = span[0] + shortest..(span[1] + reach).min(rows.rows()) + 1;
-        span[1] = ends.max_by(|a, b| evidence([span[0], *a]).total_cmp(&evidence([span[0], *b])))?;
-    }
-    let inflation = background.at(&LENGTHS_S, length_s(span));
-    let value = evidence(span) / inflation;
-    let rival = recordings
-        .iter()
-        .enumerate()
-        .flat_map(|(other, recording)| {
-            let prefix = Prefix::new(&recording.forces[link], recording.residual, &usable[other], sigma);
-            let length = (length_s(span) * recording.rows.rate_hz).round().max(2.0) as usize;
-            scan(&prefix, length).into_iter().filter(move |s| other != r || !s.meets(span))
-        })
-        .map(|s| s.statistic / inflation)
-        .fold(CHANCE, f64::max);
-    let force_n = prefix.force(span);
-    let explained =
-        prefix.explained_by_joint(&recording.forces[link], recording.residual, &usable[r], sigma, span);
-    let most = explained.iter().copied().fold(0.0, f64::max);
-    let time = |row: usize| rows.time_s[row.min(rows.rows() - 1)] - recording.origin_s;
-    let half_row_s = 0.5 / rows.rate_hz;
-    let shows = |j: &usize| explained[*j] > (SHOWN * most).max(LEAST_OF_JOINT * inflation);
-    let joints: Vec<usize> = (0..explained.len()).filter(shows).collect();
-    Some(Contact {
-        recording: r,
-        window_s: [time(span[0]) - half_row_s, time(span[1] - 1) + half_row_s],
-        link,
-        joints,
-        score: 0.5 * value,
-        distinction: value / rival,
-        force_n,
-    })
 }

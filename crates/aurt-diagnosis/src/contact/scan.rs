@@ -20,11 +20,7 @@ impl Stretch {
         [self.start, self.end]
     }
 
-    /// Whether two stretches of one length do not overlap.
-    pub(super) fn apart(&self, other: &Self) -> bool {
-        !self.meets(other.span())
-    }
-
+    /// Whether it shares rows with a span.
     pub(super) fn meets(&self, [start, end]: [usize; 2]) -> bool {
         self.start < end && start < self.end
     }
@@ -180,8 +176,8 @@ impl Background {
 
     /// The inflation of some stretches: their median over that under white noise, at least 1. Stretches in which
     /// nothing is usable do not count.
-    pub(super) fn inflation(statistics: impl Iterator<Item = f64>) -> f64 {
-        let mut values: Vec<f64> = statistics.filter(|s| *s > 0.0).collect();
+    pub(super) fn inflation(mut values: Vec<f64>) -> f64 {
+        values.retain(|s| *s > 0.0);
         if values.is_empty() {
             return f64::INFINITY;
         }
