@@ -5,8 +5,10 @@ use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
 use serde_json::Value;
 
 use crate::{
-    DiagnosisError, Fault, Layout, Question, QuestionedRecording, RecordingRows, Role,
+    Contact, ContactOptions, ContactRows, DiagnosisError, Fault, Layout, Question, QuestionedRecording,
+    RecordingRows, Role,
     baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
+    contact::{find_contacts, force_columns},
     effects::{self, Addition, Context, Effect, Presence, Proposal},
     floor::noise_floor,
     gram::BlockMoments,
@@ -56,6 +58,8 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Faults of the recordings.
     pub faults: Vec<Fault>,
+    /// Contacts with the surroundings; their windows took no part in selection.
+    pub contacts: Vec<Contact>,
     /// What selection found.
     pub selection: Selection,
     /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
@@ -138,31 +142,30 @@ pub fn investigate(
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
     let layout = Layout::new(&model);
-    let problem = Problem::new(&layout, BlockMoments::accumulate(&rows, &partition));
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
     let floor = mean_floor(&rows, &partition, &floors);
-    let (_, weights) = weighted_fit(&problem, &base_switches, &floor);
-    let (groups, free) = groups(&candidates, &problem, &base_switches, &weights, question);
-
-    progress("selecting");
-    let shares = |switches: &[Switch], coefficients: &[f64]| {
-        shares(&rows, &partition, &layout, switches, coefficients)
-    };
-    let misfit = misfit(&problem, &base_switches, &weights, &floor);
-    let selector = Selector {
-        problem: &problem,
-        baseline: &base_switches,
-        groups: &groups,
+    let parts = Parts {
+        question,
+        candidates: &candidates,
+        partition: &partition,
+        layout: &layout,
+        base: &base_switches,
         floor: &floor,
-        misfit: &misfit,
-        independent_share: &shares,
-        options: &question.selection,
     };
-    let selection = selector.run(&mut progress);
-    let final_switches = selector.final_switches(&selection);
-    let (final_fit, _) = weighted_fit(&problem, &final_switches, &floor);
-    let final_shares = shares(&final_switches, &final_fit.coefficients);
-    let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
+    let mut selected = parts.select(&rows, &mut progress);
+    progress("looking for contacts");
+    let contacts = if question.without.iter().any(|w| w == "external_contact") {
+        Vec::new()
+    } else {
+        parts.contacts(&rows, &selected)?
+    };
+    if !contacts.is_empty() {
+        for contact in &contacts {
+            leave_out(&mut rows[contact.recording], contact.window_s);
+        }
+        selected = parts.select(&rows, &mut progress);
+    }
+    let Selected { problem, groups, free, selection, mean_independent_share, .. } = selected;
     Ok(Investigation {
         model,
         baseline,
@@ -176,10 +179,103 @@ pub fn investigate(
         floors,
         floor,
         faults,
+        contacts,
         selection,
         free,
         mean_independent_share,
     })
+}
+
+/// What selection works on, beside the rows.
+struct Parts<'a> {
+    question: &'a Question<'a>,
+    candidates: &'a [Candidate],
+    partition: &'a Partition,
+    layout: &'a Layout,
+    base: &'a [Switch],
+    floor: &'a [f64],
+}
+
+/// A selection and what it was made from.
+struct Selected {
+    problem: Problem,
+    groups: Vec<Group>,
+    free: Vec<[f64; 2]>,
+    selection: Selection,
+    switches: Vec<Switch>,
+    coefficients: Vec<f64>,
+    mean_independent_share: f64,
+}
+
+impl Parts<'_> {
+    fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
+        let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
+        let (_, weights) = weighted_fit(&problem, self.base, self.floor);
+        let (groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        progress("selecting");
+        let shares = |switches: &[Switch], coefficients: &[f64]| {
+            shares(rows, self.partition, self.layout, switches, coefficients)
+        };
+        let misfit = misfit(&problem, self.base, &weights, self.floor);
+        let selector = Selector {
+            problem: &problem,
+            baseline: self.base,
+            groups: &groups,
+            floor: self.floor,
+            misfit: &misfit,
+            independent_share: &shares,
+            options: &self.question.selection,
+        };
+        let selection = selector.run(progress);
+        let switches = selector.final_switches(&selection);
+        let (fit, _) = weighted_fit(&problem, &switches, self.floor);
+        let final_shares = shares(&switches, &fit.coefficients);
+        let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
+        let coefficients = fit.coefficients;
+        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share }
+    }
+
+    /// Contacts in the recordings that are not for validation, after all that was selected.
+    fn contacts(&self, rows: &[RecordingRows], selected: &Selected) -> Result<Vec<Contact>, DiagnosisError> {
+        let asked: Vec<usize> = (0..rows.len()).filter(|r| rows[*r].role != Role::Validation).collect();
+        let body = self.question.model.rigid_body();
+        let mut searched = Vec::new();
+        for r in &asked {
+            let left = residuals(&rows[*r], self.layout, &selected.switches, &selected.coefficients);
+            let out: Vec<Vec<bool>> =
+                rows[*r].joints.iter().map(|j| j.counts.iter().map(|c| !c).collect()).collect();
+            searched.push((left, out, force_columns(&**body, &rows[*r])?));
+        }
+        let views: Vec<ContactRows<'_>> = asked
+            .iter()
+            .zip(&searched)
+            .map(|(r, (residual, left_out, forces))| ContactRows {
+                rows: &rows[*r],
+                origin_s: self.question.recordings[*r].raw.time_s.first().copied().unwrap_or(0.0),
+                residual,
+                forces,
+                left_out,
+            })
+            .collect();
+        let mut found = find_contacts(&views, &ContactOptions::new(self.question.f_dyn_hz));
+        for contact in &mut found {
+            contact.recording = asked[contact.recording];
+        }
+        Ok(found)
+    }
+}
+
+/// Leaves out the rows of a window, s from the first row.
+fn leave_out(rows: &mut RecordingRows, window_s: [f64; 2]) {
+    let start = rows.time_s.first().copied().unwrap_or(0.0);
+    let within: Vec<bool> =
+        rows.time_s.iter().map(|t| (window_s[0]..=window_s[1]).contains(&(t - start))).collect();
+    for joint in &mut rows.joints {
+        for (counts, within) in joint.counts.iter_mut().zip(&within) {
+            *counts &= !within;
+        }
+        joint.silence();
+    }
 }
 
 /// Turns rows into what is asked about: what a frozen model or another simulator leaves.

@@ -6,8 +6,8 @@ use aurt_traits::ColumnGroup;
 use serde_json::{Value, json};
 
 use crate::{
-    Alternative, Answer, Candidate, Evidence, Finding, HeldOut, Investigation, JointResidual, NotDecidable,
-    Question, RecordingRows, Role, Shift, Verdict,
+    Alternative, Answer, Candidate, Contact, Evidence, Finding, HeldOut, Investigation, JointResidual,
+    NotDecidable, Question, RecordingRows, Role, Shift, Verdict,
     baseline::weighted_fit,
     confidence::confidence,
     diagnose::residuals,
@@ -48,9 +48,11 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
     let faults = fault_findings(question, investigation);
     let faulty = !faults.is_empty();
-    effects.splice(0..0, faults);
+    let touched = contact_findings(question, investigation);
+    let found = faulty || !touched.is_empty();
+    effects.splice(0..0, faults.into_iter().chain(touched));
     let mut verdict = Verdict {
-        verdict: if faulty { Answer::Named } else { answer(&effects, &residual) },
+        verdict: if found { Answer::Named } else { answer(&effects, &residual) },
         effects,
         not_decidable: not_decidable(question, investigation),
         residual,
@@ -129,6 +131,39 @@ fn fault_findings(question: &Question<'_>, investigation: &Investigation) -> Vec
         });
     }
     findings
+}
+
+/// Findings for contacts with the surroundings.
+fn contact_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
+    let one = |contact: &Contact| {
+        let recording = &question.recordings[contact.recording];
+        let kind = if recording.role == Role::Target { "target" } else { "calibration" };
+        let [from, to] = contact.window_s;
+        let number = |value: Value| ParameterValue { value, std: Value::Null };
+        Finding {
+            effect: "external_contact".to_owned(),
+            family: effects::Family::X,
+            joints: contact.joints.clone(),
+            present_in: vec![kind.to_owned()],
+            recording: Some(recording.data.name.clone()),
+            window_s: Some(contact.window_s),
+            confidence: confidence(contact.score),
+            parameters: BTreeMap::from([
+                ("link".to_owned(), number(json!(contact.link))),
+                ("force_n".to_owned(), number(json!(contact.force_n))),
+                ("window_s".to_owned(), number(json!(contact.window_s))),
+            ]),
+            alternatives: Vec::new(),
+            evidence: Evidence { score: contact.score, threshold: question.selection.score },
+            sentence: format!(
+                "a contact at link {} of {} from {from:.1} to {to:.1} s, felt by joints {}",
+                contact.link,
+                recording.data.name,
+                list(&contact.joints)
+            ),
+        }
+    };
+    investigation.contacts.iter().map(one).collect()
 }
 
 /// Coefficients of the final model.

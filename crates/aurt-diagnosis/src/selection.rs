@@ -91,6 +91,9 @@ pub struct Selection {
     pub after: Vec<f64>,
 }
 
+/// Shares of independent rows of each joint's residual, from switches and their coefficients.
+pub type IndependentShares<'a> = dyn Fn(&[Switch], &[f64]) -> Vec<f64> + Sync + 'a;
+
 /// A nested fit with the shares of independent rows of its residual.
 struct Weighed {
     nested: NestedFit,
@@ -111,7 +114,7 @@ pub struct Selector<'a> {
     pub misfit: &'a [f64],
     /// Share of independent rows of each joint, from the autocorrelation of a residual with the given
     /// switches and coefficients.
-    pub independent_share: &'a (dyn Fn(&[Switch], &[f64]) -> Vec<f64> + Sync),
+    pub independent_share: &'a IndependentShares<'a>,
     /// Thresholds.
     pub options: &'a SelectionOptions,
 }
