@@ -181,13 +181,12 @@ pub(super) fn bring_to_strength(
     })
 }
 
+/// Strength per joint, and what happened in each recording, by its slot.
+type Measured = (Vec<f64>, Vec<(usize, Traces, Instrument)>);
+
 /// The effect's torque that the structure cannot absorb, over noise, per joint: in the recording that shows
 /// most of it.
-fn measure(
-    bench: &Bench,
-    slots: &[Slot],
-    effect: &dyn Effect,
-) -> Result<(Vec<f64>, Vec<(usize, Traces, Instrument)>), SimulationError> {
+fn measure(bench: &Bench, slots: &[Slot], effect: &dyn Effect) -> Result<Measured, SimulationError> {
     let Bench { robot, columns, undisturbed, calm, .. } = bench;
     let window_s = effect.window_s();
     let mut disturbed = Vec::new();

@@ -62,14 +62,6 @@ impl Arm {
         }
         Ok(())
     }
-
-    /// Kinetic plus potential energy in J, rotors included.
-    pub fn energy_j(&mut self, q_rad: &[f64], qd_rad_s: &[f64]) -> f64 {
-        self.dynamics.as_mut().map_or(f64::NAN, |dynamics| {
-            let energy = dynamics.energy(q_rad, qd_rad_s);
-            energy.kinetic_j + energy.potential_j
-        })
-    }
 }
 
 /// Gives the dynamics other rotors, if they are others.

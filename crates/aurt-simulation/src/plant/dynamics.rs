@@ -24,8 +24,6 @@ const LOAD_ITERATIONS: usize = 8;
 pub(crate) enum Command {
     /// A controller that follows a trajectory.
     Track(TrackingLoop),
-    /// Nothing; the arm moves freely.
-    Free,
 }
 
 /// The machine with its state and working memory.
@@ -197,7 +195,6 @@ impl Plant {
                 (&self.drive_then_nm, time_s - self.then_s),
                 &mut self.drive_nm,
             ),
-            Command::Free => self.drive_nm.fill(0.0),
         }
 
         self.link_nm.fill(0.0);
