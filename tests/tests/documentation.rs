@@ -1,4 +1,5 @@
 //! What the documentation shows is true: experiments parse, links lead somewhere, output is what comes out.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::{
     fs,

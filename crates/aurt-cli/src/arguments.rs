@@ -6,9 +6,9 @@ use std::{
     path::PathBuf,
 };
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 
-use crate::commands::Command;
+use crate::commands::{Command, GROUPS};
 
 /// Model, calibrate and explain the dynamics of robot manipulators from recordings of the real machine.
 #[derive(Debug, Parser)]
@@ -32,13 +32,41 @@ pub struct Arguments {
     pub command: Command,
 }
 
+/// The command line's definition, with the commands grouped by what they are for.
+pub fn definition() -> clap::Command {
+    let mut command = Arguments::command();
+    command.build();
+    let mut groups = String::new();
+    for (title, names) in GROUPS {
+        groups.push_str(&format!("{title}:\n"));
+        for name in names {
+            let about = command.find_subcommand(name).and_then(|c| c.get_about()).map(ToString::to_string);
+            groups.push_str(&format!("  {name:<20}{}\n", about.unwrap_or_default().trim_end_matches('.')));
+        }
+        groups.push('\n');
+    }
+    Arguments::command().help_template(format!(
+        "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
+    ))
+}
+
+/// What the words of a command line say.
+///
+/// # Errors
+/// Why they say nothing, or that help was asked for.
+pub fn parse(words: impl Iterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    let mut definition = definition();
+    let matches = definition.try_get_matches_from_mut(join_vector_values(words))?;
+    Arguments::from_arg_matches(&matches).map_err(|e| e.format(&mut definition))
+}
+
 /// The options whose value is a vector.
 const VECTOR_OPTIONS: [&str; 2] = ["--gravity", "--torque-constants"];
 
 /// Joins the words that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:
 /// negative numbers look like options to clap, and so do quoted vectors that begin with one. Commands with such
 /// options take no bare arguments that could be meant.
-pub fn join_vector_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+fn join_vector_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::new();
     let mut in_vector = false;
     for argument in arguments {
@@ -132,8 +160,6 @@ pub fn parse_share(text: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     fn joined(line: &[&str]) -> Vec<String> {
@@ -143,7 +169,18 @@ mod tests {
 
     #[test]
     fn clap_accepts_the_definition() {
-        Arguments::command().debug_assert();
+        definition().debug_assert();
+    }
+
+    #[test]
+    fn every_command_is_in_one_group() {
+        let mut command = Arguments::command();
+        command.build();
+        let mut defined: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        defined.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(defined, grouped);
     }
 
     #[test]

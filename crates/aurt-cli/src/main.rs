@@ -20,10 +20,9 @@ mod sweeping;
 use std::process::ExitCode;
 
 use aurt_plugins::Registry;
-use clap::Parser;
 
 use crate::{
-    arguments::{Arguments, join_vector_values},
+    arguments::Arguments,
     commands::Session,
     failure::Failure,
     rendering::terminal::{Report, Terminal},
@@ -43,9 +42,26 @@ const FINDINGS: u8 = 1;
 /// Exit status of a command that failed.
 const FAILURE: u8 = 2;
 
+/// Shows what is wrong with the arguments, or the help that was asked for.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let asked_for = !error.use_stderr();
+    if !asked_for && std::env::args_os().any(|word| word == "--json") {
+        // Scripts read standard output; people read what clap prints.
+        let message = error.to_string();
+        let paragraph = message.trim_start_matches("error: ").lines().take_while(|line| !line.is_empty());
+        let words: Vec<&str> = paragraph.flat_map(str::split_whitespace).collect();
+        Terminal::new(true, false).print_problem(&words.join(" "));
+    }
+    // Nothing is left to do where standard error is closed.
+    let _ = error.print();
+    if asked_for { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) }
+}
+
 fn main() -> ExitCode {
-    // Clap leaves with status 2 where the arguments are wrong, and with 0 for --help and --version.
-    let arguments = Arguments::parse_from(join_vector_values(std::env::args_os()));
+    let arguments = match arguments::parse(std::env::args_os()) {
+        Ok(arguments) => arguments,
+        Err(error) => return refuse(&error),
+    };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
     match run(&arguments, &terminal) {
         Ok(report) => {

@@ -29,7 +29,7 @@ fn main() -> Result<(), SimulationError> {
 
 fn rms(v: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = v.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-    (sum / n as f64).sqrt()
+    (sum / n).sqrt()
 }
 
 fn null(

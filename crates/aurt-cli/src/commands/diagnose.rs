@@ -13,6 +13,7 @@ use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
 use serde_json::json;
 
+use super::Session;
 use crate::{
     calibrated_file::CalibratedModel,
     commands::run::{calibration_options, run_experiment, written_text},
@@ -50,11 +51,12 @@ pub struct Diagnose {
 
 impl Diagnose {
     /// Diagnoses.
-    pub fn run(&self, terminal: &Terminal) -> Result<Report, Failure> {
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        let Session { terminal, registry } = session;
+        let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;
-        let mut registry = Registry::linked()?;
-        let experiment = Experiment::read(&self.experiment, &mut registry)?;
-        let frozen = self.model.as_deref().map(|p| CalibratedModel::read(p, &registry)).transpose()?;
+        let experiment = Experiment::read(&self.experiment, registry)?;
+        let frozen = self.model.as_deref().map(|p| CalibratedModel::read(p, registry)).transpose()?;
         let progress = terminal.progress(24);
         let structure = match &frozen {
             Some(calibrated) => calibrated.model.clone(),
@@ -74,7 +76,7 @@ impl Diagnose {
             selection: SelectionOptions::default(),
             without: &self.without,
         };
-        let investigation = investigate(&question, &registry, |what| progress.step(what))?;
+        let investigation = investigate(&question, registry, |what| progress.step(what))?;
         let verdict = write_verdict(&question, &investigation);
         let mut improvement = improvement(&question, &investigation);
         // A given model is improved by what is added to its own experiment's structure, fitted anew.
@@ -84,7 +86,7 @@ impl Diagnose {
         progress.step("calibrating the improved model");
         drop(progress);
 
-        let improved = improved_model(&text, &self.experiment, &mut registry)?;
+        let improved = improved_model(&text, &self.experiment, registry)?;
         let files = vec![
             ("verdict.json".to_owned(), pretty(&json!(verdict)).into_bytes()),
             ("improved.toml".to_owned(), text.clone().into_bytes()),

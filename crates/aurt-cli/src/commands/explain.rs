@@ -1,5 +1,6 @@
-//! `aurt explain`: what a model or a term of the reports means.
+//! `aurt explain`: what an effect, a model or a term of the reports means.
 
+use aurt_diagnosis::effects;
 use aurt_plugins::{ModelListing, suggestion};
 use clap::Args;
 use serde_json::{Value, json};
@@ -12,17 +13,19 @@ use crate::{
         number::significant,
         table::Table,
         terminal::{Emphasis, Report, Terminal},
-        text::wrapped_at,
+        text::{wrapped_at, wrapped_with},
     },
 };
 
-/// Explain a model, or a term of the reports.
+/// Columns of running text.
+const WIDTH: usize = 78;
+
+/// Explain an effect, a model, or a term of the reports.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example:\n  aurt explain square\n  aurt explain nmse\n  aurt explain        lists what there is"
-)]
+#[command(after_help = "Example:\n  aurt explain payload\n  aurt explain square\n  aurt explain nmse\n  \
+    aurt explain        lists what there is")]
 pub struct Explain {
-    /// A model of `aurt models`, or a term such as nmse, rest, load_torque
+    /// An effect of a diagnosis, a model of `aurt models`, or a term such as nmse, rest, load_torque
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -32,54 +35,96 @@ impl Explain {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let Some(name) = &self.name else { return Ok(listing(session)) };
         let wanted = name.trim().to_lowercase().replace(['-', ' '], "_");
-        let models: Vec<&ModelListing> = session.registry.named(&wanted).collect();
-        let term = glossary::term(&wanted);
-        if models.is_empty() && term.is_none() {
-            return Err(self.unknown(session, &wanted));
-        }
-        let mut text = String::new();
+        let mut text = Vec::new();
         let mut explained = Vec::new();
-        for model in models {
+        if let Some(effect) = effects::find(&wanted) {
+            let page = effects::explain(effect);
+            text.push(page_text(session.terminal, &page));
+            explained.push(
+                json!({ "kind": "effect", "name": effect.id(), "title": effect.title(), "text": page }),
+            );
+        }
+        for model in session.registry.named(&wanted) {
             let description = describe(&session.registry, model)?;
-            text.push_str(&model_text(session.terminal, model, &description));
+            text.push(model_text(session.terminal, model, &description));
             explained.push(description);
         }
-        if let Some(term) = term {
+        if let Some(term) = glossary::term(&wanted) {
             let title = session.terminal.emphasise(Emphasis::Title, term.title);
-            text.push_str(&format!("{title}\n\n{}", wrapped_at(term.text, 78, "")));
+            text.push(format!("{title}\n\n{}", wrapped_at(term.text, WIDTH, "")));
             explained
                 .push(json!({ "kind": "term", "name": term.name, "title": term.title, "text": term.text }));
         }
-        Ok(Report { text, json: json!({ "command": "explain", "explained": explained }), findings: false })
-    }
-
-    fn unknown(&self, session: &Session<'_>, wanted: &str) -> Failure {
-        let models = session.registry.models().map(|m| m.name.as_str());
-        let known: Vec<&str> = models.chain(TERMS.iter().map(|t| t.name)).collect();
-        Failure::Argument {
-            option: "NAME",
-            reason: format!(
-                "there is neither a model nor a term `{}`",
-                self.name.as_deref().unwrap_or_default()
-            ),
-            remedy: suggestion::help(wanted, "names", known),
+        if explained.is_empty() {
+            return Err(unknown(session, name, &wanted));
         }
+        let json = json!({ "command": "explain", "explained": explained });
+        Ok(Report { text: text.join("\n"), json, findings: false })
+    }
+}
+
+fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
+    let models = session.registry.models().map(|m| m.name.as_str());
+    let effects = effects::all().into_iter().map(|e| e.id());
+    let known = models.chain(effects).chain(TERMS.iter().map(|t| t.name));
+    let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
+    Failure::Argument {
+        option: "NAME",
+        reason: format!("there is no effect, model or term `{written}`"),
+        remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
     }
 }
 
 /// What can be explained.
 fn listing(session: &Session<'_>) -> Report {
-    let models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
+    let effects: Vec<&str> = effects::all().into_iter().map(|e| e.id()).collect();
+    let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
+    models.dedup();
     let terms: Vec<&str> = TERMS.iter().map(|t| t.name).collect();
     let section = |title: &str, names: &[&str]| {
         let title = session.terminal.emphasise(Emphasis::Title, title);
-        format!("{title}\n{}\n", wrapped_at(&names.join("  "), 78, "  "))
+        format!("{title}\n{}\n", wrapped_at(&names.join("  "), WIDTH, "  "))
     };
     Report {
-        text: section("models", &models) + &section("terms of the reports", &terms),
-        json: json!({ "command": "explain", "models": models, "terms": terms }),
+        text: section("effects that a diagnosis can name", &effects)
+            + &section("models", &models)
+            + &section("terms of the reports", &terms),
+        json: json!({ "command": "explain", "effects": effects, "models": models, "terms": terms }),
         findings: false,
     }
+}
+
+/// A page of plain Markdown for a terminal: headings set off, paragraphs and list items wrapped.
+fn page_text(terminal: &Terminal, page: &str) -> String {
+    let mut text = String::new();
+    let mut block = String::new();
+    let flush = |block: &mut String, text: &mut String| {
+        match block.strip_prefix("- ") {
+            Some(item) => text.push_str(&wrapped_with(item, WIDTH, "  - ", "    ")),
+            None if !block.is_empty() => text.push_str(&wrapped_at(block, WIDTH, "")),
+            None => {}
+        }
+        block.clear();
+    };
+    for (k, line) in page.replace(['`', '*'], "").lines().enumerate() {
+        if k == 0 || line.starts_with("# ") {
+            flush(&mut block, &mut text);
+            let heading = line.trim_start_matches("# ");
+            text.push_str(&terminal.emphasise(Emphasis::Title, heading));
+            text.push('\n');
+        } else if line.trim().is_empty() {
+            flush(&mut block, &mut text);
+            text.push('\n');
+        } else {
+            if line.starts_with("- ") {
+                flush(&mut block, &mut text);
+            }
+            block.push_str(line);
+            block.push(' ');
+        }
+    }
+    flush(&mut block, &mut text);
+    text
 }
 
 fn model_text(terminal: &Terminal, model: &ModelListing, description: &Value) -> String {
@@ -87,7 +132,7 @@ fn model_text(terminal: &Terminal, model: &ModelListing, description: &Value) ->
     let mut text = format!("{}\n", terminal.emphasise(Emphasis::Title, &title));
     let mut paragraph = |heading: &str, body: &str| {
         if !body.is_empty() {
-            text.push_str(&format!("\n{heading}\n{}", wrapped_at(body, 78, "  ")));
+            text.push_str(&format!("\n{heading}\n{}", wrapped_at(body, WIDTH, "  ")));
         }
     };
     paragraph("what it is", &model.summary);
@@ -109,7 +154,7 @@ fn model_text(terminal: &Terminal, model: &ModelListing, description: &Value) ->
     if !shape.is_empty() {
         text.push_str(&format!("\n{}", shape.render()));
     }
-    text.push_str(&format!("\nexample\n  {} = {}\n\n", model.slot.name(), model.example));
+    text.push_str(&format!("\nexample\n  {} = {}\n", model.slot.name(), model.example));
     text
 }
 

@@ -5,11 +5,13 @@ mod calibrate_validate;
 mod check;
 mod compile_rbd;
 mod compile_rd;
+mod completions;
 mod conceal;
 mod data_options;
 mod demo;
 mod diagnose;
 mod explain;
+mod man;
 mod models;
 mod new_plugin;
 mod predict;
@@ -41,7 +43,21 @@ pub enum Command {
     Models(models::Models),
     Explain(explain::Explain),
     NewPlugin(new_plugin::NewPlugin),
+    Completions(completions::Completions),
+    Man(man::Man),
 }
+
+/// The commands by what they are for, as `--help` shows them.
+pub const GROUPS: [(&str, &[&str]); 5] = [
+    ("Start here", &["demo", "check", "run"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "conceal"]),
+    (
+        "Step by step, as in the paper",
+        &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
+    ),
+    ("Models and words", &["models", "explain", "new-plugin"]),
+    ("Shell", &["completions", "man", "help"]),
+];
 
 /// What every command has at hand.
 #[derive(Debug)]
@@ -68,11 +84,13 @@ impl Command {
             Self::CalibrateValidate(command) => command.run(session),
             Self::Predict(command) => command.run(session),
             Self::Sweep(command) => command.run(session),
-            Self::Diagnose(command) => command.run(session.terminal),
+            Self::Diagnose(command) => command.run(session),
             Self::Conceal(command) => command.run(session),
             Self::Models(command) => command.run(session),
             Self::Explain(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
+            Self::Completions(command) => command.run(),
+            Self::Man(command) => command.run(),
         }
     }
 }

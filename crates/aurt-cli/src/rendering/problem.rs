@@ -72,7 +72,16 @@ pub fn render(failure: &Failure, coloured: bool) -> String {
 
 /// What is wrong, as JSON.
 pub fn to_json(failure: &Failure) -> Value {
-    let problems: Vec<Value> = problems(failure)
+    problems_to_json(problems(failure))
+}
+
+/// A problem without a place, as JSON.
+pub fn plain_to_json(message: &str) -> Value {
+    problems_to_json(vec![Problem::plain(message)])
+}
+
+fn problems_to_json(problems: Vec<Problem>) -> Value {
+    let problems: Vec<Value> = problems
         .into_iter()
         .map(|p| {
             json!({

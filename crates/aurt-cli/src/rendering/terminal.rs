@@ -8,7 +8,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
-use super::problem;
+use super::{json, problem};
 use crate::failure::Failure;
 
 /// What a command has to say when it is done.
@@ -65,7 +65,7 @@ impl Terminal {
     /// Prints what a command has to say.
     pub fn print_report(&self, report: &Report) {
         let text = if self.json {
-            format!("{:#}\n", report.json)
+            json::pretty(&report.json)
         } else if self.quiet {
             return;
         } else {
@@ -77,11 +77,17 @@ impl Terminal {
     /// Prints why a command failed: for people to standard error, for programs to standard output.
     pub fn print_failure(&self, failure: &Failure) {
         if self.json {
-            let document = format!("{:#}\n", problem::to_json(failure));
+            let document = json::pretty(&problem::to_json(failure));
             write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &document);
         }
         let text = problem::render(failure, self.colour_err);
         write_ignoring_closed_pipe(&mut std::io::stderr().lock(), &text);
+    }
+
+    /// Prints a problem with the arguments for programs.
+    pub fn print_problem(&self, message: &str) {
+        let document = json::pretty(&problem::plain_to_json(message));
+        write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &document);
     }
 
     /// A bar over `steps` steps on standard error, where a person looks at it.

@@ -13,7 +13,8 @@ pub fn wrapped(sentence: &str) -> String {
     wrapped_with(sentence, WIDTH, "  ", "    ")
 }
 
-fn wrapped_with(text: &str, width: usize, first: &str, further: &str) -> String {
+/// `text` on lines of at most `width` columns, the first begun by `first`, the others by `further`.
+pub fn wrapped_with(text: &str, width: usize, first: &str, further: &str) -> String {
     let mut out = String::from(first);
     let mut column = first.chars().count();
     let mut fresh = true;

@@ -1,4 +1,5 @@
 //! The `aurt` command as a person or a script meets it.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod bad_experiment;
 mod bad_model_file;

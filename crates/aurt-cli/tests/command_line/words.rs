@@ -8,6 +8,12 @@ fn help_names_every_command_and_each_has_an_example() {
     let help = folder.aurt(["--help"]).succeeded().stdout();
     for command in [
         "run",
+        "check",
+        "sweep",
+        "diagnose",
+        "conceal",
+        "completions",
+        "man",
         "demo",
         "compile-rbd",
         "compile-rd",
@@ -33,7 +39,16 @@ fn models_are_explained_and_unknown_ones_suggested() {
     }
     let nmse = folder.aurt(["explain", "NMSE"]).succeeded().stdout();
     assert!(nmse.contains("mean of |measured|"), "{nmse}");
-    folder.aurt(["explain", "sqare"]).refused(&["sqare", "did you mean `square`?", "`absolute`"]);
+    folder.aurt(["explain", "sqare"]).refused(&["sqare", "did you mean `square`?", "lists what there is"]);
+    // An effect of a diagnosis and the arm term of the same name are explained together.
+    let payload = folder.aurt(["explain", "payload"]).succeeded().stdout();
+    for word in ["What to record to be sure", "Easily confused with", "model = \"payload\""] {
+        assert!(payload.contains(word), "`{word}` is missing in\n{payload}");
+    }
+    let all = folder.aurt(["explain"]).succeeded().stdout();
+    for word in ["joint_elasticity", "maxwell_slip", "condition_number"] {
+        assert!(all.contains(word), "`{word}` is missing in\n{all}");
+    }
 }
 
 #[test]
@@ -60,4 +75,26 @@ fn a_library_that_is_no_plugin_is_refused() {
     folder.write("no.so", "not a library");
     folder.aurt(["--plugin", "no.so", "models"]).refused(&["no.so"]);
     folder.aurt(["--plugin", "nowhere.so", "models"]).refused(&["nowhere.so"]);
+}
+
+#[test]
+fn wrong_arguments_are_json_for_scripts() {
+    let folder = Folder::new();
+    let run = folder.aurt(["compile-rbd", "--json", "--mdh", "mdh.csv"]);
+    assert_eq!(run.status(), 2);
+    let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    let message = document["error"]["problems"][0]["message"].as_str().unwrap();
+    assert!(message.contains("--gravity") && message.contains("--out"), "{message}");
+}
+
+#[test]
+fn shells_and_manual_readers_are_served() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = folder.aurt(["completions", shell]).succeeded().stdout();
+        assert!(script.contains("compile-rbd") && script.contains("friction-torque-model"), "{shell}");
+    }
+    folder.aurt(["man", "--out", "man1"]).succeeded();
+    let page = folder.read("man1/aurt-compile-rd.1");
+    assert!(page.contains("friction") && page.starts_with(".ie"), "{page}");
 }

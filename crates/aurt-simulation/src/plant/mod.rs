@@ -122,9 +122,7 @@ pub fn run(
 }
 
 fn check_tracking(plant: &Plant, integrator: &Integrator) -> Result<(), SimulationError> {
-    let Command::Track(tracking) = &plant.command else {
-        return Ok(());
-    };
+    let Command::Track(tracking) = &plant.command;
     for joint in 0..plant.joints {
         let error = integrator.state[joint] - tracking.command_rad(integrator.time_s, joint);
         // Written so that a NaN has failed too.

@@ -317,9 +317,8 @@ pub(crate) fn step_s(plant: &mut Plant, home_rad: &[f64], sample_s: f64) -> Resu
             note((bristle.stiffness_nm_rad(level) / shaft).sqrt(), "presliding stiffness", j);
             note(bristle.damping_nm_s() / shaft, "presliding damping", j);
         }
-        if let super::dynamics::Command::Track(tracking) = &plant.command {
-            note(tracking.rate_per_s(j, shaft), "the control loop", j);
-        }
+        let super::dynamics::Command::Track(tracking) = &plant.command;
+        note(tracking.rate_per_s(j, shaft), "the control loop", j);
         for torque in &plant.machine.shaft_torques {
             note(torque.rate_per_s(&|i| if i == j { shaft } else { f64::INFINITY }), "an added torque", j);
         }

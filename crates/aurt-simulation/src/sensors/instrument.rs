@@ -90,7 +90,8 @@ impl Instrument {
             complaints.within(name("gain error"), channel.gain_error, -0.9, 9.0);
             complaints.within(name("torque offset"), channel.offset_nm, -1e4, 1e4);
             complaints.positive(name("torque constant"), channel.torque_constant_nm_per_a);
-            if !(channel.saturation_nm > 0.0) {
+            let positive = channel.saturation_nm > 0.0;
+            if !positive {
                 complaints.0.push(SimulationError::value(
                     name("saturation"),
                     channel.saturation_nm,

@@ -319,7 +319,7 @@ mod tests {
         for motion in motions() {
             let position = |seed| {
                 let mut q = vec![0.0; 6];
-                motion.plan(&robot, seed).unwrap().at(7.7, &mut q, &mut vec![0.0; 6], &mut vec![0.0; 6]);
+                motion.plan(&robot, seed).unwrap().at(7.7, &mut q, &mut [0.0; 6], &mut [0.0; 6]);
                 q
             };
             assert_eq!(position(1), position(1));

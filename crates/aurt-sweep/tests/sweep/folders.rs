@@ -146,7 +146,7 @@ fn points_by_themselves_make_what_the_whole_makes() {
 #[test]
 fn a_plugin_that_panics_fails_its_point_alone() {
     struct Panics;
-    impl aurt_sweep::Loader for Panics {
+    impl Loader for Panics {
         fn load(
             &self,
             _: &aurt_plugins::Experiment,
