@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn a_negative_coefficient_that_may_not_be_is_left_out() {
-        let matrix = [2.0, 0.0, 0.0, 2.0];
-        assert_eq!(solve_signed(&matrix, &[-2.0, 4.0], &[true, true]), [0.0, 2.0]);
-        assert_eq!(solve_signed(&matrix, &[-2.0, 4.0], &[false, true]), [-1.0, 2.0]);
+        let matrix = [4.0, 0.0, 0.0, 4.0];
+        assert_eq!(solve_signed(&matrix, &[-4.0, 8.0], &[true, true]), [0.0, 2.0]);
+        assert_eq!(solve_signed(&matrix, &[-4.0, 8.0], &[false, true]), [-1.0, 2.0]);
     }
 }

@@ -130,6 +130,7 @@ impl Selector<'_> {
             let start = chosen.clone();
             self.forward(&mut chosen, &barred, &mut progress);
             self.replace(&mut chosen);
+            self.split(&mut chosen);
             barred.extend(self.remove(&mut chosen, &before));
             if chosen == start {
                 break;
@@ -269,6 +270,38 @@ impl Selector<'_> {
             let ranked = self.rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]));
             if let Some(best) = self.frugal(&ranked) {
                 chosen[i] = best;
+            }
+        }
+    }
+
+    /// Replaces effects that tie two joints by an effect on each, where these do as well: what two joints do by
+    /// themselves needs no coupling.
+    fn split(&self, chosen: &mut Vec<usize>) {
+        let mut i = 0;
+        while i < chosen.len() {
+            let tie = &self.groups[chosen[i]];
+            if tie.joints.len() != 2 {
+                i += 1;
+                continue;
+            }
+            let mut parts = without(chosen, i);
+            let fit = self.fit(&parts);
+            let before = self.mse(&fit, &[]);
+            let tied = self.mse(&fit, &tie.switches);
+            for joint in &tie.joints {
+                let fit = self.fit(&parts);
+                let now = self.mse(&fit, &[]);
+                let alone = |g: usize| self.groups[g].joints == [*joint] && !parts.contains(&g);
+                let best = self.frugal(&self.rank(&fit, &now, alone));
+                parts.extend(best);
+            }
+            let apart = self.mse(&self.fit(&parts), &[]);
+            let (tied, apart) = (self.score(&fit, &before, &tied), self.score(&fit, &before, &apart));
+            if parts.len() > chosen.len() - 1 && apart >= tied - (self.options.tie * tied).max(2.0) {
+                *chosen = parts;
+                i = 0;
+            } else {
+                i += 1;
             }
         }
     }

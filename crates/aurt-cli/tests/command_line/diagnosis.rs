@@ -48,8 +48,8 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
         assert_eq!(found["effects"][0]["joints"], hidden["joints"], "{case}");
         let (before, after) =
             (numbers(&found["held_out"]["rms_before"]), numbers(&found["held_out"]["rms_after"]));
-        let joint = hidden["joints"][0].as_u64().unwrap() as usize;
-        assert!(after[joint] < 0.7 * before[joint], "{case}: {before:?} {after:?}");
+        let halved = |j: &Value| j.as_u64().is_some_and(|j| after[j as usize] < 0.5 * before[j as usize]);
+        assert!(hidden["joints"].as_array().unwrap().iter().any(halved), "{case}: {before:?} {after:?}");
 
         let name = hidden["effect"].as_str().unwrap();
         let without = verdict(&folder, case, &["--without", name]);
