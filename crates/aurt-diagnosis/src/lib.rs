@@ -10,6 +10,7 @@ mod diagnose;
 pub mod effects;
 mod error;
 mod faults;
+mod findings;
 mod floor;
 mod gram;
 mod improve;

@@ -19,7 +19,7 @@ pub const SCHEMA: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// [`SCHEMA`].
+    /// Version of the format.
     pub schema: u32,
     /// The experiment's file; a folder belongs to one.
     pub experiment: PathBuf,

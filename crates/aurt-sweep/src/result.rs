@@ -12,7 +12,7 @@ pub const SCHEMA: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointResult {
-    /// [`SCHEMA`].
+    /// Version of the format.
     pub schema: u32,
     /// The key under which it is kept.
     pub key: String,

@@ -44,7 +44,7 @@ enum Engine {
 /// Run all points that have no result yet.
 #[derive(Debug, Args)]
 struct RunSweep {
-    /// Experiment file with a [sweep]
+    /// Experiment file with a section `sweep`
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
     /// Folder of the sweep; made if it does not exist
@@ -61,7 +61,7 @@ struct RunSweep {
 /// Write the plan and one resolved experiment per point, and run nothing.
 #[derive(Debug, Args)]
 struct PlanSweep {
-    /// Experiment file with a [sweep]
+    /// Experiment file with a section `sweep`
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
     /// Folder of the sweep; made if it does not exist
