@@ -1,7 +1,5 @@
 //! Parameters recovered from recordings of a known robot, as often as their confidence intervals promise.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::f64::consts::TAU;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, calibrate};
