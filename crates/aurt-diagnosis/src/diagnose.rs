@@ -83,9 +83,13 @@ pub fn investigate(
     progress("looking for faults of the recordings");
     let recordings =
         question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<Vec<_>, _>>()?;
-    let faults: Vec<Fault> =
+    let mut faults: Vec<Fault> =
         recordings.iter().filter_map(|r| r.spoilt.as_ref()).flat_map(|s| s.faults.faults.clone()).collect();
+    let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
+    if faults.iter().any(|f| f.suffices) && !repair_helps(as_recorded, question)? {
+        faults.iter_mut().for_each(|f| f.suffices = false);
+    }
     progress("fitting the model in question");
     let baseline = Baseline::new(question)?;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
@@ -186,6 +190,37 @@ pub fn investigate(
     })
 }
 
+/// A repair matters if it lowers the mean squared residual of some joint by this share.
+const REPAIRED: f64 = 0.1;
+
+/// Whether the model in question fits the repaired recordings better than the recordings as they were made.
+fn repair_helps(as_recorded: &Question<'_>, repaired: &Question<'_>) -> Result<bool, DiagnosisError> {
+    let (before, after) = (mean_squares(as_recorded)?, mean_squares(repaired)?);
+    Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))
+}
+
+/// Mean squared residual of each joint under the model in question, over what is not for validation.
+fn mean_squares(question: &Question<'_>) -> Result<Vec<f64>, DiagnosisError> {
+    let baseline = Baseline::new(question)?;
+    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let mut rows = evaluate_all(question, question.model, &fit)?;
+    prepare(question, &baseline, question.model, &mut rows);
+    let asked: Vec<&RecordingRows> = rows.iter().filter(|r| r.role != Role::Validation).collect();
+    let joints = question.model.joints();
+    Ok((0..joints)
+        .map(|j| {
+            let columns = question.model.row_columns(j);
+            let value = |c: &usize| if baseline.frozen { 0.0 } else { baseline.coefficients[*c] };
+            let (sum, count) = asked.iter().fold((0.0, 0.0), |(sum, count), r| {
+                let residual = r.joints[j].residual(columns.iter().map(value));
+                let power: f64 = residual.iter().map(|e| e * e).sum();
+                (sum + power, count + r.joints[j].counted(0, r.rows()))
+            });
+            sum / f64::max(count, 1.0)
+        })
+        .collect())
+}
+
 /// What selection works on, beside the rows.
 struct Parts<'a> {
     question: &'a Question<'a>,
@@ -242,8 +277,11 @@ impl Parts<'_> {
         let mut searched = Vec::new();
         for r in &asked {
             let left = residuals(&rows[*r], self.layout, &selected.switches, &selected.coefficients);
+            // What is held out takes no part here either.
+            let end = self.partition.fitted().filter(|p| p.0 == *r).map(|p| p.2).max().unwrap_or(0);
+            let excluded = |(k, counts): (usize, &bool)| !counts || k >= end;
             let out: Vec<Vec<bool>> =
-                rows[*r].joints.iter().map(|j| j.counts.iter().map(|c| !c).collect()).collect();
+                rows[*r].joints.iter().map(|j| j.counts.iter().enumerate().map(excluded).collect()).collect();
             searched.push((left, out, force_columns(&**body, &rows[*r])?));
         }
         let views: Vec<ContactRows<'_>> = asked

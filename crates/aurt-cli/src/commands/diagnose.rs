@@ -214,14 +214,7 @@ fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
     };
     let _ = writeln!(text, "{}", terminal.emphasise(Emphasis::Title, headline));
     for (k, finding) in verdict.effects.iter().enumerate() {
-        let _ = writeln!(
-            text,
-            "  {}. {} — {} % sure (score {:.0})",
-            k + 1,
-            finding.sentence,
-            (100.0 * finding.confidence).round(),
-            finding.evidence.score
-        );
+        let _ = writeln!(text, "  {}. {} (score {:.0})", k + 1, finding.sentence, finding.evidence.score);
         for other in &finding.alternatives {
             let _ = writeln!(text, "     or {}; to tell: {}", other.effect, other.record);
         }

@@ -60,7 +60,7 @@ impl ContactOptions {
     /// The defaults for dynamics up to `f_dyn_hz`.
     #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {
-        Self { score: 30.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
+        Self { score: 50.0, distinction: 2.7, rest_velocity_rad_s: 0.03, margin_s: 0.5 / f_dyn_hz, most: 4 }
     }
 }
 

@@ -152,8 +152,19 @@ fn search(recordings: &[(RecordingRows, Vec<Vec<f64>>)]) -> Vec<Contact> {
     find_contacts(&inputs, &ContactOptions::new(5.0))
 }
 
+/// The search is a statistical test: now and then noise of long memory looks like a contact, or hides one. The
+/// cases are therefore fixed, so that a failure is one of the code.
+fn fixed_cases() -> ProptestConfig {
+    ProptestConfig {
+        cases: 16,
+        failure_persistence: None,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(7),
+        ..ProptestConfig::default()
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(fixed_cases())]
 
     #[test]
     fn columns_are_those_of_the_force(seed in any::<u64>(), force in prop::array::uniform3(-30.0_f64..30.0)) {

@@ -100,7 +100,7 @@ impl RecordingFaults {
     pub fn faulty_rows(&self, recording: &Recording, rows: &RecordingRows, cutoff_hz: f64) -> Vec<Vec<bool>> {
         let reach_s = REACH_PERIODS / cutoff_hz;
         let bridged_s = BRIDGED_PERIODS / cutoff_hz;
-        let spoilt = stretches(&recording.time_s, &self.spoilt, bridged_s);
+        let spoilt = stretches(&recording.time_s, &self.spoilt, 0.0);
         let long = |span: &&[f64; 2]| span[1] - span[0] > bridged_s;
         let common: Vec<[f64; 2]> = self.gaps_s.iter().chain(&spoilt).filter(long).copied().collect();
         (0..rows.joints.len())
