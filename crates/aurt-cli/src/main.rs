@@ -12,6 +12,7 @@ mod fitting;
 mod glossary;
 mod inspection;
 mod output;
+mod proof;
 mod rendering;
 mod results;
 mod simulated;

@@ -4,6 +4,7 @@
 //! cross-validation over blocks of time) → [`Verdict`].
 
 mod baseline;
+mod comparison;
 mod confidence;
 mod contact;
 mod diagnose;
@@ -27,6 +28,7 @@ mod simulated;
 mod verdict;
 
 pub use baseline::Baseline;
+pub use comparison::{Method, MethodFinding, MethodVerdict};
 pub use contact::{Contact, ContactOptions, ContactRows, ForceColumns, find_contacts, force_columns};
 pub use diagnose::{Candidate, Investigation, investigate};
 pub use error::DiagnosisError;

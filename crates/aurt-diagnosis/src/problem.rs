@@ -93,8 +93,24 @@ impl Problem {
         self.moments.total[0].iter().any(|m| m.rows > 0.0)
     }
 
+    /// Moments of everything, `[kind][joint]`.
+    pub(crate) const fn total(&self) -> &[Vec<Moments>; 2] {
+        &self.moments.total
+    }
+
+    /// Moments of everything but a block, and of the block.
+    pub(crate) fn fold(&self, block: usize) -> (&[Vec<Moments>; 2], &[Vec<Moments>; 2]) {
+        (&self.training[block], &self.moments.parts[block])
+    }
+
     /// Σ_j weight_j X_aᵀX_b over a set of moments, column-major |a| × |b|.
-    fn cross(&self, moments: &[Vec<Moments>; 2], a: &[Switch], b: &[Switch], weights: &[f64]) -> Vec<f64> {
+    pub(crate) fn cross(
+        &self,
+        moments: &[Vec<Moments>; 2],
+        a: &[Switch],
+        b: &[Switch],
+        weights: &[f64],
+    ) -> Vec<f64> {
         let mut matrix = vec![0.0; a.len() * b.len()];
         for joint in 0..self.joints {
             let map = &self.local[joint];
@@ -124,7 +140,7 @@ impl Problem {
     }
 
     /// Σ_j weight_j X_aᵀy over a set of moments.
-    fn right(&self, moments: &[Vec<Moments>; 2], a: &[Switch], weights: &[f64]) -> Vec<f64> {
+    pub(crate) fn right(&self, moments: &[Vec<Moments>; 2], a: &[Switch], weights: &[f64]) -> Vec<f64> {
         a.iter()
             .map(|switch| {
                 let mut sum = 0.0;

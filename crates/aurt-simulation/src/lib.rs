@@ -8,6 +8,7 @@ pub mod plant;
 mod random;
 pub mod robots;
 mod scenario;
+pub mod score;
 pub mod sensors;
 mod strength;
 pub mod trajectory;

@@ -6,8 +6,8 @@ use std::{
 };
 
 use aurt_diagnosis::{
-    Answer, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improved_experiment, improvement,
-    investigate, write_verdict,
+    Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improved_experiment,
+    improvement, investigate, write_verdict,
 };
 use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
@@ -20,6 +20,7 @@ use crate::{
     data::{Instrument, Pipeline, Preprocessing, Purpose, Source},
     failure::Failure,
     output::OutputFolder,
+    proof::COMPARISON,
     rendering::{
         json::pretty,
         terminal::{Emphasis, Report, Terminal},
@@ -47,6 +48,9 @@ pub struct Diagnose {
     /// Do as if an effect were unknown; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
+    #[arg(long)]
+    compare: bool,
 }
 
 impl Diagnose {
@@ -87,11 +91,18 @@ impl Diagnose {
         drop(progress);
 
         let improved = improved_model(&text, &self.experiment, registry)?;
-        let files = vec![
+        let mut files = vec![
             ("verdict.json".to_owned(), pretty(&json!(verdict)).into_bytes()),
             ("improved.toml".to_owned(), text.clone().into_bytes()),
             ("rd_improved.json".to_owned(), improved),
         ];
+        if self.compare {
+            let methods: serde_json::Map<String, serde_json::Value> = Method::ALL
+                .into_iter()
+                .map(|method| (method.name().to_owned(), json!(method.answer(&investigation))))
+                .collect();
+            files.push((COMPARISON.to_owned(), pretty(&json!(methods)).into_bytes()));
+        }
         folder.write(&files)?;
         let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
         let mut report = summary(&verdict, unit.symbol(), terminal);

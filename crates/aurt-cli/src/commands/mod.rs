@@ -15,7 +15,9 @@ mod man;
 mod models;
 mod new_plugin;
 mod predict;
+mod prove;
 pub mod run;
+mod score;
 mod sweep;
 
 use aurt_plugins::Registry;
@@ -40,6 +42,8 @@ pub enum Command {
     Diagnose(diagnose::Diagnose),
     Sweep(sweep::Sweep),
     Conceal(conceal::Conceal),
+    Score(score::Score),
+    Prove(prove::Prove),
     Models(models::Models),
     Explain(explain::Explain),
     NewPlugin(new_plugin::NewPlugin),
@@ -48,9 +52,10 @@ pub enum Command {
 }
 
 /// The commands by what they are for, as `--help` shows them.
-pub const GROUPS: [(&str, &[&str]); 5] = [
+pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Start here", &["demo", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose", "conceal"]),
+    ("Which model, what is missing", &["sweep", "diagnose"]),
+    ("Proof", &["prove", "conceal", "score"]),
     (
         "Step by step, as in the paper",
         &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
@@ -86,6 +91,8 @@ impl Command {
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
             Self::Conceal(command) => command.run(session),
+            Self::Score(command) => command.run(session),
+            Self::Prove(command) => command.run(session),
             Self::Models(command) => command.run(session),
             Self::Explain(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),

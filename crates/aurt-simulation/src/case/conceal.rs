@@ -50,7 +50,7 @@ pub fn conceal(
         .par_iter()
         .enumerate()
         .map(|(index, request)| {
-            let name = case_name(index);
+            let name = Plan::case_name(index);
             let case = make_case(&name, request, &plan.recordings, case_seed(seed, index))?;
             case.write(cases, sealed)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -72,15 +72,30 @@ impl Plan {
     ) -> Result<impl Iterator<Item = (String, Result<Case, SimulationError>)>, SimulationError> {
         let settings = self.recordings;
         Ok(self.requests(seed)?.into_iter().enumerate().map(move |(index, request)| {
-            let name = case_name(index);
+            let name = Self::case_name(index);
             let case = make_case(&name, &request, &settings, case_seed(seed, index));
             (name, case)
         }))
     }
-}
 
-fn case_name(index: usize) -> String {
-    format!("case_{:04}", index + 1)
+    /// One case of a plan; `index` counts from 0 along [`Plan::requests`].
+    ///
+    /// # Errors
+    /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case; what making it reports.
+    pub fn make(&self, seed: u64, index: usize) -> Result<Case, SimulationError> {
+        let requests = self.requests(seed)?;
+        let request = requests.get(index).ok_or_else(|| SimulationError::Unreadable {
+            path: "plan".into(),
+            reason: format!("has {} cases, number {} was asked for", requests.len(), index + 1),
+        })?;
+        make_case(&Self::case_name(index), request, &self.recordings, case_seed(seed, index))
+    }
+
+    /// The name of a case; `index` counts from 0.
+    #[must_use]
+    pub fn case_name(index: usize) -> String {
+        format!("case_{:04}", index + 1)
+    }
 }
 
 fn case_seed(seed: u64, index: usize) -> u64 {
