@@ -16,6 +16,7 @@ use crate::{
     problem::{Problem, Switch},
     rows::{Fit, independent_share},
     selection::{Group, Selection, Selector},
+    wideband::{Shaking, find_shaking},
 };
 
 /// A proposal of an effect, with its place among the columns.
@@ -58,6 +59,10 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Faults of the recordings.
     pub faults: Vec<Fault>,
+    /// Whether their repair improves the fit of the model in question.
+    pub faults_matter: bool,
+    /// Play and ringing above the cut-off of the filters; their windows took no part in selection.
+    pub shaking: Vec<Shaking>,
     /// Contacts with the surroundings; their windows took no part in selection.
     pub contacts: Vec<Contact>,
     /// What selection found.
@@ -83,13 +88,11 @@ pub fn investigate(
     progress("looking for faults of the recordings");
     let recordings =
         question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<Vec<_>, _>>()?;
-    let mut faults: Vec<Fault> =
+    let faults: Vec<Fault> =
         recordings.iter().filter_map(|r| r.spoilt.as_ref()).flat_map(|s| s.faults.faults.clone()).collect();
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
-    if faults.iter().any(|f| f.suffices) && !repair_helps(as_recorded, question)? {
-        faults.iter_mut().for_each(|f| f.suffices = false);
-    }
+    let faults_matter = faults.iter().any(|f| f.suffices) && repair_helps(as_recorded, question)?;
     progress("fitting the model in question");
     let baseline = Baseline::new(question)?;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
@@ -101,6 +104,14 @@ pub fn investigate(
         .zip(&own_rows)
         .map(|(r, rows)| noise_floor(&r.raw, &r.data.data, &r.options, &fit, rows))
         .collect::<Result<Vec<_>, _>>()?;
+
+    progress("looking for impacts and ringing");
+    let inertial: Vec<(usize, f64)> =
+        question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
+    let shaking = find_shaking(question, &fit, &inertial)?;
+    for (recording, window) in shaking.iter().flat_map(|s| &s.windows_s) {
+        leave_out_at(&mut own_rows[*recording], *window);
+    }
 
     progress("making candidates");
     let residual: Vec<Vec<Vec<f64>>> = own_rows
@@ -118,8 +129,6 @@ pub fn investigate(
                 .collect()
         })
         .collect();
-    let inertial: Vec<(usize, f64)> =
-        question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
     let fitted: Vec<usize> = (0..own_rows.len()).filter(|r| own_rows[*r].role != Role::Validation).collect();
     let context_rows: Vec<RecordingRows> = fitted.iter().map(|r| own_rows[*r].clone()).collect();
     let context_residual: Vec<Vec<Vec<f64>>> = fitted.iter().map(|r| residual[*r].clone()).collect();
@@ -143,6 +152,9 @@ pub fn investigate(
         recording.mask(&mut own_and_candidates);
         rows.push(own_and_candidates);
     }
+    for (recording, window) in shaking.iter().flat_map(|s| &s.windows_s) {
+        leave_out_at(&mut rows[*recording], *window);
+    }
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
     let layout = Layout::new(&model);
@@ -158,11 +170,15 @@ pub fn investigate(
     };
     let mut selected = parts.select(&rows, &mut progress);
     progress("looking for contacts");
-    let contacts = if question.without.iter().any(|w| w == "external_contact") {
+    let mut contacts = if question.without.iter().any(|w| w == "external_contact") {
         Vec::new()
     } else {
         parts.contacts(&rows, &selected)?
     };
+    // A few periods of a ringing gear push like a hand.
+    let shortest_s =
+        shaking.iter().filter_map(|s| s.frequency_hz).map(|f| RINGS_PERIODS / f).fold(0.0, f64::max);
+    contacts.retain(|c| c.window_s[1] - c.window_s[0] > shortest_s);
     if !contacts.is_empty() {
         for contact in &contacts {
             leave_out(&mut rows[contact.recording], contact.window_s);
@@ -183,12 +199,17 @@ pub fn investigate(
         floors,
         floor,
         faults,
+        faults_matter,
+        shaking,
         contacts,
         selection,
         free,
         mean_independent_share,
     })
 }
+
+/// Where a gear rings, contacts shorter than this many of its periods are its ringing.
+const RINGS_PERIODS: f64 = 6.0;
 
 /// A repair matters if it lowers the mean squared residual of some joint by this share.
 const REPAIRED: f64 = 0.1;
@@ -306,8 +327,12 @@ impl Parts<'_> {
 /// Leaves out the rows of a window, s from the first row.
 fn leave_out(rows: &mut RecordingRows, window_s: [f64; 2]) {
     let start = rows.time_s.first().copied().unwrap_or(0.0);
-    let within: Vec<bool> =
-        rows.time_s.iter().map(|t| (window_s[0]..=window_s[1]).contains(&(t - start))).collect();
+    leave_out_at(rows, window_s.map(|t| t + start));
+}
+
+/// Leaves out the rows of a window, s as in the recording's stamps.
+fn leave_out_at(rows: &mut RecordingRows, window_s: [f64; 2]) {
+    let within: Vec<bool> = rows.time_s.iter().map(|t| (window_s[0]..=window_s[1]).contains(t)).collect();
     for joint in &mut rows.joints {
         for (counts, within) in joint.counts.iter_mut().zip(&within) {
             *counts &= !within;

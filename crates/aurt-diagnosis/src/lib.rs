@@ -26,6 +26,7 @@ mod rows;
 mod selection;
 mod simulated;
 mod verdict;
+mod wideband;
 
 pub use baseline::Baseline;
 pub use comparison::{Method, MethodFinding, MethodVerdict};
@@ -43,3 +44,4 @@ pub use selection::{Chosen, Group, Selection, SelectionOptions};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict,
 };
+pub use wideband::{FullRate, InertiaColumns, Shaking, find_shaking};

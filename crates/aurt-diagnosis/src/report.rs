@@ -8,7 +8,7 @@ use crate::{
     baseline::weighted_fit,
     diagnose::residuals,
     effects::{self, Presence},
-    findings::{contact_findings, fault_findings, findings},
+    findings::{contact_findings, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
     selection::Chosen,
@@ -35,12 +35,23 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     });
     let residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
     let faults = fault_findings(question, investigation);
-    let faulty = !faults.is_empty();
     let touched = contact_findings(question, investigation);
-    let found = faulty || !touched.is_empty();
-    effects.splice(0..0, faults.into_iter().chain(touched));
+    let shaking = shaking_findings(question, investigation);
+    // Impacts or ringing that may not be named are structure that has no name.
+    let nameless = shaking.len() < investigation.shaking.len();
+    let by_physics = answer(&effects, &residual);
+    let verdict = match (shaking.is_empty() && touched.is_empty(), faults.is_empty()) {
+        (false, _) => Answer::Named,
+        (true, _) if nameless => Answer::Unexplained,
+        (true, false) if investigation.faults_matter || by_physics == Answer::NoMismatch => Answer::Named,
+        (true, _) => by_physics,
+    };
+    // A fault that makes no difference stands behind physics that does.
+    let place = if investigation.faults_matter { 0 } else { effects.len() };
+    effects.splice(place..place, faults);
+    effects.splice(0..0, shaking.into_iter().chain(touched));
     let mut verdict = Verdict {
-        verdict: if found { Answer::Named } else { answer(&effects, &residual) },
+        verdict,
         effects,
         not_decidable: not_decidable(question, investigation),
         residual,

@@ -1,0 +1,140 @@
+//! Play between the teeth: bursts where the transmitted torque changes its sign.
+//!
+//! For each joint j the energy D_j along M e_j ([`Along`]) of the high-passed residual is compared between the
+//! samples near a change of sign of the load of joint j and all others. For a χ² variable whose scale differs
+//! between the two, the gain in log-likelihood is ½ [N ln m − N₁ ln m₁ − N₂ ln m₂] with the means m, m₁, m₂.
+
+use aurt_recording::ZeroPhase;
+
+use super::{Piece, Shaking, pattern::Along, windows};
+use crate::DiagnosisError;
+
+/// Least gain in log-likelihood over all recordings of a kind. Rigid arms in simulation stay below 20, elastic ones
+/// below 30.
+const LEAST_GAIN: f64 = 45.0;
+/// Least ratio of the energies near changes of sign and elsewhere.
+const LEAST_RATIO: f64 = 1.5;
+/// Changes of sign are known to this time, s: the load is that of a fitted model.
+const REACH_S: f64 = 0.08;
+/// Changes of sign that are too many to be told from everything else: share of the samples near one.
+const MOST_COVERED: f64 = 0.45;
+/// Least number of changes of sign.
+const FEWEST: usize = 6;
+/// Impacts ring on for this time, s.
+const RINGS_S: f64 = 0.3;
+
+/// What the samples of one kind of recording say of one joint.
+#[derive(Debug, Clone, Copy, Default)]
+struct Evidence {
+    near: [f64; 2],
+    away: [f64; 2],
+    crossings: usize,
+}
+
+impl Evidence {
+    fn gain(&self) -> f64 {
+        let ([near, n1], [away, n2]) = (self.near, self.away);
+        if n1 < 1.0 || n2 < 1.0 || n1 > MOST_COVERED * (n1 + n2) || self.crossings < FEWEST {
+            return 0.0;
+        }
+        let log = |sum: f64, n: f64| (sum / n).max(f64::MIN_POSITIVE).ln();
+        0.5 * ((n1 + n2) * log(near + away, n1 + n2) - n1 * log(near, n1) - n2 * log(away, n2))
+    }
+
+    fn ratio(&self) -> f64 {
+        let (near, away) = (self.near[0] / self.near[1].max(1.0), self.away[0] / self.away[1].max(1.0));
+        // Below the noise there is nothing to compare with.
+        near / away.max(1.0)
+    }
+
+    fn shows(&self) -> bool {
+        self.gain() >= LEAST_GAIN && self.ratio() >= LEAST_RATIO
+    }
+}
+
+/// Joints with play, the clearest first. Samples after the changes of sign of a joint that was found are calm no
+/// longer: what rings there is explained.
+pub(super) fn find(pieces: &mut [Piece], f_dyn_hz: f64) -> Result<Vec<Shaking>, DiagnosisError> {
+    let joints = pieces.first().map_or(0, |p| p.full.joints());
+    let high: Vec<Vec<Vec<f64>>> = pieces.iter().map(|p| high_pass(p, f_dyn_hz)).collect::<Result<_, _>>()?;
+    let mut found: Vec<Shaking> = Vec::new();
+    while found.len() < joints {
+        let evidence: Vec<[Evidence; 2]> = (0..joints)
+            .map(|j| {
+                let mut kinds = [Evidence::default(); 2];
+                for (piece, band) in pieces.iter().zip(&high) {
+                    add(&mut kinds[usize::from(piece.target)], piece, band, f_dyn_hz, j);
+                }
+                kinds
+            })
+            .collect();
+        let clearest = (0..joints)
+            .filter(|j| found.iter().all(|f| f.joint != *j) && evidence[*j].iter().any(Evidence::shows))
+            .max_by(|a, b| {
+                let sum = |j: usize| evidence[j].iter().map(Evidence::gain).sum::<f64>();
+                sum(*a).total_cmp(&sum(*b))
+            });
+        let Some(joint) = clearest else { break };
+        let shown: Vec<&Evidence> = evidence[joint].iter().filter(|e| e.shows()).collect();
+        let mut windows_s = Vec::new();
+        for piece in pieces.iter_mut().filter(|p| evidence[joint][usize::from(p.target)].shows()) {
+            let crossings = crossings(piece, joint);
+            windows_s.extend(windows(piece, crossings.iter().copied(), REACH_S));
+            let (before, after) = (samples(piece, REACH_S), samples(piece, RINGS_S));
+            for calm in &mut piece.full.calm {
+                for k in &crossings {
+                    let end = (k + after).min(calm.len());
+                    calm[k.saturating_sub(before)..end].fill(false);
+                }
+            }
+        }
+        found.push(Shaking {
+            effect: "backlash",
+            joint,
+            present: [evidence[joint][0].shows(), evidence[joint][1].shows()],
+            score: shown.iter().map(|e| e.gain()).sum(),
+            contrast: shown.iter().map(|e| e.ratio()).fold(0.0, f64::max),
+            frequency_hz: None,
+            stiffness_nm_rad: None,
+            crossings: Some(shown.iter().map(|e| e.crossings).sum()),
+            windows_s,
+        });
+    }
+    Ok(found)
+}
+
+fn samples(piece: &Piece, seconds: f64) -> usize {
+    (seconds * piece.full.rate_hz).ceil() as usize
+}
+
+/// The residual without what lies below `f_dyn_hz`, where other physics is.
+fn high_pass(piece: &Piece, f_dyn_hz: f64) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+    let residual = &piece.full.residual;
+    let slow = ZeroPhase::butterworth(4, f_dyn_hz, piece.full.rate_hz)?.filter_all(residual)?;
+    Ok(residual.iter().zip(&slow).map(|(e, s)| e.iter().zip(s).map(|(a, b)| a - b).collect()).collect())
+}
+
+/// Samples at which the load of a joint has just changed its sign.
+fn crossings(piece: &Piece, joint: usize) -> Vec<usize> {
+    let load = &piece.full.load[joint];
+    (1..load.len()).filter(|k| load[*k] * load[k - 1] < 0.0).collect()
+}
+
+fn add(evidence: &mut Evidence, piece: &Piece, band: &[Vec<f64>], f_dyn_hz: f64, joint: usize) {
+    let passed = (1.0 - 2.0 * f_dyn_hz / piece.full.rate_hz).max(0.0).sqrt();
+    let noise: Vec<f64> = piece.full.noise.iter().map(|s| s * passed).collect();
+    let reach = samples(piece, REACH_S);
+    let crossings = crossings(piece, joint);
+    let mut near = vec![false; piece.full.time_s.len()];
+    for k in &crossings {
+        let end = (k + reach).min(near.len());
+        near[k.saturating_sub(reach)..end].fill(true);
+    }
+    for (k, energy, _) in &Along::new(&piece.full, band, &noise, joint).samples {
+        let sum = if near[*k] { &mut evidence.near } else { &mut evidence.away };
+        sum[0] += energy;
+        sum[1] += 1.0;
+    }
+    let calm = &piece.full.calm[joint];
+    evidence.crossings += crossings.iter().filter(|k| calm[**k]).count();
+}
