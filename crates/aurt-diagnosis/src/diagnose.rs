@@ -5,13 +5,14 @@ use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
 use serde_json::Value;
 
 use crate::{
-    Contact, ContactOptions, ContactRows, DiagnosisError, Fault, Layout, Question, QuestionedRecording,
-    RecordingRows, Role,
+    Contact, ContactOptions, ContactRows, DiagnosisError, Fault, Instrument, Layout, Question,
+    QuestionedRecording, RecordingRows, Role,
     baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
     contact::{find_contacts, force_columns},
     effects::{self, Addition, Context, Effect, Presence, Proposal},
     floor::noise_floor,
     gram::BlockMoments,
+    late::{Delay, Found, Late},
     partition::Partition,
     problem::{Problem, Switch},
     rows::{Fit, independent_share},
@@ -63,6 +64,8 @@ pub struct Investigation {
     pub faults_matter: bool,
     /// Play and ringing above the cut-off of the filters; their windows took no part in selection.
     pub shaking: Vec<Shaking>,
+    /// The delay that was undone before everything else here, if any.
+    pub late: Option<Late>,
     /// Contacts with the surroundings; their windows took no part in selection.
     pub contacts: Vec<Contact>,
     /// What selection found.
@@ -73,7 +76,8 @@ pub struct Investigation {
     pub mean_independent_share: f64,
 }
 
-/// Investigates a question: baseline, candidates, selection.
+/// Investigates a question: baseline, candidates, selection. Where the measurement turns out to be late, it is
+/// shifted back and everything investigated again, so that the delay distorts no other finding.
 ///
 /// # Errors
 /// What evaluation reports; [`DiagnosisError::NothingToDiagnose`].
@@ -81,6 +85,30 @@ pub fn investigate(
     question: &Question<'_>,
     registry: &Registry,
     mut progress: impl FnMut(&str),
+) -> Result<Investigation, DiagnosisError> {
+    let mut first = investigate_as_it_is(question, registry, true, &mut progress)?;
+    let mut found = Delay::found(&first);
+    if matches!(found, Found::OnlyFriction) {
+        first = investigate_as_it_is(question, registry, false, &mut progress)?;
+        found = Delay::found(&first);
+    }
+    let Found::Delay(delay) = found else { return Ok(first) };
+    progress("shifting the measurement back");
+    let shifted = delay.undone(question)?;
+    let mut without = question.without.to_vec();
+    without.push("time_delay".to_owned());
+    let question = Question { recordings: &shifted, without: &without, ..*question };
+    let mut second = investigate_as_it_is(&question, registry, true, &mut progress)?;
+    second.late = Some(Late { delay, before: Box::new(first) });
+    Ok(second)
+}
+
+/// Investigates recordings as they are.
+fn investigate_as_it_is(
+    question: &Question<'_>,
+    registry: &Registry,
+    friction_may_be_late: bool,
+    progress: &mut impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
         return Err(DiagnosisError::NothingToDiagnose);
@@ -138,7 +166,11 @@ pub fn investigate(
         residual: &context_residual,
         inertial: &inertial,
     };
-    let (model, candidates) = candidates(question, registry, &context)?;
+    // What rings is known to; its slow side is left out with the windows.
+    let rings = shaking.iter().any(|s| s.effect == "joint_elasticity");
+    let unasked =
+        |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
+    let (model, candidates) = candidates(question, registry, &context, friction_may_be_late, unasked)?;
     drop(context_rows);
 
     progress("evaluating candidates");
@@ -168,7 +200,7 @@ pub fn investigate(
         base: &base_switches,
         floor: &floor,
     };
-    let mut selected = parts.select(&rows, &mut progress);
+    let mut selected = parts.select(&rows, progress);
     progress("looking for contacts");
     let mut contacts = if question.without.iter().any(|w| w == "external_contact") {
         Vec::new()
@@ -183,7 +215,7 @@ pub fn investigate(
         for contact in &contacts {
             leave_out(&mut rows[contact.recording], contact.window_s);
         }
-        selected = parts.select(&rows, &mut progress);
+        selected = parts.select(&rows, progress);
     }
     let Selected { problem, groups, free, selection, mean_independent_share, .. } = selected;
     Ok(Investigation {
@@ -200,6 +232,7 @@ pub fn investigate(
         floor,
         faults,
         faults_matter,
+        late: None,
         shaking,
         contacts,
         selection,
@@ -386,12 +419,19 @@ fn candidates(
     question: &Question<'_>,
     registry: &Registry,
     context: &Context<'_>,
+    friction_may_be_late: bool,
+    unasked: impl Fn(&str) -> bool,
 ) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
     let own = question.model;
     let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
     let mut proposed: Vec<(&'static str, Proposal, Option<usize>)> = Vec::new();
-    for effect in effects::all().into_iter().filter(|e| !question.without.iter().any(|w| w == e.id())) {
+    for effect in effects::all().into_iter().filter(|e| !unasked(e.id())) {
         for proposal in effect.proposals(context) {
+            if !friction_may_be_late
+                && matches!(proposal.addition, Addition::Instrument(_, Instrument::DelayOfAll))
+            {
+                continue;
+            }
             let term = match &proposal.addition {
                 Addition::Term(configuration) => {
                     let term = build_term(registry, effect, configuration)?;

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use crate::{
-    Alternative, Candidate, Contact, Evidence, Finding, Investigation, Question, Role,
+    Alternative, Candidate, Contact, Evidence, Fault, Finding, Investigation, Question, Role,
     confidence::confidence,
-    effects::{self, ParameterValue},
+    effects::{self, OwnFriction, ParameterValue},
     problem::{Switch, TotalFit},
     selection::Chosen,
     wideband::Shaking,
@@ -66,7 +66,9 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
                 .parameters
                 .iter()
                 .map(|(name, (value, std))| {
-                    (name.clone(), ParameterValue { value: value.clone(), std: std.clone() })
+                    let value =
+                        if name == "limit" { in_unit_of_fit(question, fault, value) } else { value.clone() };
+                    (name.clone(), ParameterValue { value, std: std.clone() })
                 })
                 .collect(),
             alternatives: Vec::new(),
@@ -75,6 +77,16 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
         });
     }
     findings
+}
+
+/// A limit of a recorded measurement, after the gains that the fit is made with.
+fn in_unit_of_fit(question: &Question<'_>, fault: &Fault, value: &Value) -> Value {
+    let recording = question.recordings.iter().find(|r| r.data.name == fault.recording);
+    let gains = recording.and_then(|r| r.options.gains.as_ref());
+    match (value.as_f64(), gains, fault.joints.first()) {
+        (Some(limit), Some(gains), Some(joint)) => json!(limit * gains[*joint].abs()),
+        _ => value.clone(),
+    }
 }
 
 /// Findings for contacts with the surroundings.
@@ -108,6 +120,30 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
         }
     };
     investigation.contacts.iter().map(one).collect()
+}
+
+/// The finding for a delay that was undone.
+pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigation) -> Option<Finding> {
+    let delay = investigation.late.as_ref()?.delay;
+    let effect = effects::find("time_delay")?;
+    let mut finding = Finding {
+        effect: effect.id().to_owned(),
+        family: effect.family(),
+        joints: (0..question.model.joints()).collect(),
+        present_in: present_in(question, investigation, delay.target_only),
+        recording: None,
+        window_s: None,
+        confidence: confidence(delay.score),
+        parameters: BTreeMap::from([(
+            "delay_s".to_owned(),
+            ParameterValue { value: json!(delay.delay_s), std: json!(delay.std_s) },
+        )]),
+        alternatives: Vec::new(),
+        evidence: Evidence { score: delay.score, threshold: question.selection.score },
+        sentence: String::new(),
+    };
+    finding.sentence = sentence(&finding);
+    Some(finding)
 }
 
 /// Findings for play and ringing that may be named.
@@ -166,14 +202,22 @@ pub(crate) fn findings(
     fit: &TotalFit,
     weights: &[f64],
 ) -> Vec<Finding> {
+    let mut model_coefficients = investigation.baseline.coefficients.clone();
+    for (switch, value) in investigation.base_switches.iter().zip(&fit.coefficients) {
+        model_coefficients[switch.column] = *value;
+    }
     let mut merged: Vec<(Finding, Vec<Vec<usize>>)> = Vec::new();
     for one in chosen {
         let group = &investigation.groups[one.group];
         let candidate = &investigation.candidates[group.candidate];
         let Some(effect) = effects::find(group.effect) else { continue };
         let fitted = fitted_coefficients(investigation, candidate, group.target_only(), all, fit);
-        let parameters = effect.parameters(&candidate.proposal, &fitted);
-        let joints = if effect.whole_arm() { concerned(one) } else { group.joints.clone() };
+        let own = OwnFriction::of(question.model, candidate.proposal.joints[0], &model_coefficients);
+        let parameters = effect.parameters_beside(&candidate.proposal, &fitted, &own);
+        let joints = match (effect.whole_arm(), effect.concerns_all()) {
+            (true, false) => concerned(one),
+            _ => group.joints.clone(),
+        };
         let finding = Finding {
             effect: group.effect.to_owned(),
             family: effect.family(),

@@ -52,6 +52,17 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         calibrate_on_target: investigation.problem.has_target() && investigation.problem.has_reference(),
         ..Improvement::default()
     };
+    if let Some(late) = &investigation.late {
+        if late.delay.target_only && investigation.problem.has_reference() {
+            improvement.notes.push(
+                "the delay is in the target recordings only; `[instrument]` holds for all recordings, so it was not \
+                 added"
+                    .into(),
+            );
+        } else {
+            improvement.delay_s = Some(vec![late.delay.delay_s; joints]);
+        }
+    }
     for chosen in &investigation.selection.chosen {
         let group = &investigation.groups[chosen.group];
         let candidate = &investigation.candidates[group.candidate];
@@ -73,9 +84,8 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
                         improvement.gain_factors.get_or_insert_with(|| vec![1.0; joints])[*joint] /=
                             1.0 + found;
                     }
-                    Instrument::Delay => {
-                        improvement.delay_s.get_or_insert_with(|| vec![0.0; joints])[*joint] += found;
-                    }
+                    // Undone by a shift; see above.
+                    Instrument::Delay | Instrument::DelayOfAll => {}
                     Instrument::Jerk => improvement.notes.push(format!(
                         "the elastic transmission of joint {joint} has no term that a calibrated model could \
                          carry; the improved experiment does without it"

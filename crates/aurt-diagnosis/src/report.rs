@@ -8,7 +8,7 @@ use crate::{
     baseline::weighted_fit,
     diagnose::residuals,
     effects::{self, Presence},
-    findings::{contact_findings, fault_findings, findings, shaking_findings},
+    findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
     selection::Chosen,
@@ -29,11 +29,22 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         weighted_fit(&investigation.problem, &investigation.base_switches, &investigation.floor).0,
     );
     let mut effects = findings(question, investigation, chosen, &all, &fit, &weights);
+    effects.extend(delay_finding(question, investigation));
     effects.sort_by(|a, b| {
         let changed = |f: &Finding| f.present_in.len() == 1 && f.present_in[0] == "target";
         changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
     });
-    let residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
+    let mut residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
+    let mut held_out = held_out(investigation, &all, &fit);
+    if let Some(late) = &investigation.late {
+        let before = &late.before;
+        let own = &before.base_switches;
+        let first = weighted_fit(&before.problem, own, &before.floor).0;
+        for (now, then) in residual.iter_mut().zip(joint_residuals(before, own, &first, own, &first)) {
+            now.baseline_rms = then.baseline_rms;
+        }
+        held_out.rms_before = self::held_out(before, own, &first).rms_before;
+    }
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
     let shaking = shaking_findings(question, investigation);
@@ -55,7 +66,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         effects,
         not_decidable: not_decidable(question, investigation),
         residual,
-        held_out: held_out(investigation, &all, &fit),
+        held_out,
         shifts: shifts(investigation, &all, &fit, &baseline.1),
         notes: Vec::new(),
     };

@@ -1,6 +1,6 @@
 use aurt_calibration::{for_each_row_block, for_each_tile};
 use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
-use aurt_traits::{LoadTorque, RobotModel};
+use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
 
 use crate::DiagnosisError;
@@ -50,15 +50,22 @@ pub struct Layout {
 pub enum Instrument {
     /// ŷ_j: its coefficient is a gain error.
     Gain,
-    /// −dŷ_j/dt: its coefficient is a delay of the measurement in s.
-    Delay,
     /// d²ŷ_j/dt²: the motor-side inertia behind an elastic transmission, in s².
     Jerk,
+    /// −dτ_j/dt of the rigid bodies' part τ_j of ŷ_j: its coefficient is a delay of the measurement in s. One clock
+    /// stamps all joints, so they share one coefficient. Friction is left out: its step at a reversal is smeared by
+    /// filters and by presliding, which looks like a delay.
+    Delay,
+    /// The same of the whole of ŷ_j.
+    DelayOfAll,
 }
 
 impl Instrument {
     /// All of them, in column order.
-    pub const ALL: [Self; 3] = [Self::Gain, Self::Delay, Self::Jerk];
+    pub const ALL: [Self; 4] = [Self::Gain, Self::Jerk, Self::Delay, Self::DelayOfAll];
+
+    /// Those of which each joint has its own coefficient.
+    const OWN: usize = 2;
 }
 
 impl Layout {
@@ -66,21 +73,30 @@ impl Layout {
     #[must_use]
     pub fn new(model: &RobotModel) -> Self {
         let first = model.parameters().len();
-        let per_joint = Instrument::ALL.len();
-        let rows = (0..model.joints())
+        let joints = model.joints();
+        let rows = (0..joints)
             .map(|j| {
                 let mut row = model.row_columns(j).to_vec();
-                row.extend(first + j * per_joint..first + (j + 1) * per_joint);
+                row.extend(Instrument::ALL.map(|which| Self::instrument_after(first, joints, j, which)));
                 row
             })
             .collect();
-        Self { coefficients: first + model.joints() * per_joint, rows, first_instrument: first }
+        Self { coefficients: first + joints * Instrument::OWN + 2, rows, first_instrument: first }
     }
 
     /// The coefficient of an instrument column.
     #[must_use]
     pub const fn instrument(&self, joint: usize, which: Instrument) -> usize {
-        self.first_instrument + joint * Instrument::ALL.len() + which as usize
+        Self::instrument_after(self.first_instrument, self.rows.len(), joint, which)
+    }
+
+    const fn instrument_after(first: usize, joints: usize, joint: usize, which: Instrument) -> usize {
+        match which {
+            Instrument::Gain => first + joint * Instrument::OWN,
+            Instrument::Jerk => first + joint * Instrument::OWN + 1,
+            Instrument::Delay => first + joints * Instrument::OWN,
+            Instrument::DelayOfAll => first + joints * Instrument::OWN + 1,
+        }
     }
 }
 
@@ -212,21 +228,34 @@ fn instrument_rows(
     count: usize,
 ) -> Result<(), DiagnosisError> {
     let samples = segment.motion.samples();
+    let rigid = fit.model.group(ColumnGroup::RigidBody);
     let mut series = vec![0.0; Instrument::ALL.len() * samples];
+    let mut load = vec![0.0; samples];
     for_each_tile(fit.model, segment, fit.load, |start, tile| {
-        let out = &mut series[start..start + tile.samples()];
+        let span = start..start + tile.samples();
         for (slot, column) in fit.model.row_slots(joint).zip(fit.model.row_columns(joint)) {
-            for (o, value) in out.iter_mut().zip(tile.slot(slot)) {
-                *o += fit.coefficients[*column] * value;
+            let coefficient = fit.coefficients[*column];
+            if coefficient == 0.0 {
+                continue;
+            }
+            for (o, value) in series[span.clone()].iter_mut().zip(tile.slot(slot)) {
+                *o += coefficient * value;
+            }
+            if rigid.contains(column) {
+                for (o, value) in load[span.clone()].iter_mut().zip(tile.slot(slot)) {
+                    *o += coefficient * value;
+                }
             }
         }
     })?;
     let (prediction, derivatives) = series.split_at_mut(samples);
-    let (delay, jerk) = derivatives.split_at_mut(samples);
+    let (jerk, delays) = derivatives.split_at_mut(samples);
+    let (delay, delay_of_all) = delays.split_at_mut(samples);
     for k in 1..samples.saturating_sub(1) {
-        let (before, here, after) = (prediction[k - 1], prediction[k], prediction[k + 1]);
-        delay[k] = -(after - before) * 0.5 * segment.rate_hz;
-        jerk[k] = (after - 2.0 * here + before) * segment.rate_hz * segment.rate_hz;
+        jerk[k] =
+            (prediction[k + 1] - 2.0 * prediction[k] + prediction[k - 1]) * segment.rate_hz * segment.rate_hz;
+        delay_of_all[k] = -(prediction[k + 1] - prediction[k - 1]) * 0.5 * segment.rate_hz;
+        delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
     }
     let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, Instrument::ALL.len(), segment.decimation);
     let mut write = |tile: DecimatedTile<'_>| {

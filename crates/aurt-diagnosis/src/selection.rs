@@ -1,7 +1,10 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::problem::{NestedFit, Problem, Switch};
+use crate::{
+    effects::find,
+    problem::{NestedFit, Problem, Switch},
+};
 
 /// A hypothesis: coefficients that enter or leave the model together.
 #[derive(Debug, Clone)]
@@ -280,7 +283,7 @@ impl Selector<'_> {
         let mut i = 0;
         while i < chosen.len() {
             let tie = &self.groups[chosen[i]];
-            if tie.joints.len() != 2 {
+            if tie.joints.len() != 2 || find(tie.effect).is_some_and(|e| e.whole_arm()) {
                 i += 1;
                 continue;
             }
@@ -372,8 +375,10 @@ impl Selector<'_> {
                     .rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]))
                     .into_iter()
                     .filter(|(g, s)| {
-                        // One with more coefficients that does no better contains the chosen one.
-                        self.groups[*g].switches.len() <= own.switches.len()
+                        // One with more coefficients that does no better contains the chosen one, unless it is the
+                        // same force in other coordinates.
+                        let other = &self.groups[*g];
+                        (other.switches.len() <= own.switches.len() || same_force(other.effect, own.effect))
                             && self.groups[*g].effect != own.effect
                             && *s >= score - (self.options.tie * score).max(2.0)
                     })
@@ -392,6 +397,11 @@ const ROUNDS: usize = 3;
 /// All but the i-th.
 fn without(chosen: &[usize], i: usize) -> Vec<usize> {
     chosen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect()
+}
+
+/// Effects that are one force beside a Coulomb level: F₊ ≠ F₋ is a constant while the joint moves.
+fn same_force(a: &str, b: &str) -> bool {
+    matches!((a, b), ("current_offset", "coulomb_asymmetry") | ("coulomb_asymmetry", "current_offset"))
 }
 
 /// Effects whose change from one recording to the next is what real robots do.

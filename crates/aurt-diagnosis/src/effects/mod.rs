@@ -156,6 +156,11 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether it concerns every joint, whether the joint's error shows it or not.
+    fn concerns_all(&self) -> bool {
+        false
+    }
+
     /// Terms that would describe the effect on this robot; none where it is found by other means than columns
     /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;

@@ -51,8 +51,21 @@ impl Effect for TimeDelay {
         include_str!("time_delay.rs")
     }
 
+    fn whole_arm(&self) -> bool {
+        true
+    }
+
+    fn concerns_all(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        (0..context.joints).map(|j| Proposal::instrument(j, Instrument::Delay, true)).collect()
+        [Instrument::Delay, Instrument::DelayOfAll]
+            .map(|which| Proposal {
+                joints: (0..context.joints).collect(),
+                ..Proposal::instrument(0, which, true)
+            })
+            .to_vec()
     }
 
     fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {

@@ -77,7 +77,9 @@ pub fn find_shaking(
         return Ok(Vec::new());
     }
     let mut found = play::find(&mut pieces, question.f_dyn_hz)?;
-    found.extend(ring::find(&pieces, question.f_dyn_hz)?);
+    // Flanks that strike each other ring, too.
+    let plays: Vec<usize> = found.iter().map(|f| f.joint).collect();
+    found.extend(ring::find(&pieces, question.f_dyn_hz)?.into_iter().filter(|f| !plays.contains(&f.joint)));
     Ok(found)
 }
 

@@ -14,41 +14,58 @@ use crate::DiagnosisError;
 const LEAST_GAIN: f64 = 45.0;
 /// Least ratio of the energies near changes of sign and elsewhere.
 const LEAST_RATIO: f64 = 1.5;
+/// Play is a defect of single gears: where more than this share of the joints show impacts, it is the arm's way of
+/// moving, and not named.
+const MOST_JOINTS: f64 = 0.34;
 /// Changes of sign are known to this time, s: the load is that of a fitted model.
 const REACH_S: f64 = 0.08;
 /// Changes of sign that are too many to be told from everything else: share of the samples near one.
 const MOST_COVERED: f64 = 0.45;
 /// Least number of changes of sign.
 const FEWEST: usize = 6;
+/// What is elsewhere is taken from this far away, s: hum and rattle go with the speed, which is much the same there.
+const BESIDE_S: [f64; 2] = [0.12, 0.5];
+/// Changes of sign nearer to each other than this are one, s: a load about zero.
+const ONE_S: f64 = 0.1;
 /// Impacts ring on for this time, s.
 const RINGS_S: f64 = 0.3;
 
 /// What the samples of one kind of recording say of one joint.
 #[derive(Debug, Clone, Copy, Default)]
 struct Evidence {
+    /// Sum of D_j and number of samples near changes of sign, …
     near: [f64; 2],
+    /// … anywhere else, …
     away: [f64; 2],
+    /// … and in what lies beside them.
+    beside: [f64; 2],
+    /// Changes of sign.
     crossings: usize,
 }
 
 impl Evidence {
-    fn gain(&self) -> f64 {
-        let ([near, n1], [away, n2]) = (self.near, self.away);
-        if n1 < 1.0 || n2 < 1.0 || n1 > MOST_COVERED * (n1 + n2) || self.crossings < FEWEST {
+    /// Gain in log-likelihood of a scale of its own near changes of sign, against the samples `other`.
+    fn gain_over(&self, [other, n2]: [f64; 2]) -> f64 {
+        let [near, n1] = self.near;
+        if n1 < 1.0 || n2 < 1.0 || n1 > MOST_COVERED * (n1 + self.away[1]) {
             return 0.0;
         }
         let log = |sum: f64, n: f64| (sum / n).max(f64::MIN_POSITIVE).ln();
-        0.5 * ((n1 + n2) * log(near + away, n1 + n2) - n1 * log(near, n1) - n2 * log(away, n2))
+        0.5 * ((n1 + n2) * log(near + other, n1 + n2) - n1 * log(near, n1) - n2 * log(other, n2))
+    }
+
+    fn gain(&self) -> f64 {
+        self.gain_over(self.away)
     }
 
     fn ratio(&self) -> f64 {
-        let (near, away) = (self.near[0] / self.near[1].max(1.0), self.away[0] / self.away[1].max(1.0));
+        let mean = |[sum, n]: [f64; 2]| sum / n.max(1.0);
         // Below the noise there is nothing to compare with.
-        near / away.max(1.0)
+        mean(self.near) / mean(self.beside).max(1.0)
     }
 
     fn shows(&self) -> bool {
-        self.gain() >= LEAST_GAIN && self.ratio() >= LEAST_RATIO
+        self.crossings >= FEWEST && self.gain_over(self.beside) >= LEAST_GAIN && self.ratio() >= LEAST_RATIO
     }
 }
 
@@ -78,7 +95,7 @@ pub(super) fn find(pieces: &mut [Piece], f_dyn_hz: f64) -> Result<Vec<Shaking>, 
         let shown: Vec<&Evidence> = evidence[joint].iter().filter(|e| e.shows()).collect();
         let mut windows_s = Vec::new();
         for piece in pieces.iter_mut().filter(|p| evidence[joint][usize::from(p.target)].shows()) {
-            let crossings = crossings(piece, joint);
+            let crossings = sign_changes(piece, joint);
             windows_s.extend(windows(piece, crossings.iter().copied(), REACH_S));
             let (before, after) = (samples(piece, REACH_S), samples(piece, RINGS_S));
             for calm in &mut piece.full.calm {
@@ -100,6 +117,9 @@ pub(super) fn find(pieces: &mut [Piece], f_dyn_hz: f64) -> Result<Vec<Shaking>, 
             windows_s,
         });
     }
+    if found.len() as f64 > (MOST_JOINTS * joints as f64).max(1.0) {
+        found.clear();
+    }
     Ok(found)
 }
 
@@ -115,7 +135,7 @@ fn high_pass(piece: &Piece, f_dyn_hz: f64) -> Result<Vec<Vec<f64>>, DiagnosisErr
 }
 
 /// Samples at which the load of a joint has just changed its sign.
-fn crossings(piece: &Piece, joint: usize) -> Vec<usize> {
+fn sign_changes(piece: &Piece, joint: usize) -> Vec<usize> {
     let load = &piece.full.load[joint];
     (1..load.len()).filter(|k| load[*k] * load[k - 1] < 0.0).collect()
 }
@@ -123,18 +143,49 @@ fn crossings(piece: &Piece, joint: usize) -> Vec<usize> {
 fn add(evidence: &mut Evidence, piece: &Piece, band: &[Vec<f64>], f_dyn_hz: f64, joint: usize) {
     let passed = (1.0 - 2.0 * f_dyn_hz / piece.full.rate_hz).max(0.0).sqrt();
     let noise: Vec<f64> = piece.full.noise.iter().map(|s| s * passed).collect();
-    let reach = samples(piece, REACH_S);
-    let crossings = crossings(piece, joint);
-    let mut near = vec![false; piece.full.time_s.len()];
-    for k in &crossings {
-        let end = (k + reach).min(near.len());
-        near[k.saturating_sub(reach)..end].fill(true);
+    let changes = sign_changes(piece, joint);
+    // A load about zero changes its sign many times at once.
+    let apart = samples(piece, ONE_S);
+    let mut crossings: Vec<usize> = Vec::new();
+    for k in &changes {
+        if crossings.last().is_none_or(|last| k - last > apart) {
+            crossings.push(*k);
+        }
     }
-    for (k, energy, _) in &Along::new(&piece.full, band, &noise, joint).samples {
+    let length = piece.full.time_s.len();
+    let mut near = vec![false; length];
+    for k in &changes {
+        let reach = samples(piece, REACH_S);
+        near[k.saturating_sub(reach)..(k + reach).min(length)].fill(true);
+    }
+    let mut energy = vec![f64::NAN; length];
+    for (k, d, _) in &Along::new(&piece.full, band, &noise, joint).samples {
+        energy[*k] = *d;
         let sum = if near[*k] { &mut evidence.near } else { &mut evidence.away };
-        sum[0] += energy;
+        sum[0] += d;
         sum[1] += 1.0;
     }
-    let calm = &piece.full.calm[joint];
-    evidence.crossings += crossings.iter().filter(|k| calm[**k]).count();
+    let [from, to] = BESIDE_S.map(|s| samples(piece, s));
+    for k in crossings {
+        let mut own = 0.0;
+        let mut beside = [0.0; 2];
+        for (at, d) in energy[..(k + to).min(length)].iter().enumerate().skip(k.saturating_sub(to)) {
+            if !d.is_finite() {
+                continue;
+            }
+            match (at.abs_diff(k) < from, near[at]) {
+                (true, true) => own += 1.0,
+                (false, false) => {
+                    beside[0] += d;
+                    beside[1] += 1.0;
+                }
+                _ => {}
+            }
+        }
+        if own >= 1.0 && beside[1] >= 1.0 {
+            evidence.crossings += 1;
+            evidence.beside[0] += beside[0];
+            evidence.beside[1] += beside[1];
+        }
+    }
 }

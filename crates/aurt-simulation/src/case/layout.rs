@@ -89,9 +89,29 @@ pub(super) fn slots(
     motions
         .into_iter()
         .map(|(role, motion)| {
-            let seed = random.bits();
-            let trajectory = motion.plan(robot, seed)?;
+            let (seed, trajectory) = planned(&motion, robot, random)?;
             Ok(Slot { role, trajectory, affected: !later || role != Role::Calibration, seed })
         })
         .collect()
+}
+
+/// Draws after which a motion is given up.
+const MOST_DRAWS: usize = 20;
+
+/// A motion within the robot's limits: a draw that leaves them is drawn again.
+fn planned(
+    motion: &Motion,
+    robot: &Robot,
+    random: &mut Random,
+) -> Result<(u64, Trajectory), SimulationError> {
+    let mut draws = 0;
+    loop {
+        let seed = random.bits();
+        draws += 1;
+        match motion.plan(robot, seed) {
+            Ok(trajectory) => return Ok((seed, trajectory)),
+            Err(error) if draws == MOST_DRAWS => return Err(error),
+            Err(_) => {}
+        }
+    }
 }
