@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::{
     Contact, ContactOptions, ContactRows, DiagnosisError, Fault, Instrument, Layout, Question,
     QuestionedRecording, RecordingRows, Role,
-    baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
+    baseline::{BLOCKS, Baseline, evaluate_all, own_switches, partition, weighted_fit},
     contact::{find_contacts, force_columns},
     effects::{self, Addition, Context, Effect, Presence, Proposal},
     floor::noise_floor,
@@ -92,6 +92,12 @@ pub fn investigate(
         first = investigate_as_it_is(question, registry, false, &mut progress)?;
         found = Delay::found(&first);
     }
+    if matches!(found, Found::FewJoints) {
+        let mut without = question.without.to_vec();
+        without.push("time_delay".to_owned());
+        let question = Question { without: &without, ..*question };
+        return investigate_as_it_is(&question, registry, false, &mut progress);
+    }
     let Found::Delay(delay) = found else { return Ok(first) };
     progress("shifting the measurement back");
     let shifted = delay.undone(question)?;
@@ -125,6 +131,15 @@ fn investigate_as_it_is(
     let baseline = Baseline::new(question)?;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
     let mut own_rows = evaluate_all(question, question.model, &fit)?;
+    if let Some(short) =
+        own_rows.iter().find(|r| r.role != Role::Validation && r.rows() < FEWEST_ROWS_PER_BLOCK * BLOCKS)
+    {
+        return Err(DiagnosisError::TooShort {
+            recording: short.name.clone(),
+            rows: short.rows(),
+            blocks: BLOCKS,
+        });
+    }
     prepare(question, &baseline, question.model, &mut own_rows);
     let floors = question
         .recordings
@@ -202,11 +217,7 @@ fn investigate_as_it_is(
     };
     let mut selected = parts.select(&rows, progress);
     progress("looking for contacts");
-    let mut contacts = if question.without.iter().any(|w| w == "external_contact") {
-        Vec::new()
-    } else {
-        parts.contacts(&rows, &selected)?
-    };
+    let mut contacts = parts.contacts(&rows, &selected)?;
     // A few periods of a ringing gear push like a hand.
     let shortest_s =
         shaking.iter().filter_map(|s| s.frequency_hz).map(|f| RINGS_PERIODS / f).fold(0.0, f64::max);
@@ -240,6 +251,9 @@ fn investigate_as_it_is(
         mean_independent_share,
     })
 }
+
+/// Fewest rows that a block of time must have to judge anything.
+const FEWEST_ROWS_PER_BLOCK: usize = 8;
 
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.
 const RINGS_PERIODS: f64 = 6.0;

@@ -29,7 +29,8 @@ const SUREST: f64 = 0.99;
 /// Findings for the faults that suffice to explain a mismatch, those of one kind together.
 pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
-    for fault in investigation.faults.iter().filter(|f| f.suffices) {
+    let barred = |effect: &str| question.without.iter().any(|w| w == effect);
+    for fault in investigation.faults.iter().filter(|f| f.suffices && !barred(f.effect)) {
         let role = question.recordings.iter().find(|r| r.data.name == fault.recording).map(|r| r.role);
         let kind = match role {
             Some(Role::Validation) | None => continue,
@@ -119,6 +120,9 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
             ),
         }
     };
+    if question.without.iter().any(|w| w == "external_contact") {
+        return Vec::new();
+    }
     investigation.contacts.iter().map(one).collect()
 }
 

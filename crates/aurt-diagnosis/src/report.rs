@@ -11,7 +11,7 @@ use crate::{
     findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
-    selection::Chosen,
+    selection::{Chosen, is_friction},
 };
 use aurt_traits::ColumnGroup;
 
@@ -48,9 +48,12 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
     let shaking = shaking_findings(question, investigation);
-    // Impacts or ringing that may not be named are structure that has no name.
-    let nameless = shaking.len() < investigation.shaking.len();
-    let by_physics = answer(&effects, &residual);
+    let nameless = nameless(question, investigation);
+    let changes = independent_changes(investigation);
+    let by_physics = match answer(&effects, &residual) {
+        Answer::Named | Answer::Ambiguous if changes > MOST_CHANGES => Answer::Unexplained,
+        other => other,
+    };
     let verdict = match (shaking.is_empty() && touched.is_empty(), faults.is_empty()) {
         (false, _) => Answer::Named,
         (true, _) if nameless => Answer::Unexplained,
@@ -94,6 +97,26 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     verdict
 }
 
+/// Whether something was found whose name may not be used: structure that has no name.
+fn nameless(question: &Question<'_>, investigation: &Investigation) -> bool {
+    let barred = |effect: &str| question.without.iter().any(|w| w == effect);
+    investigation.shaking.iter().any(|s| barred(s.effect))
+        || investigation.faults.iter().any(|f| f.suffices && barred(f.effect))
+        || !investigation.contacts.is_empty() && barred("external_contact")
+}
+
+/// More things than this do not change at once, each for itself. Friction does, from day to day.
+const MOST_CHANGES: usize = 3;
+
+/// Changes from calibration to target that are not friction, each on a single joint.
+fn independent_changes(investigation: &Investigation) -> usize {
+    let groups = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+    if !investigation.problem.has_reference() {
+        return 0;
+    }
+    groups.filter(|g| g.target_only() && g.joints.len() == 1 && !is_friction(g.effect)).count()
+}
+
 /// Coefficients of the final model.
 fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
     let mut all = investigation.base_switches.clone();
@@ -105,8 +128,8 @@ fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch>
     all
 }
 
-/// Named effects must account for this share of the excess power over the noise floor, at the joint where the
-/// mismatch is largest; else what they describe is not what is missing.
+/// Named effects must account for this share of the excess power over the noise floor, over all joints; else what they
+/// describe is not what is missing.
 const ACCOUNTED: f64 = 0.7;
 
 fn answer(effects: &[Finding], residual: &[JointResidual]) -> Answer {
@@ -115,14 +138,12 @@ fn answer(effects: &[Finding], residual: &[JointResidual]) -> Answer {
         return if structure_left { Answer::Unexplained } else { Answer::NoMismatch };
     };
     let excess = |rms: f64, floor: f64| (rms * rms - floor * floor).max(0.0);
-    let worst = residual.iter().max_by(|a, b| {
-        let ratio = |r: &JointResidual| r.baseline_rms / r.floor_rms.max(f64::MIN_POSITIVE);
-        ratio(a).total_cmp(&ratio(b))
-    });
-    let accounted = worst.map_or(1.0, |r| {
-        let before = excess(r.baseline_rms, r.floor_rms);
-        if before > 0.0 { 1.0 - excess(r.unexplained_rms, r.floor_rms) / before } else { 1.0 }
-    });
+    // In units of the noise, so that no joint counts for more than another.
+    let sum = |of: fn(&JointResidual) -> f64| -> f64 {
+        residual.iter().map(|r| excess(of(r), r.floor_rms) / r.floor_rms.powi(2).max(f64::MIN_POSITIVE)).sum()
+    };
+    let before = sum(|r| r.baseline_rms);
+    let accounted = if before > 0.0 { 1.0 - sum(|r| r.unexplained_rms) / before } else { 1.0 };
     if structure_left && accounted < ACCOUNTED {
         Answer::Unexplained
     } else if first.alternatives.is_empty() {

@@ -60,7 +60,7 @@ impl Default for SelectionOptions {
             score: 8.0,
             reduction: 0.05,
             share: 0.12,
-            share_same_kind: 0.25,
+            share_same_kind: 0.15,
             most: 24,
             tie: 0.03,
             change_share: 0.15,
@@ -152,7 +152,9 @@ impl Selector<'_> {
         while chosen.len() < self.options.most {
             let fit = self.fit(chosen);
             let now = self.mse(&fit, &[]);
-            let ranked = self.rank(&fit, &now, |g| !chosen.contains(&g) && !barred.contains(&g));
+            let ranked = self.rank(&fit, &now, |g| {
+                !chosen.contains(&g) && !barred.contains(&g) && !self.is_repeated(g, chosen)
+            });
             let ranked: Vec<(usize, f64)> = ranked
                 .into_iter()
                 .filter(|(g, _)| self.enough(*g, &now, &self.mse(&fit, &self.groups[*g].switches)))
@@ -161,6 +163,20 @@ impl Selector<'_> {
             chosen.push(best);
             progress(&format!("found: {} on {:?}", self.groups[best].effect, self.groups[best].joints));
         }
+    }
+
+    /// Whether a group is a further one of what a joint can have but once: a law of friction with other shape
+    /// parameters, a motor that turns with a further joint. Several of them mimic what is not among the candidates.
+    fn is_repeated(&self, group: usize, chosen: &[usize]) -> bool {
+        let own = &self.groups[group];
+        if own.effect == "torque_ripple" || own.joints.len() > 2 {
+            return false;
+        }
+        chosen.iter().map(|c| &self.groups[*c]).any(|other| {
+            other.effect == own.effect
+                && other.target_only() == own.target_only()
+                && other.joints.iter().any(|j| own.joints.contains(j))
+        })
     }
 
     fn switches(&self, chosen: &[usize]) -> Vec<Switch> {
@@ -270,7 +286,9 @@ impl Selector<'_> {
             let rest = without(chosen, i);
             let fit = self.fit(&rest);
             let now = self.mse(&fit, &[]);
-            let ranked = self.rank(&fit, &now, |g| !rest.contains(&g) && self.meet(g, chosen[i]));
+            let ranked = self.rank(&fit, &now, |g| {
+                !rest.contains(&g) && self.meet(g, chosen[i]) && !self.is_repeated(g, &rest)
+            });
             if let Some(best) = self.frugal(&ranked) {
                 chosen[i] = best;
             }
@@ -294,7 +312,9 @@ impl Selector<'_> {
             for joint in &tie.joints {
                 let fit = self.fit(&parts);
                 let now = self.mse(&fit, &[]);
-                let alone = |g: usize| self.groups[g].joints == [*joint] && !parts.contains(&g);
+                let alone = |g: usize| {
+                    self.groups[g].joints == [*joint] && !parts.contains(&g) && !self.is_repeated(g, &parts)
+                };
                 let best = self.frugal(&self.rank(&fit, &now, alone));
                 parts.extend(best);
             }
@@ -405,7 +425,7 @@ fn same_force(a: &str, b: &str) -> bool {
 }
 
 /// Effects whose change from one recording to the next is what real robots do.
-fn is_friction(effect: &str) -> bool {
+pub(crate) fn is_friction(effect: &str) -> bool {
     kind(effect) == "friction" || effect == "load_dependent_friction"
 }
 

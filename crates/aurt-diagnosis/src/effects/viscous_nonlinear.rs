@@ -34,8 +34,9 @@ use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_f
 /// Powers beside the linear one.
 const POWERS: [u32; 2] = [2, 3];
 
-/// Velocities v_s that are tried for the saturating law.
-const SATURATION_VELOCITIES_RAD_S: [f64; 3] = [0.1, 0.3, 1.0];
+/// Velocities v_s that are tried for the saturating law. Below a quarter of a radian per second it is hard to tell
+/// from dry friction.
+const SATURATION_VELOCITIES_RAD_S: [f64; 3] = [0.25, 0.7, 2.0];
 
 pub(super) struct ViscousNonlinear;
 

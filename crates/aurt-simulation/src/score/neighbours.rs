@@ -1,10 +1,12 @@
 /// The effects that are commonly confused with one another, each pair once: what shows in the same coordinate, or
 /// contains the other as a special case.
-const PAIRS: [(&str, &str); 24] = [
+const PAIRS: [(&str, &str); 28] = [
     ("backlash", "joint_elasticity"),
     ("backlash", "presliding_hysteresis"),
+    ("base_tilt", "payload"),
     ("coulomb", "coulomb_asymmetry"),
     ("coulomb", "friction_level_changed"),
+    ("coulomb", "load_dependent_friction"),
     ("coulomb", "presliding_hysteresis"),
     ("coulomb", "stribeck"),
     ("coulomb_asymmetry", "current_offset"),
@@ -14,10 +16,12 @@ const PAIRS: [(&str, &str); 24] = [
     ("drive_efficiency", "torque_constant"),
     ("friction_level_changed", "temperature_dependent_friction"),
     ("friction_level_changed", "viscous"),
+    ("friction_level_changed", "viscous_nonlinear"),
     ("joint_elasticity", "time_delay"),
     ("load_dependent_friction", "torque_constant"),
     ("payload", "torque_constant"),
     ("presliding_hysteresis", "stribeck"),
+    ("presliding_hysteresis", "time_delay"),
     ("rotor_inertia", "time_delay"),
     ("rotor_inertia", "joint_elasticity"),
     ("spring", "torque_ripple"),
