@@ -11,7 +11,6 @@ the fastest of several hundred short repetitions, so that a busy machine disturb
 
 import argparse
 import collections
-import math
 import pathlib
 import statistics
 import subprocess
@@ -21,29 +20,9 @@ import tempfile
 import pinocchio
 
 from machine import build_ours, processor
+from robots import ROBOTS
 
 HERE = pathlib.Path(__file__).resolve().parent
-PI = math.pi
-# alpha, a, d of each joint; alpha and a as they lead to the joint (Craig).
-ROBOTS = {
-    "ur10e": [
-        (0, 0, 0.1807),
-        (PI / 2, 0, 0),
-        (0, -0.6127, 0),
-        (0, -0.57155, 0.17415),
-        (PI / 2, 0, 0.11985),
-        (-PI / 2, 0, 0.11655),
-    ],
-    "panda": [
-        (0, 0, 0.333),
-        (-PI / 2, 0, 0),
-        (PI / 2, 0, 0.316),
-        (PI / 2, 0.0825, 0),
-        (-PI / 2, -0.0825, 0.384),
-        (PI / 2, 0, 0),
-        (PI / 2, 0.088, 0.107),
-    ],
-}
 
 
 def build_peer(compiler, folder):

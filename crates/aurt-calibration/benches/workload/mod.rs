@@ -103,3 +103,20 @@ pub fn option(name: &str) -> Option<usize> {
     let mut arguments = std::env::args().skip_while(|a| a != name);
     arguments.nth(1).and_then(|value| value.parse().ok())
 }
+
+/// Seconds that processors spent on all threads of this process.
+pub fn process_s() -> f64 {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let spent = threads.filter_map(|thread| {
+        let told = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        told.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    spent.sum::<f64>() * 1e-9
+}
+
+/// The largest memory that this process ever held, in MB; NaN where the system does not tell.
+pub fn largest_memory_mb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    line.and_then(|l| l.split_whitespace().next()?.parse::<f64>().ok()).map_or(f64::NAN, |kb| kb / 1024.0)
+}
