@@ -39,7 +39,7 @@ fn fastest(mut work: impl FnMut()) -> f64 {
 
 #[inline(always)]
 fn chains<const FUSED: bool, const LANES: usize>(factor: f64, offset: f64) -> f64 {
-    let mut sums = [[1.0; LANES]; CHAINS];
+    let mut sums = [[1.0_f64; LANES]; CHAINS];
     for _ in 0..STEPS {
         for sum in &mut sums {
             for lane in sum {
@@ -89,7 +89,8 @@ fn kernel(level: Dispatch, chain: &SerialChain, destinations: &[u32], columns: u
     let series = |reach: f64| -> Vec<f64> {
         (0..6 * SAMPLES).map(|k| reach * (2.0 * (k as f64 * 0.618_033_988_749_894_9).fract() - 1.0)).collect()
     };
-    let motion = Motion::new(6, vec![0.0; SAMPLES], series(3.0), series(2.0), series(10.0)).expect("lengths fit");
+    let motion =
+        Motion::new(6, vec![0.0; SAMPLES], series(3.0), series(2.0), series(10.0)).expect("lengths fit");
     let mut data = vec![0.0; columns * STRIDE];
     let seconds = fastest(|| {
         let mut tile = RegressorTile::new(destinations, 60, SAMPLES, STRIDE, &mut data);
@@ -130,7 +131,8 @@ fn main() {
     println!("a tile of {:.0} kB is filled at {writing:.1} GB/s", tile.len() as f64 * 8e-3);
     for level in Dispatch::available() {
         let peak = peak(level);
-        let [cached, stored] = [kernel(level, &chain, &in_cache, 10), kernel(level, &chain, &stored, ENTRIES)];
+        let [cached, stored] =
+            [kernel(level, &chain, &in_cache, 10), kernel(level, &chain, &stored, ENTRIES)];
         let (calculated, written) = (OPERATIONS / peak, bytes / writing);
         println!(
             "{:9} peak {peak:5.1} Gflop/s; limits {calculated:.1} ns calculating, {written:.1} ns writing; in cache {cached:.1} ns = \

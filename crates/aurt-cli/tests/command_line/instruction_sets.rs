@@ -30,14 +30,18 @@ fn threads_and_instruction_sets_do_not_show() {
         assert_eq!(results(level.name(), "2").1, texts, "{level}");
         for ((name, value), (_, expected)) in values.iter().zip(&reference) {
             // The files give ten digits and more; small parameters are differences of large ones.
-            assert!((value - expected).abs() <= 1e-7 * expected.abs().max(1e-3), "{level}, {name}: {value} {expected}");
+            assert!(
+                (value - expected).abs() <= 1e-7 * expected.abs().max(1e-3),
+                "{level}, {name}: {value} {expected}"
+            );
         }
     }
 }
 
 #[test]
 fn an_instruction_set_that_is_not_there_is_refused() {
-    let said = DEMO.aurt_with([("AURT_SIMD", "sse9")], ["models"]).refused(&["`sse9` is not known", "baseline"]);
+    let said =
+        DEMO.aurt_with([("AURT_SIMD", "sse9")], ["models"]).refused(&["`sse9` is not known", "baseline"]);
     assert!(said.contains("available here"), "{said}");
     DEMO.aurt_with([("AURT_SIMD", "")], ["models"]).succeeded();
 }

@@ -101,7 +101,8 @@ impl Neg for Counted {
 /// docs/performance.md and the benchmark `roofline` rest on these numbers.
 #[test]
 fn work_of_an_evaluation_of_a_ur10e() {
-    let mdh = "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
+    let mdh =
+        "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
     let table = MdhTable::parse(mdh, "ur10e", MdhRows::Next).unwrap();
     let chain = SerialChain::from_mdh(&table, [0.0, 0.0, -9.81]).unwrap();
     let mut entries = 0;
@@ -118,7 +119,7 @@ fn work_of_an_evaluation_of_a_ur10e() {
     let motion = Motion::new(6, vec![0.0], vec![0.3; 6], vec![0.5; 6], vec![0.7; 6]).unwrap();
     let mut data = vec![0.0; entries as usize];
     let mut tile = RegressorTile::new(&destinations, 60, 1, 1, &mut data);
-    let plan = Plan::new(&chain, motion.view(), &tile);
+    let plan = Plan::new(&chain, motion.view(), &mut tile);
     let (_, stride, data) = tile.raw_mut();
     evaluate_lanes::<Counted>(plan, stride, data);
     let [sums, products, fused] = OPERATIONS.get();
