@@ -5,8 +5,6 @@
 //! is the projection of the link's 6 × 10 wrench regressor on that twist.
 
 mod block;
-#[cfg(test)]
-mod count;
 mod lanes;
 mod motion;
 mod plan;
