@@ -11,10 +11,7 @@ the fastest of several hundred short repetitions, so that a busy machine disturb
 
 import argparse
 import collections
-import json
-import math
 import pathlib
-import platform
 import statistics
 import subprocess
 import sys
@@ -22,29 +19,10 @@ import tempfile
 
 import pinocchio
 
+from machine import build_ours, processor
+from robots import ROBOTS
+
 HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-PI = math.pi
-# alpha, a, d of each joint; alpha and a as they lead to the joint (Craig).
-ROBOTS = {
-    "ur10e": [
-        (0, 0, 0.1807),
-        (PI / 2, 0, 0),
-        (0, -0.6127, 0),
-        (0, -0.57155, 0.17415),
-        (PI / 2, 0, 0.11985),
-        (-PI / 2, 0, 0.11655),
-    ],
-    "panda": [
-        (0, 0, 0.333),
-        (-PI / 2, 0, 0),
-        (PI / 2, 0, 0.316),
-        (PI / 2, 0.0825, 0),
-        (-PI / 2, -0.0825, 0.384),
-        (PI / 2, 0, 0),
-        (PI / 2, 0.088, 0.107),
-    ],
-}
 
 
 def build_peer(compiler, folder):
@@ -63,37 +41,14 @@ def build_peer(compiler, folder):
     return program
 
 
-def build_ours(package):
-    """The kernel's benchmark."""
-    command = ["cargo", "bench", "-p", package, "--bench", "regressor", "--no-run", "--message-format=json"]
-    lines = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    messages = map(json.loads, lines)
-    return next(
-        m["executable"]
-        for m in messages
-        if m.get("reason") == "compiler-artifact" and m["target"]["name"] == "regressor" and m["executable"]
-    )
-
-
-def processor():
-    try:
-        lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--compiler", default="g++")
-    arguments = parser.parse_args()
+def compare(rounds, compiler):
+    """Prints the ratios of some rounds."""
     theirs = collections.defaultdict(list)
     ratios = collections.defaultdict(list)
     times = collections.defaultdict(list)
     with tempfile.TemporaryDirectory() as folder:
-        peer, ours = build_peer(arguments.compiler, folder), build_ours("aurt-rbd")
-        for _ in range(arguments.rounds):
+        peer, ours = build_peer(compiler, folder), build_ours("aurt-rbd", "regressor")
+        for _ in range(rounds):
             for robot, joints in ROBOTS.items():
                 numbers = [str(value) for joint in joints for value in joint]
                 output = subprocess.run(
@@ -105,10 +60,9 @@ def main():
                 robot, level, case, nanoseconds = line.split("\t")
                 times[robot, level, case].append(float(nanoseconds))
                 ratios[robot, level, case].append(theirs[robot][-1] / float(nanoseconds))
-    compiler = subprocess.run([arguments.compiler, "--version"], stdout=subprocess.PIPE, text=True).stdout
-    print(f"processor: {processor()}")
-    print(f"peer: Pinocchio {pinocchio.__version__}, {compiler.splitlines()[0]}, -O3 -march=native")
-    print(f"{arguments.rounds} rounds by turns, one core; ns per evaluation, ratio with [smallest, largest]")
+    version = subprocess.run([compiler, "--version"], stdout=subprocess.PIPE, text=True).stdout
+    print(f"regressor: Pinocchio {pinocchio.__version__}, {version.splitlines()[0]}, -O3 -march=native")
+    print(f"{rounds} rounds by turns, one core; ns per evaluation, ratio with [smallest, largest]")
     for robot, values in theirs.items():
         print(f"{robot:6} Pinocchio                {statistics.median(values):8.1f}")
         for (of, level, case), ratio in ratios.items():
@@ -116,6 +70,15 @@ def main():
                 ns = statistics.median(times[of, level, case])
                 spread = f"[{min(ratio):.1f}, {max(ratio):.1f}]"
                 print(f"{robot:6} {level:9} {case:14} {ns:8.1f} {statistics.median(ratio):6.1f} x {spread}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--compiler", default="g++")
+    arguments = parser.parse_args()
+    print(f"processor: {processor()}")
+    compare(arguments.rounds, arguments.compiler)
 
 
 if __name__ == "__main__":

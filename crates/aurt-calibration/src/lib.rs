@@ -7,9 +7,13 @@
 //! the same recordings, the rigid bodies' rows are shared ([`RigidRows`]); parameters in which a model is not linear
 //! are searched ([`calibrate_shapes`]).
 
+mod accumulate;
 mod calibrated;
+mod condition;
+mod dense;
 mod error;
 mod factor;
+mod long;
 mod metrics;
 mod row_cache;
 mod scope;
@@ -20,11 +24,14 @@ mod validate;
 mod variable_projection;
 mod wls;
 
+pub use accumulate::{accumulate, accumulate_scoped};
 pub use calibrated::{
     CalibratedParameter, Calibration, CalibrationOptions, Estimator, JointRange, LoadTorqueChoice, Rest,
 };
+pub use dense::add_gram;
 pub use error::CalibrationError;
 pub use factor::JointFactor;
+pub use long::calibrate_long;
 pub use metrics::{JointMetrics, Metrics};
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
@@ -35,6 +42,4 @@ pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predic
 pub use variable_projection::{
     FittedShape, ShapeOptions, ShapeReport, calibrate_shapes, calibrate_shapes_rows,
 };
-pub use wls::{
-    Estimate, NamedRecording, accumulate, accumulate_scoped, calibrate, calibrate_scoped, estimate,
-};
+pub use wls::{Estimate, NamedRecording, calibrate, calibrate_scoped, estimate};

@@ -1,12 +1,12 @@
 //! A segment's regressor, tile by tile: evaluated, filtered in parallel with the measurement, decimated.
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment, ZeroPhase, ZeroPhaseBank};
 use aurt_traits::{LoadTorque, RobotModel, RobotState, RobotTile};
 
 use crate::CalibrationError;
 
 /// Samples evaluated at once: the slots of a six-joint model then take about 1 MB.
-const TILE_SAMPLES: usize = 512;
+pub(crate) const TILE_SAMPLES: usize = 512;
 
 /// Filtered and decimated rows, column by column.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +71,7 @@ pub fn for_each_row_block(
     load: &LoadTorque,
     mut visit: impl FnMut(RowBlock<'_>),
 ) -> Result<(), CalibrationError> {
-    let mut filter = FilteredRows::new(segment, model.slots());
+    let mut filter = FilteredRows::of(segment, model.slots());
     for_each_tile(model, segment, load, |_, tile| {
         filter.push(tile.raw(), tile.stride(), tile.samples(), &mut visit);
     })?;
@@ -90,7 +90,7 @@ pub fn for_each_predicted_block(
     mut visit: impl FnMut(RowBlock<'_>),
 ) -> Result<(), CalibrationError> {
     let joints = model.joints();
-    let mut filter = FilteredRows::new(segment, joints);
+    let mut filter = FilteredRows::of(segment, joints);
     let mut predicted = vec![0.0; joints * TILE_SAMPLES];
     for_each_tile(model, segment, load, |_, tile| {
         predict_tile(model, tile, coefficients, TILE_SAMPLES, &mut predicted);
@@ -120,25 +120,43 @@ pub fn predict_tile(
 }
 
 /// A filter bank that stops at the end of the measurement.
-struct FilteredRows {
+pub(crate) struct FilteredRows {
     bank: ZeroPhaseBank,
     rows: usize,
+    delivered: usize,
 }
 
 impl FilteredRows {
-    fn new(segment: &Segment, columns: usize) -> Self {
-        Self {
-            bank: ZeroPhaseBank::new(&segment.parallel_filter, columns, segment.decimation),
-            rows: segment.rows(),
-        }
+    /// A bank of `columns` columns, of whose rows the first `rows` count.
+    pub(crate) fn new((filter, decimation): (&ZeroPhase, usize), columns: usize, rows: usize) -> Self {
+        Self { bank: ZeroPhaseBank::new(filter, columns, decimation), rows, delivered: 0 }
     }
 
-    fn push(&mut self, data: &[f64], stride: usize, samples: usize, visit: &mut impl FnMut(RowBlock<'_>)) {
-        let rows = self.rows;
-        self.bank.push(data, stride, samples, &mut |tile| hand_over(tile, rows, visit));
+    /// A bank for a segment.
+    fn of(segment: &Segment, columns: usize) -> Self {
+        Self::new((&segment.parallel_filter, segment.decimation), columns, segment.rows())
     }
 
-    fn finish(mut self, visit: &mut impl FnMut(RowBlock<'_>)) -> Result<(), CalibrationError> {
+    /// Rows handed over so far.
+    pub(crate) const fn delivered(&self) -> usize {
+        self.delivered
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        data: &[f64],
+        stride: usize,
+        samples: usize,
+        visit: &mut impl FnMut(RowBlock<'_>),
+    ) {
+        let Self { bank, rows, delivered } = self;
+        bank.push(data, stride, samples, &mut |tile| {
+            *delivered = tile.first_row() + tile.rows();
+            hand_over(tile, *rows, visit);
+        });
+    }
+
+    pub(crate) fn finish(mut self, visit: &mut impl FnMut(RowBlock<'_>)) -> Result<(), CalibrationError> {
         let rows = self.rows;
         Ok(self.bank.finish(&mut |tile| hand_over(tile, rows, visit))?)
     }

@@ -1,4 +1,4 @@
-use crate::{CalibrationError, JointFactor};
+use crate::{CalibrationError, JointFactor, condition::condition_number};
 
 /// A column whose part independent of the columns before it is smaller than this share of its length is
 /// taken as not excited.
@@ -200,15 +200,6 @@ fn invert_upper(upper: &[f64], n: usize) -> Vec<f64> {
         }
     }
     inverse
-}
-
-/// Ratio of the largest to the smallest singular value; infinite if the decomposition fails.
-fn condition_number(upper: &[f64], n: usize) -> f64 {
-    if n == 0 {
-        return f64::NAN;
-    }
-    let matrix = faer::MatRef::from_column_major_slice(upper, n, n);
-    matrix.singular_values().map_or(f64::INFINITY, |s| s[0] / s[n - 1])
 }
 
 #[cfg(test)]

@@ -26,8 +26,8 @@ pub fn noise_bandwidth_factor(filter: &ZeroPhase, decimation: usize) -> f64 {
 
 /// |H|² of the zero-phase filter at a frequency in units of the sampling rate.
 fn gain(filter: &ZeroPhase, frequency: f64) -> f64 {
-    let (sin, cos) = (std::f64::consts::TAU * frequency).sin_cos();
-    let (sin2, cos2) = (2.0 * std::f64::consts::TAU * frequency).sin_cos();
+    let (sin, cos) = libm::sincos(std::f64::consts::TAU * frequency);
+    let (sin2, cos2) = libm::sincos(2.0 * std::f64::consts::TAU * frequency);
     let power = |c: [f64; 3]| {
         let real = c[0] + c[1] * cos + c[2] * cos2;
         let imaginary = c[1] * sin + c[2] * sin2;

@@ -1,11 +1,10 @@
 use aurt_recording::{Preprocessed, Segment, ZeroPhase};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
-use rayon::prelude::*;
 
 use crate::{
     CalibrationError, JointFactor, JointRange, System, TermScopes,
-    calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice, Rest},
-    stream::{for_each_row_block, for_each_tile},
+    accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
+    calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice},
     system::Solution,
     uncertainty::{calibrated_parameters, noise_bandwidth_factor, warnings},
 };
@@ -68,10 +67,11 @@ pub fn calibrate_scoped(
             LoadTorque::Fitted(estimate(&system, options.estimator)?.solution.coefficients)
         }
     };
-    let system = accumulate_scoped(model, recordings, scopes, &load, options)?;
+    let Accumulated { system, load_torque } = accumulate_ranged(model, recordings, scopes, &load, options)?;
     let estimate = estimate(&system, options.estimator)?;
     let filter = first.data.segments.first().map(|s| (&s.parallel_filter, s.decimation));
-    let ranges = ranges(model, recordings, &load)?;
+    let load_torque = matches!(load, LoadTorque::Fitted(_)).then_some(load_torque);
+    let ranges = ranges(recordings, load_torque.as_deref(), model.joints());
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     Ok(finished(&setting, &system, estimate, filter, &load, ranges, names))
@@ -161,103 +161,18 @@ pub(crate) fn weights(sigma: &[f64]) -> Vec<f64> {
     sigma.iter().map(|s| 1.0 / s.max(floor)).collect()
 }
 
-/// Accumulates the factors of all joints over all recordings, segments in parallel, merged in their order (so
-/// that results do not depend on the number of threads).
-///
-/// # Errors
-/// What models report.
-pub fn accumulate(
-    model: &RobotModel,
-    recordings: &[NamedRecording],
-    load: &LoadTorque,
-    options: &CalibrationOptions,
-) -> Result<System, CalibrationError> {
-    accumulate_scoped(model, recordings, &TermScopes::everywhere(), load, options)
-}
-
-/// As [`accumulate`], with arm terms that act in some of the recordings only.
-///
-/// # Errors
-/// What models report.
-pub fn accumulate_scoped(
-    model: &RobotModel,
-    recordings: &[NamedRecording],
-    scopes: &TermScopes,
-    load: &LoadTorque,
-    options: &CalibrationOptions,
-) -> Result<System, CalibrationError> {
-    let segments: Vec<(&Segment, Vec<bool>)> = recordings
-        .iter()
-        .flat_map(|r| r.data.segments.iter().map(|s| (s, scopes.acting(model, &r.name))))
-        .collect();
-    let systems = segments
-        .par_iter()
-        .map(|(segment, acting)| accumulate_segment(model, segment, acting, load, options))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut systems = systems.into_iter();
-    let mut total = systems.next().ok_or(CalibrationError::NothingToCalibrateOn)?;
-    systems.try_for_each(|system| total.merge(&system))?;
-    Ok(total)
-}
-
-fn accumulate_segment(
-    model: &RobotModel,
-    segment: &Segment,
-    acting: &[bool],
-    load: &LoadTorque,
-    options: &CalibrationOptions,
-) -> Result<System, CalibrationError> {
-    let mut factors: Vec<JointFactor> =
-        (0..model.joints()).map(|j| JointFactor::new(model.row_columns(j).to_vec())).collect();
-    let absent = vec![0.0; segment.rows()];
-    if let Some(measurement) = &segment.measurement {
-        for_each_row_block(model, segment, load, |block| {
-            for (joint, factor) in factors.iter_mut().enumerate() {
-                let (slots, columns) = (model.row_slots(joint), model.row_columns(joint));
-                factor.push(
-                    |k| {
-                        if acting[columns[k]] { block.column(slots.start + k) } else { &absent[..block.rows] }
-                    },
-                    block.measurement(&measurement[joint]),
-                    |row| {
-                        options.rest == Rest::Keep
-                            || block.speed(segment, joint, row) > options.rest_velocity_rad_s
-                    },
-                );
-            }
-        })?;
-    }
-    Ok(System::new(model.parameters().len(), factors))
-}
-
-fn ranges(
-    model: &RobotModel,
-    recordings: &[NamedRecording],
-    load: &LoadTorque,
-) -> Result<Vec<JointRange>, CalibrationError> {
-    let mut velocity = vec![0.0_f64; model.joints()];
-    let mut torque = vec![0.0_f64; model.joints()];
-    for segment in recordings.iter().flat_map(|r| &r.data.segments) {
-        let motion = segment.motion.view();
-        for (joint, largest) in velocity.iter_mut().enumerate() {
-            *largest = motion.velocity_rad_s(joint).iter().fold(*largest, |a, v| a.max(v.abs()));
-        }
-        if matches!(load, LoadTorque::Fitted(_)) {
-            for_each_tile(model, segment, load, |_, tile| {
-                for (joint, largest) in torque.iter_mut().enumerate() {
-                    *largest = tile.load_torque(joint).iter().fold(*largest, |a, v| a.max(v.abs()));
-                }
-            })?;
-        }
-    }
-    Ok(velocity
-        .into_iter()
-        .zip(torque)
-        .map(|(velocity_rad_s, torque)| JointRange {
-            velocity_rad_s,
-            load_torque: matches!(load, LoadTorque::Fitted(_)).then_some(torque),
+fn ranges(recordings: &[NamedRecording], load_torque: Option<&[f64]>, joints: usize) -> Vec<JointRange> {
+    let fastest = |joint: usize| {
+        let segments = recordings.iter().flat_map(|r| &r.data.segments);
+        let speeds = segments.flat_map(|s| s.motion.view().velocity_rad_s(joint));
+        speeds.fold(0.0_f64, |a, v| a.max(v.abs()))
+    };
+    (0..joints)
+        .map(|joint| JointRange {
+            velocity_rad_s: fastest(joint),
+            load_torque: load_torque.map(|largest| largest[joint]),
         })
-        .collect())
+        .collect()
 }
 
 /// Refuses recordings without a measurement or of another robot.

@@ -21,6 +21,7 @@ mod sweeping;
 use std::process::ExitCode;
 
 use aurt_plugins::Registry;
+use aurt_traits::Dispatch;
 
 use crate::{
     arguments::Arguments,
@@ -29,8 +30,12 @@ use crate::{
     rendering::terminal::{Report, Terminal},
 };
 
-/// Loads the plugins that the arguments name and does what they say.
+/// Loads the plugins that the arguments name and does what they say, on the instruction set that the environment
+/// asks for.
 fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
+    if let Some(level) = Dispatch::from_environment().map_err(|error| Failure::Models(vec![error]))? {
+        level.select().map_err(|error| Failure::Models(vec![error]))?;
+    }
     let mut registry = Registry::linked()?;
     for library in &arguments.plugin {
         registry.load_library(library)?;

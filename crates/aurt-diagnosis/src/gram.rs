@@ -1,4 +1,4 @@
-use faer::{Accum, MatRef, Par, linalg::matmul::matmul};
+use aurt_calibration::add_gram;
 use rayon::prelude::*;
 
 use crate::{RecordingRows, Role, partition::Partition};
@@ -101,10 +101,7 @@ impl BlockMoments {
 
 fn add_rows(moments: &mut Moments, data: &[f64], measurement: &[f64], start: usize, end: usize) {
     let (rows, columns) = (measurement.len(), moments.columns);
-    let all = MatRef::from_column_major_slice(data, rows, columns);
-    let part = all.subrows(start, end - start);
-    let gram = faer::MatMut::from_column_major_slice_mut(&mut moments.gram, columns, columns);
-    matmul(gram, Accum::Add, part.transpose(), part, 1.0, Par::Seq);
+    add_gram(data, rows, columns, start..end, &mut moments.gram);
     let y = &measurement[start..end];
     for (k, sum) in moments.right.iter_mut().enumerate() {
         let column = &data[k * rows + start..k * rows + end];

@@ -27,9 +27,9 @@ impl Decay {
         } else if self.exponent == 1.0 {
             x
         } else {
-            x.powf(self.exponent)
+            libm::pow(x, self.exponent)
         };
-        (-power).exp()
+        libm::exp(-power)
     }
 }
 

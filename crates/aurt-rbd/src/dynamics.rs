@@ -117,7 +117,7 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), RbdError> {
 
 /// The rotation that maps coordinates in a link frame, at the joint angle θ, to the previous one.
 pub(crate) fn link_rotation(frame: &JointFrame, theta_rad: f64) -> Matrix3<f64> {
-    let (sin, cos) = theta_rad.sin_cos();
+    let (sin, cos) = libm::sincos(theta_rad);
     let r = &frame.rotation;
     Matrix3::from_fn(|row, column| match column {
         0 => r[row][0] * cos + r[row][1] * sin,

@@ -3,7 +3,7 @@
 //! - [`MdhTable`] reads modified Denavit–Hartenberg parameters, [`SerialChain`] is the robot's geometry under
 //!   gravity (of a table, or of general placements), with link frames and Jacobians.
 //! - [`SerialChain`] implements [`aurt_traits::RigidBodyRegressor`], τ = Y(q, q̇, q̈) π: many samples a call,
-//!   on the fastest instruction set that the processor has ([`Dispatch`]).
+//!   on the fastest instruction set that the processor has ([`aurt_traits::Dispatch`]).
 //! - [`base_parameters`] finds the minimal set of inertial parameters and what each of them collects.
 //! - [`ChainDynamics`] adds values of the standard parameters: inverse and forward dynamics, mass matrix,
 //!   bias torque, energy, one sample at a time.
@@ -46,13 +46,13 @@ mod random;
 mod regressor;
 mod rnea;
 
+pub use aurt_traits::Dispatch;
 pub use base_parameters::base_parameters;
 pub use chain::{Joint, Placement, SerialChain};
 pub use dynamics::ChainDynamics;
 pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
 pub use inertia::{Inconsistency, LinkBody, inconsistencies};
-pub use kernel::dispatch::Dispatch;
 pub use kinematics::LinkFrame;
 pub use mdh::{MdhRow, MdhRows, MdhTable};
 

@@ -1,6 +1,6 @@
-use aurt_traits::{Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{Dispatch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 
-use crate::kernel::{self, dispatch::Dispatch};
+use crate::kernel;
 use crate::{INERTIAL_PARAMETERS, SerialChain};
 
 /// Names and units of a link's ten standard parameters, in their order.

@@ -299,6 +299,19 @@ pub enum RecordingError {
         /// Its highest speed.
         fastest_rad_s: f64,
     },
+    /// The temporary file of a recording longer than memory cannot be made, written or read.
+    #[error(
+        "{path}: the temporary file for its samples fails; it lies in the folder for temporary files (TMPDIR) and takes \
+         8 bytes a number",
+        path = path.display()
+    )]
+    Spill {
+        /// The recording.
+        path: PathBuf,
+        /// What the operating system said.
+        #[source]
+        source: std::io::Error,
+    },
     /// A clock from which no sampling rate can be told.
     #[error("{path}: {reason}; {remedy}", path = path.display())]
     Clock {

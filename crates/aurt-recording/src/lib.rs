@@ -3,7 +3,7 @@
 //! [`read_recording`] turns a file into a [`Recording`]: what the joints did and what was measured, as it was
 //! recorded. [`preprocess`] turns a recording into [`Segment`]s: uniform, filtered, differentiated, with the
 //! measurement filtered and thinned out. [`ZeroPhaseBank`] is the filter for the regressor's columns, which are
-//! never held in memory as a whole.
+//! never held in memory as a whole. [`LongRecording`] does both for recordings longer than memory.
 //!
 //! ```
 //! use aurt_recording::{PreprocessOptions, ReadOptions, ZeroPhaseBank, preprocess, read_recording};
@@ -36,11 +36,13 @@
 
 mod csv;
 mod error;
+mod long;
 mod preprocess;
 mod recording;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, read_recording};
 pub use error::RecordingError;
+pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,

@@ -46,4 +46,14 @@ pub enum ModelError {
         /// The number that was found.
         found: usize,
     },
+    /// An instruction set was asked for by a name that is not known, or that this processor does not have.
+    #[error("SIMD level `{asked}` {reason}; available here: {available}")]
+    InstructionSet {
+        /// What was asked for.
+        asked: String,
+        /// Why it cannot be had.
+        reason: &'static str,
+        /// What can be had, comma separated.
+        available: String,
+    },
 }

@@ -7,12 +7,14 @@
 //!   [`ViscousBasis`], all of them [`JointModel`]s, and [`ArmTerm`] for physics outside that equation;
 //! - [`RigidBodyRegressor`], the rigid bodies as a regressor in the standard inertial parameters;
 //! - [`RobotModel`], which composes them into one regressor with named, unit-bearing parameters;
-//! - [`ModelEntry`], the registration slot of statically linked models.
+//! - [`ModelEntry`], the registration slot of statically linked models;
+//! - [`Dispatch`], the instruction set that kernels run on.
 //!
 //! Joints count from 0. Units are SI; a model calibrated against motor currents has A in the place of Nm.
 
 pub mod abi;
 mod arm_term;
+mod dispatch;
 mod error;
 mod invariants;
 mod joint_model;
@@ -24,6 +26,7 @@ mod robot_model;
 mod tile;
 
 pub use arm_term::{ArmSeries, ArmTerm};
+pub use dispatch::Dispatch;
 pub use error::ModelError;
 pub use invariants::{Invariant, Invariants};
 pub use joint_model::{CoulombModel, HysteresisModel, JointModel, JointStack, ViscousBasis};

@@ -1,6 +1,5 @@
 use aurt_recording::ZeroPhase;
-use aurt_traits::RobotModel;
-use faer::{Accum, MatMut, MatRef, Par, linalg::matmul::matmul};
+use aurt_traits::{Dispatch, RobotModel};
 use rayon::prelude::*;
 
 use super::{
@@ -8,7 +7,9 @@ use super::{
     load::LoadSeries,
     rigid::RigidRows,
 };
-use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes};
+use crate::{
+    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes, dense,
+};
 
 /// What is left of a column after one projection still holds about 1e-16 of the column's own length along the basis;
 /// if less than this share is left, a second projection takes that away.
@@ -318,14 +319,7 @@ impl JointBasis {
 fn project_out(basis: &[f64], rows: usize, columns: &mut [f64], count: usize) -> Vec<f64> {
     let n = basis.len().checked_div(rows).unwrap_or(0);
     let mut along = vec![0.0; n * count];
-    if n == 0 || count == 0 {
-        return along;
-    }
-    let q = MatRef::from_column_major_slice(basis, rows, n);
-    let mut b = MatMut::from_column_major_slice_mut(columns, rows, count);
-    let mut c = MatMut::from_column_major_slice_mut(&mut along, n, count);
-    matmul(c.as_mut(), Accum::Replace, q.transpose(), b.as_ref(), 1.0, Par::Seq);
-    matmul(b.as_mut(), Accum::Add, q, c.as_ref(), -1.0, Par::Seq);
+    dense::project_out(Dispatch::active(), basis, rows, columns, &mut along);
     along
 }
 

@@ -109,7 +109,7 @@ impl Variant {
 fn unit(shape: &ShapeParameter) -> f64 {
     let share = match shape.scale {
         Scale::Linear => (shape.value - shape.lower) / (shape.upper - shape.lower),
-        Scale::Logarithmic => (shape.value / shape.lower).ln() / (shape.upper / shape.lower).ln(),
+        Scale::Logarithmic => libm::log(shape.value / shape.lower) / libm::log(shape.upper / shape.lower),
     };
     if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
 }
@@ -118,7 +118,7 @@ fn unit(shape: &ShapeParameter) -> f64 {
 pub(super) fn value(shape: &ShapeParameter, unit: f64) -> f64 {
     let value = match shape.scale {
         Scale::Linear => shape.lower + unit * (shape.upper - shape.lower),
-        Scale::Logarithmic => shape.lower * (shape.upper / shape.lower).powf(unit),
+        Scale::Logarithmic => shape.lower * libm::pow(shape.upper / shape.lower, unit),
     };
     value.clamp(shape.lower, shape.upper)
 }

@@ -83,6 +83,6 @@ fn at_bound(unit: f64) -> bool {
 fn slope(shape: &ShapeParameter, value: f64) -> f64 {
     match shape.scale {
         Scale::Linear => shape.upper - shape.lower,
-        Scale::Logarithmic => value * (shape.upper / shape.lower).ln(),
+        Scale::Logarithmic => value * libm::log(shape.upper / shape.lower),
     }
 }

@@ -7,6 +7,7 @@ mod bad_recording;
 mod chain;
 mod checks;
 mod diagnosis;
+mod instruction_sets;
 mod machine_output;
 mod outputs;
 mod real_recordings;

@@ -56,10 +56,20 @@ impl Folder {
 
     /// Runs `aurt` in this folder.
     pub fn aurt<S: AsRef<std::ffi::OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
+        self.aurt_with([], arguments)
+    }
+
+    /// Runs `aurt` in this folder with some variables in its environment.
+    pub fn aurt_with<'e, S: AsRef<std::ffi::OsStr>>(
+        &self,
+        environment: impl IntoIterator<Item = (&'e str, &'e str)>,
+        arguments: impl IntoIterator<Item = S>,
+    ) -> Run {
         let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
             .args(arguments)
             .current_dir(self.0.path())
             .env_remove("NO_COLOR")
+            .envs(environment)
             .output()
             .unwrap();
         Run(output)

@@ -233,7 +233,7 @@ impl ArmTerm for BaseTilt {
         }
         if self.first_axis {
             for (n, q) in motion.position_rad(0).iter().enumerate() {
-                let (sin, cos) = q.sin_cos();
+                let (sin, cos) = libm::sincos(*q);
                 out.column_mut(2)[n] = sin;
                 out.column_mut(3)[n] = cos;
             }

@@ -146,7 +146,7 @@ impl ArmTerm for Counterbalance {
     ) -> Result<(), ModelError> {
         let (a, b) = (self.crank_m, self.anchor_m);
         for (n, q) in series.motion.position_rad(self.joint).iter().enumerate() {
-            let (sin, cos) = (q - self.dead_centre_rad).sin_cos();
+            let (sin, cos) = libm::sincos(q - self.dead_centre_rad);
             let arm = a * b * sin;
             out.column_mut(0)[n] = arm;
             out.column_mut(1)[n] = -arm / (a * a + b * b - 2.0 * a * b * cos).sqrt();

@@ -112,7 +112,7 @@ impl ArmTerm for Temperature {
         let (motion, start) = (series.motion, state[0]);
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (k, (t, v)) in motion.time_s().iter().zip(motion.velocity_rad_s(joint)).enumerate() {
-                let warmth = ((t - start) / self.warming_time_s).max(0.0).ln_1p();
+                let warmth = libm::log1p(((t - start) / self.warming_time_s).max(0.0));
                 let sign = if *v == 0.0 { 0.0 } else { v.signum() };
                 own.column_mut(0)[k] = warmth * sign;
                 own.column_mut(1)[k] = warmth * v;

@@ -138,7 +138,7 @@ impl ArmTerm for TorqueRipple {
             for (i, order) in self.orders.iter().enumerate() {
                 let cycles = f64::from(*order) * self.cycles_per_revolution;
                 for (n, q) in motion.position_rad(joint).iter().enumerate() {
-                    let (sin, cos) = (cycles * q).sin_cos();
+                    let (sin, cos) = libm::sincos(cycles * q);
                     own.column_mut(2 * i)[n] = sin;
                     own.column_mut(2 * i + 1)[n] = cos;
                 }

@@ -71,7 +71,7 @@ impl Default for BoucWen {
 
 impl BoucWen {
     fn power(&self, x: f64) -> f64 {
-        if self.exponent == 1.0 { x } else { x.powf(self.exponent) }
+        if self.exponent == 1.0 { x } else { libm::pow(x, self.exponent) }
     }
 
     /// The slope of `along`, the force in the direction of motion, against the distance in units of p.
@@ -204,26 +204,26 @@ mod tests {
     fn exponential(along: f64, distance: f64, beta: f64) -> f64 {
         let k = 2.0 * beta - 1.0;
         if along >= 0.0 {
-            return 1.0 - (1.0 - along) * (-distance).exp();
+            return 1.0 - (1.0 - along) * libm::exp(-distance);
         }
-        let to_zero = if k == 0.0 { -along } else { (1.0 - k * along).ln() / k };
+        let to_zero = if k == 0.0 { -along } else { libm::log(1.0 - k * along) / k };
         if distance >= to_zero {
-            return 1.0 - (to_zero - distance).exp();
+            return 1.0 - libm::exp(to_zero - distance);
         }
-        if k == 0.0 { along + distance } else { (1.0 - (1.0 - k * along) * (-k * distance).exp()) / k }
+        if k == 0.0 { along + distance } else { (1.0 - (1.0 - k * along) * libm::exp(-k * distance)) / k }
     }
 
     /// The closed solution for n = 2.
     fn hyperbolic(along: f64, distance: f64, beta: f64) -> f64 {
         let k = (2.0 * beta - 1.0).sqrt();
         if along >= 0.0 {
-            return (along.atanh() + distance).tanh();
+            return libm::tanh(libm::atanh(along) + distance);
         }
-        let to_zero = if k == 0.0 { -along } else { (-k * along).atan() / k };
+        let to_zero = if k == 0.0 { -along } else { libm::atan(-k * along) / k };
         if distance >= to_zero {
-            return (distance - to_zero).tanh();
+            return libm::tanh(distance - to_zero);
         }
-        if k == 0.0 { along + distance } else { ((k * along).atan() + k * distance).tan() / k }
+        if k == 0.0 { along + distance } else { libm::tan(libm::atan(k * along) + k * distance) / k }
     }
 
     fn largest_error(exponent: f64, reference: impl Fn(f64, f64, f64) -> f64) -> f64 {

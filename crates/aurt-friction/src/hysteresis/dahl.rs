@@ -123,7 +123,7 @@ impl JointModel for Dahl {
 #[inline]
 pub(crate) fn relax(h: f64, dq: f64, presliding: f64, level: f64) -> f64 {
     // `exp_m1` keeps the digits of the small steps that a high sampling rate makes.
-    let share = -(-dq.abs() / (presliding * level)).exp_m1();
+    let share = -libm::expm1(-dq.abs() / (presliding * level));
     (h + (level.copysign(dq) - h) * share).clamp(-1.0, 1.0)
 }
 

@@ -147,7 +147,7 @@ impl Gms {
         }
         // At the level already, as always without velocity weakening, nothing is left to relax.
         if along != level {
-            along = level + (along - level) * (-slipping_s * self.attraction_per_s / level).exp();
+            along = level + (along - level) * libm::exp(-slipping_s * self.attraction_per_s / level);
         }
         *force = along.clamp(-1.0, 1.0) * direction;
     }

@@ -95,7 +95,7 @@ impl JointModel for Tanh {
         out: &mut Columns<'_>,
     ) -> Result<(), ModelError> {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
-            *o = (v / self.velocity_rad_s).tanh();
+            *o = libm::tanh(v / self.velocity_rad_s);
         }
         Ok(())
     }

@@ -41,7 +41,7 @@ impl Thresholds<'_> {
         }
         let (smallest, largest) = self.ends();
         let last = self.len().saturating_sub(1).max(1) as f64;
-        (0..self.len()).map(|i| smallest * (largest / smallest).powf(i as f64 / last)).collect()
+        (0..self.len()).map(|i| smallest * libm::pow(largest / smallest, i as f64 / last)).collect()
     }
 
     /// The ends of the grid as shape parameters.

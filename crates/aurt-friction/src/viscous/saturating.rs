@@ -110,7 +110,7 @@ impl JointModel for Saturating {
         out: &mut Columns<'_>,
     ) -> Result<(), ModelError> {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
-            *o = (v / self.saturation_velocity_rad_s).tanh();
+            *o = libm::tanh(v / self.saturation_velocity_rad_s);
         }
         if self.linear {
             out.column_mut(1).copy_from_slice(series.velocity_rad_s);

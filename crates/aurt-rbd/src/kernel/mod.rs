@@ -5,18 +5,16 @@
 //! is the projection of the link's 6 × 10 wrench regressor on that twist.
 
 mod block;
-pub(crate) mod dispatch;
 mod lanes;
 mod motion;
 mod plan;
 mod sine_cosine;
 mod turn;
 
-use aurt_traits::{MotionView, RegressorTile};
+use aurt_traits::{Dispatch, MotionView, RegressorTile};
 
 use crate::SerialChain;
 use block::{other_blocks, own_block};
-use dispatch::Dispatch;
 use lanes::{Lanes, Plain2};
 use motion::{
     GROUP, JointLanes, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,

@@ -3,11 +3,14 @@ use std::path::Path;
 use crate::csv::ReadOptions;
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
-use crate::csv::plausibility::{self, Finding};
+use crate::csv::plausibility::{self, Finding, Turns};
 use crate::{DroppedRow, RecordingError};
 
 /// Corrupt rows of which line and reason are kept; of more, only the number.
 const KEPT_DETAILS: usize = 10_000;
+
+/// Remarks that are kept.
+const REMARKS: usize = 100;
 
 /// Magnitude of time stamps beyond which they are corrupt, in s.
 const TIME_LIMIT_S: f64 = 1e20;
@@ -26,6 +29,10 @@ pub(super) struct Collector<'a> {
     dropped_rows: usize,
     /// Whether the latest row was kept.
     follows: bool,
+    /// Whether rows were handed out.
+    begun: bool,
+    turns: Vec<Turns>,
+    remarks: Vec<String>,
 }
 
 /// A row that was left out.
@@ -70,7 +77,15 @@ impl<'a> Collector<'a> {
             dropped: Vec::new(),
             dropped_rows: 0,
             follows: false,
+            begun: false,
+            turns: vec![Turns::default(); selected.position.len()],
+            remarks: Vec::new(),
         }
+    }
+
+    /// Rows held.
+    pub(super) const fn held(&self) -> usize {
+        self.lines.len()
     }
 
     /// Rows seen, dropped ones included.
@@ -121,16 +136,7 @@ impl<'a> Collector<'a> {
         header: &Header,
         max_share: f64,
     ) -> Result<Collected, RecordingError> {
-        let joints = self.selected.position.len();
-        let measured = self.series.len() - self.selected.measurement.as_ref().map_or(0, Vec::len);
-        let (time, values) = self.series.split_at(1);
-        let mut findings = plausibility::position_outliers(&time[0], &values[..joints]);
-        findings.extend(plausibility::measurement_outliers(&self.series[measured..]).into_iter().map(|f| {
-            // Places count from the positions on.
-            Finding { place: f.place + measured - 1, ..f }
-        }));
-        self.drop_findings(&findings);
-
+        let series = self.piece(true);
         let allowed = (max_share * self.rows as f64).floor() as usize;
         if self.dropped_rows > allowed {
             let first = self.dropped.iter().min_by_key(|d| d.line);
@@ -154,13 +160,40 @@ impl<'a> Collector<'a> {
             .iter()
             .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
             .collect();
-        let mut remarks = Vec::new();
-        let (time, values) = self.series.split_at_mut(1);
-        for (joint, position) in values.iter_mut().enumerate().take(joints) {
-            remarks.extend(plausibility::unwrap(joint, &time[0], position, &self.lines));
+        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks })
+    }
+
+    /// Hands out the rows held, without those that their neighbours contradict. Unless they are the last, two rows stay
+    /// back as neighbours of those to come.
+    pub(super) fn piece(&mut self, last: bool) -> Vec<Vec<f64>> {
+        let first = !std::mem::replace(&mut self.begun, true);
+        let (joints, rows) = (self.selected.position.len(), self.lines.len());
+        let measured = self.series.len() - self.selected.measurement.as_ref().map_or(0, Vec::len);
+        let (time, values) = self.series.split_at(1);
+        let mut findings = plausibility::position_outliers(&time[0], &values[..joints]);
+        findings.extend(plausibility::measurement_outliers(&self.series[measured..]).into_iter().map(|f| {
+            // Places count from the positions on.
+            Finding { place: f.place + measured - 1, ..f }
+        }));
+        // At a cut between two pieces a row has a neighbour on one side only.
+        findings.retain(|f| (first || f.row > 0) && (last || f.row + 1 < rows));
+        self.drop_findings(&findings);
+        let ready = if last { self.lines.len() } else { self.lines.len().saturating_sub(2) };
+        let lines: Vec<u32> = self.lines.drain(..ready).collect();
+        let mut series: Vec<Vec<f64>> = if last {
+            std::mem::take(&mut self.series)
+        } else {
+            self.series.iter_mut().map(|s| s.drain(..ready).collect()).collect()
+        };
+        let (time, values) = series.split_at_mut(1);
+        for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
+            let remark = plausibility::unwrap(joint, &time[0], position, &lines, turns);
+            self.remarks.extend(remark);
         }
-        remarks.extend(plausibility::remark_on_degrees(&self.series[1..=joints]));
-        Ok(Collected { series: self.series, dropped, dropped_rows: self.dropped_rows, remarks })
+        self.remarks.extend(plausibility::remark_on_degrees(&series[1..=joints]));
+        // Of many pieces every one may have the same to say.
+        self.remarks.truncate(REMARKS);
+        series
     }
 
     /// Leaves out the rows of some findings.

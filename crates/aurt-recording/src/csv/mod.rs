@@ -20,7 +20,7 @@ use aurt_traits::MeasurementUnit;
 pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
 
 use crate::csv::collector::Collector;
-use crate::csv::columns::Search;
+use crate::csv::columns::{Search, Selected};
 use crate::csv::dialect::Dialect;
 use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
@@ -107,27 +107,61 @@ impl ReadOptions {
 /// line with too few or too many cells, a last line that breaks off; more corrupt rows than
 /// `options.max_corrupt_share`. Each names file, line, column and remedy.
 pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
+    read(path, options, usize::MAX, &mut |_| Ok(()))
+}
+
+/// Rows of a piece of a recording that is read piece by piece.
+const PIECE_ROWS: usize = 1 << 16;
+
+/// Reads a recording as [`read_recording`] does and hands it over in consecutive pieces.
+///
+/// # Errors
+/// As [`read_recording`], and what `visit` returns.
+pub(crate) fn read_pieces(
+    path: &Path,
+    options: &ReadOptions,
+    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+) -> Result<ReadReport, RecordingError> {
+    let last = read(path, options, PIECE_ROWS, visit)?;
+    visit(&last)?;
+    Ok(last.report)
+}
+
+/// Reads a recording; pieces but the last go to `visit`, the last, with the report, is returned.
+fn read(
+    path: &Path,
+    options: &ReadOptions,
+    piece_rows: usize,
+    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+) -> Result<Recording, RecordingError> {
     options.validate()?;
     if path.is_dir() {
         return Err(RecordingError::Directory { path: path.to_owned() });
     }
-    let reader = Reader { path, options };
+    let reader = Reader { path, options, piece_rows };
     let unreadable = |source| reader.unreadable(source);
     let mut file = File::open(path).map_err(unreadable)?;
     let bytes = file.metadata().map_or(0, |m| m.len());
     let mut sample = Vec::with_capacity(SAMPLE_BYTES);
     file.by_ref().take(SAMPLE_BYTES as u64).read_to_end(&mut sample).map_err(unreadable)?;
-    reader.read(Cursor::new(sample.as_slice()).chain(file), &sample, bytes)
+    reader.read(Cursor::new(sample.as_slice()).chain(file), &sample, bytes, visit)
 }
 
 /// The reading of one file.
 struct Reader<'a> {
     path: &'a Path,
     options: &'a ReadOptions,
+    piece_rows: usize,
 }
 
 impl Reader<'_> {
-    fn read(&self, source: impl Read, sample: &[u8], bytes: u64) -> Result<Recording, RecordingError> {
+    fn read(
+        &self,
+        source: impl Read,
+        sample: &[u8],
+        bytes: u64,
+        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    ) -> Result<Recording, RecordingError> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
         }
@@ -148,7 +182,8 @@ impl Reader<'_> {
         let wanted = selected.all();
         let parser = RowParser::new(dialect, header.columns, &wanted);
         let mean_length = sample.len().div_ceil(content.len().max(1)).max(1);
-        let mut collector = Collector::new(&selected, self.options, bytes as usize / mean_length);
+        let rows = (bytes as usize / mean_length).min(self.piece_rows);
+        let mut collector = Collector::new(&selected, self.options, rows);
         let mut row = vec![0.0; wanted.len()];
         let decimals =
             wanted.contains(&(header.columns - 1)).then(|| fixed_decimals(dialect, &content)).flatten();
@@ -161,6 +196,9 @@ impl Reader<'_> {
                 continue;
             }
             self.take(&parser, &header, &line, &mut row, &mut collector)?;
+            if collector.held() >= self.piece_rows {
+                visit(&self.recording(&selected, collector.piece(false), ReadReport::default()))?;
+            }
             if let Some(reason) =
                 decimals.filter(|_| !line.terminated).and_then(|d| cut_off(dialect, line.bytes, d))
             {
@@ -183,7 +221,7 @@ impl Reader<'_> {
         if let Some(measurement) = &selected.measurement {
             columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
         }
-        let mut remarks = selected.remarks;
+        let mut remarks = selected.remarks.clone();
         remarks.append(&mut collected.remarks);
         let named = if header.names.is_empty() { "without header" } else { "with header" };
         let report = ReadReport {
@@ -194,17 +232,22 @@ impl Reader<'_> {
             dropped_rows: collected.dropped_rows,
             remarks,
         };
+        Ok(self.recording(&selected, collected.series, report))
+    }
+
+    /// A recording of the selected series.
+    fn recording(&self, selected: &Selected, series: Vec<Vec<f64>>, report: ReadReport) -> Recording {
         let joints = selected.position.len();
-        let mut series = collected.series.into_iter();
-        Ok(Recording {
+        let mut series = series.into_iter();
+        Recording {
             file: self.path.to_owned(),
             time_s: series.next().unwrap_or_default(),
             position_rad: series.by_ref().take(joints).collect(),
-            velocity_rad_s: selected.velocity.map(|_| series.by_ref().take(joints).collect()),
-            measurement: selected.measurement.map(|_| series.by_ref().take(joints).collect()),
+            velocity_rad_s: selected.velocity.as_ref().map(|_| series.by_ref().take(joints).collect()),
+            measurement: selected.measurement.as_ref().map(|_| series.by_ref().take(joints).collect()),
             unit: selected.unit,
             report,
-        })
+        }
     }
 
     /// The header, and the line it was found on.

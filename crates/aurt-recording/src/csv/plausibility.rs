@@ -93,27 +93,41 @@ pub(super) fn measurement_outliers(measurements: &[Vec<f64>]) -> Vec<Finding> {
         .collect()
 }
 
+/// Where the unwrapping of a joint's positions stands.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Turns {
+    /// What is added to positions, in rad.
+    offset: f64,
+    /// Stamp and position, as it was read, of the row before.
+    before: Option<[f64; 2]>,
+}
+
 /// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or stay.
-pub(super) fn unwrap(joint: usize, time: &[f64], position: &mut [f64], lines: &[u32]) -> Option<String> {
+pub(super) fn unwrap(
+    joint: usize,
+    time: &[f64],
+    position: &mut [f64],
+    lines: &[u32],
+    state: &mut Turns,
+) -> Option<String> {
     let mut turns = 0;
     let mut first_turn = None;
     let mut other = None;
-    let mut offset = 0.0;
-    let mut before = *position.first()?;
-    for k in 1..position.len() {
+    for k in 0..position.len() {
         let here = position[k];
+        let [stamp, before] = state.before.unwrap_or([time[k], here]);
         let step = here - before;
-        if step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k] - time[k - 1]) {
+        if step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k] - stamp) {
             if is_turn(step) {
-                offset -= TAU * (step / TAU).round();
+                state.offset -= TAU * (step / TAU).round();
                 turns += 1;
                 first_turn = first_turn.or(Some(lines[k]));
             } else {
                 other = other.or(Some((lines[k], step)));
             }
         }
-        before = here;
-        position[k] = here + offset;
+        state.before = Some([time[k], here]);
+        position[k] = here + state.offset;
     }
     let turned = first_turn.map(|line| {
         format!("the position of joint {joint} jumps by whole turns {turns} times (first in line {line}); it was unwrapped")

@@ -1,6 +1,8 @@
+use aurt_traits::Dispatch;
+
 use crate::RecordingError;
 use crate::preprocess::bank_kernel::{
-    CHUNK, Lanes, Level, PackRows, PackSamples, PackState, Sums, WIDTH, run_backward, take_in,
+    CHUNK, Lanes, PackRows, PackSamples, PackState, Sums, WIDTH, run_backward, take_in,
 };
 use crate::preprocess::complex::Complex;
 use crate::preprocess::modes::{Modes, State};
@@ -23,7 +25,7 @@ const NEGLIGIBLE: f64 = 1e-17;
 #[derive(Debug)]
 pub struct ZeroPhaseBank {
     modes: Modes,
-    level: Level,
+    level: Dispatch,
     columns: usize,
     factor: usize,
     padding: usize,
@@ -89,10 +91,10 @@ impl ZeroPhaseBank {
     /// A bank for `columns` columns that keeps every `decimation`-th row (0 counts as 1).
     #[must_use]
     pub fn new(filter: &ZeroPhase, columns: usize, decimation: usize) -> Self {
-        Self::at_level(filter, columns, decimation, Level::detect())
+        Self::at_level(filter, columns, decimation, Dispatch::active())
     }
 
-    fn at_level(filter: &ZeroPhase, columns: usize, decimation: usize, level: Level) -> Self {
+    fn at_level(filter: &ZeroPhase, columns: usize, decimation: usize, level: Dispatch) -> Self {
         let factor = decimation.max(1);
         let modes = Modes::new(filter.design(), factor);
         let (groups, packs) = (modes.groups.len(), columns.div_ceil(WIDTH));
@@ -371,7 +373,7 @@ fn parts(state: &State) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    fn rows(filter: &ZeroPhase, level: Level, columns: usize, decimation: usize, tile: usize) -> Vec<f64> {
+    fn rows(filter: &ZeroPhase, level: Dispatch, columns: usize, decimation: usize, tile: usize) -> Vec<f64> {
         let samples = 2345;
         let value = |column: usize, k: usize| ((k * (column + 3)) as f64 * 0.0137).sin() + (k % 17) as f64;
         let mut bank = ZeroPhaseBank::at_level(filter, columns, decimation, level);
@@ -395,9 +397,9 @@ mod tests {
     fn every_instruction_set_and_every_cut_into_tiles_gives_the_same_bits() {
         for (order, columns, decimation) in [(4, 1, 10), (4, 9, 3), (7, 19, 8), (3, 8, 1), (4, 17, 61)] {
             let filter = ZeroPhase::butterworth(order, 4.0, 100.0).unwrap();
-            let reference = rows(&filter, Level::Baseline, columns, decimation, 256);
+            let reference = rows(&filter, Dispatch::Baseline, columns, decimation, 256);
             assert_eq!(reference.len(), columns * 2345_usize.div_ceil(decimation));
-            for level in Level::available() {
+            for level in Dispatch::available() {
                 for tile in [1, 7, 256, 1000, 2345] {
                     assert!(
                         rows(&filter, level, columns, decimation, tile) == reference,

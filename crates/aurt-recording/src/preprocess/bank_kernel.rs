@@ -5,6 +5,8 @@
 //! transposed, and the states run on with a column in each lane. Products and sums stay separate (no fused
 //! multiply-add), hence every instruction set gives the same bits.
 
+use aurt_traits::Dispatch;
+
 use crate::preprocess::modes::ModeGroup;
 
 /// Columns in a pack, and weights per sample: two modes, real and imaginary part, forward and backward.
@@ -21,40 +23,6 @@ pub(super) type PackState = [Lanes; 4];
 
 /// Sums of a pack's columns, `[column][block][weight]`.
 pub(super) type Sums = [[Lanes; CHUNK]; WIDTH];
-
-/// Instruction set of the loops, chosen once when a bank is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Level {
-    /// What every processor of the target architecture has.
-    Baseline,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
-
-impl Level {
-    /// The widest level that this processor has.
-    pub(super) fn detect() -> Self {
-        Self::available().last().copied().unwrap_or(Self::Baseline)
-    }
-
-    /// All levels that this processor has, the widest last.
-    pub(super) fn available() -> Vec<Self> {
-        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "one level only"))]
-        let mut levels = vec![Self::Baseline];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::arch::is_x86_feature_detected!("avx2") {
-                levels.push(Self::Avx2);
-            }
-            if std::arch::is_x86_feature_detected!("avx512f") {
-                levels.push(Self::Avx512);
-            }
-        }
-        levels
-    }
-}
 
 /// Some blocks of up to eight columns.
 #[derive(Clone, Copy)]
@@ -81,7 +49,7 @@ pub(super) struct PackRows<'a> {
 /// The backward sum of a block lacks the first sample of the next; so every call completes the row before its first
 /// block, which is a dummy if there is none.
 pub(super) fn take_in(
-    level: Level,
+    level: Dispatch,
     group: &ModeGroup,
     samples: PackSamples<'_>,
     state: &mut PackState,
@@ -89,13 +57,15 @@ pub(super) fn take_in(
     sums: &mut Sums,
 ) {
     match level {
-        Level::Baseline => take_in_body(group, samples, state, rows, sums),
-        // SAFETY: `Level::Avx2` is only made by `Level::available` after the processor reported avx2.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { take_in_avx2(group, samples, state, rows, sums) },
-        // SAFETY: `Level::Avx512` is only made by `Level::available` after the processor reported avx512f.
+        // SAFETY: the processor has the features that the function was compiled for.
+        Dispatch::Avx512 if level.is_available() => unsafe {
+            take_in_avx512(group, samples, state, rows, sums)
+        },
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { take_in_avx512(group, samples, state, rows, sums) },
+        // SAFETY: as above.
+        Dispatch::Avx2 if level.is_available() => unsafe { take_in_avx2(group, samples, state, rows, sums) },
+        _ => take_in_body(group, samples, state, rows, sums),
     }
 }
 
@@ -124,15 +94,15 @@ fn take_in_avx512(
 }
 
 /// Runs backward over the rows of a pack from the newest on and adds the contributions to the first `past.len()`.
-pub(super) fn run_backward(level: Level, group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
+pub(super) fn run_backward(level: Dispatch, group: &ModeGroup, future: &[PackState], past: &mut [Lanes]) {
     match level {
-        Level::Baseline => run_backward_body(group, future, past),
-        // SAFETY: `Level::Avx2` is only made by `Level::available` after the processor reported avx2.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { run_backward_avx2(group, future, past) },
-        // SAFETY: `Level::Avx512` is only made by `Level::available` after the processor reported avx512f.
+        // SAFETY: the processor has the features that the function was compiled for.
+        Dispatch::Avx512 if level.is_available() => unsafe { run_backward_avx512(group, future, past) },
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { run_backward_avx512(group, future, past) },
+        // SAFETY: as above.
+        Dispatch::Avx2 if level.is_available() => unsafe { run_backward_avx2(group, future, past) },
+        _ => run_backward_body(group, future, past),
     }
 }
 

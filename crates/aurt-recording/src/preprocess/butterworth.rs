@@ -34,14 +34,14 @@ impl Butterworth {
     pub(crate) fn low_pass(order: usize, normalized_cutoff: f64) -> Self {
         // The transform is written for a sampling rate of 2, in units of the Nyquist frequency.
         let twice_rate = 4.0;
-        let warped = twice_rate * (PI * normalized_cutoff / 2.0).tan();
+        let warped = twice_rate * libm::tan(PI * normalized_cutoff / 2.0);
         // Angles from the negative real axis, largest damping first; each stands for a conjugate pair but 0.
         let first = if order % 2 == 1 { 0 } else { 1 };
         let mut poles = Vec::with_capacity(order.div_ceil(2));
         let mut gain = 1.0;
         for step in (first..order).step_by(2) {
             let angle = PI * step as f64 / (2 * order) as f64;
-            let analogue = Complex::new(-angle.cos() * warped, angle.sin() * warped);
+            let analogue = Complex::new(-libm::cos(angle) * warped, libm::sin(angle) * warped);
             let denominator = Complex::real(twice_rate) - analogue;
             poles.push((Complex::real(twice_rate) + analogue) / denominator);
             gain *= if step == 0 {
@@ -77,6 +77,6 @@ impl Butterworth {
     pub(crate) fn decay_samples(&self, relative: f64) -> usize {
         let slowest = self.poles.iter().map(|p| p.norm_squared().sqrt()).fold(0.0, f64::max);
         // The poles lie inside the unit circle, but for absurdly low cut-offs rounding may put them on it.
-        (relative.ln() / slowest.min(1.0 - f64::EPSILON).ln()).ceil().max(1.0) as usize
+        (libm::log(relative) / libm::log(slowest.min(1.0 - f64::EPSILON))).ceil().max(1.0) as usize
     }
 }

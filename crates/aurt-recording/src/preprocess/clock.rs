@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::{PreprocessOptions, Recording, RecordingError};
 
 /// Share of a period by which stamps may lie off a uniform grid and still count as uniform.
-const UNIFORM_TOLERANCE: f64 = 0.02;
+pub(crate) const UNIFORM_TOLERANCE: f64 = 0.02;
 
 /// Sampling rates that recorders are commonly set to, within one decade.
 const COMMON_RATES: [f64; 13] = [1.0, 1.2, 1.25, 1.5, 2.0, 2.4, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
@@ -158,20 +158,20 @@ fn uniform_period(time: &[f64], runs: &[Range<usize>]) -> Option<f64> {
 }
 
 fn common_rate(rate_hz: f64) -> f64 {
-    let decade = 10.0_f64.powi(rate_hz.log10().floor() as i32);
+    let decade = libm::pow(10.0, libm::log10(rate_hz).floor());
     let nearest = COMMON_RATES
         .iter()
         .map(|r| r * decade)
-        .min_by(|a, b| (a / rate_hz).ln().abs().total_cmp(&(b / rate_hz).ln().abs()));
+        .min_by(|a, b| libm::log(a / rate_hz).abs().total_cmp(&libm::log(b / rate_hz).abs()));
     match nearest {
-        Some(common) if (common / rate_hz).ln().abs() <= COMMON_TOLERANCE => common,
+        Some(common) if libm::log(common / rate_hz).abs() <= COMMON_TOLERANCE => common,
         _ => to_digits(rate_hz, 3),
     }
 }
 
 /// A positive number rounded to some decimal digits.
-fn to_digits(value: f64, digits: i32) -> f64 {
-    let shift = digits - 1 - value.log10().floor() as i32;
+pub(crate) fn to_digits(value: f64, digits: i32) -> f64 {
+    let shift = digits - 1 - libm::log10(value).floor() as i32;
     // Dividing by a power of ten that is exact gives the nearest double to the decimal number.
     let rounded = if shift >= 0 {
         (value * 10.0_f64.powi(shift)).round() / 10.0_f64.powi(shift)

@@ -29,9 +29,9 @@ impl Complex {
         if n == 0 {
             return Self::real(1.0);
         }
-        let (modulus, argument) = (self.re.hypot(self.im), self.im.atan2(self.re));
-        let (sine, cosine) = (argument * n as f64).sin_cos();
-        let modulus = modulus.powf(n as f64);
+        let (modulus, argument) = (libm::hypot(self.re, self.im), libm::atan2(self.im, self.re));
+        let (sine, cosine) = libm::sincos(argument * n as f64);
+        let modulus = libm::pow(modulus, n as f64);
         Self { re: modulus * cosine, im: modulus * sine }
     }
 }

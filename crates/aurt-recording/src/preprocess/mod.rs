@@ -3,14 +3,14 @@
 mod bank;
 mod bank_kernel;
 mod butterworth;
-mod clock;
+pub(crate) mod clock;
 mod complex;
 mod decimate;
-mod differentiate;
+pub(crate) mod differentiate;
 mod modes;
 mod options;
 mod report;
-mod resample;
+pub(crate) mod resample;
 mod segment;
 mod spline;
 mod zero_phase;
@@ -25,6 +25,7 @@ pub use segment::Segment;
 pub use zero_phase::ZeroPhase;
 
 use std::ops::Range;
+use std::path::Path;
 
 use crate::preprocess::clock::Clock;
 use crate::preprocess::segment::{Plan, Refusal};
@@ -84,8 +85,8 @@ pub fn preprocess(
         rate_hz: clock.rate_hz,
         resample: clock.resample,
         decimation: decimation.factor,
-        position_filter: filter(&merged, options, clock.rate_hz, Which::Position)?,
-        parallel_filter: filter(&merged, options, clock.rate_hz, Which::Parallel)?,
+        position_filter: filter(&merged.file, options, clock.rate_hz, Which::Position)?,
+        parallel_filter: filter(&merged.file, options, clock.rate_hz, Which::Parallel)?,
     };
 
     let origin = merged.time_s[0];
@@ -151,13 +152,13 @@ fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed
 
 /// The two filters of preprocessing.
 #[derive(Clone, Copy)]
-enum Which {
+pub(crate) enum Which {
     Position,
     Parallel,
 }
 
-fn filter(
-    recording: &Recording,
+pub(crate) fn filter(
+    file: &Path,
     options: &PreprocessOptions,
     rate_hz: f64,
     which: Which,
@@ -195,7 +196,7 @@ fn filter(
         remedy.push_str(". So low a rate also comes from time stamps that are not in seconds");
     }
     Err(RecordingError::AboveNyquist {
-        path: recording.file.clone(),
+        path: file.to_owned(),
         which: name,
         cutoff_hz,
         rate_hz,

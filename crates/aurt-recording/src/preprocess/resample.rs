@@ -6,7 +6,7 @@ use crate::preprocess::spline::CubicSpline;
 
 /// Share of the median distance of stamps below which two stamps are one: a curve through both samples would turn
 /// the noise between them into a steep slope.
-const SAME_STAMP: f64 = 0.05;
+pub(crate) const SAME_STAMP: f64 = 0.05;
 
 /// The recording with every stamp once: samples that share a stamp, or nearly so, become one, with the mean of their
 /// values. Also how many samples repeated the one before, and how many contradicted it.

@@ -2,13 +2,13 @@ use std::fmt;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::RbdError;
+use crate::ModelError;
 
-/// The instruction set that the regressor kernel runs on.
+/// The instruction set that kernels run on: the regressor's, the filter bank's, that of least squares.
 ///
 /// Results agree between levels to rounding (1e-12 relative is tested); [`Self::Avx2`] and [`Self::Avx512`]
 /// agree bit for bit, and [`Self::Baseline`] gives the same bits on every machine, because it uses neither
-/// fused operations nor the platform's mathematical library.
+/// fused operations nor the platform's mathematical library. Plugins from dynamic libraries choose for themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Dispatch {
     /// What every processor of the target has (SSE2 on x86-64, NEON on AArch64), two samples at a time.
@@ -67,11 +67,11 @@ impl Dispatch {
     /// The level of a name, if this processor has it.
     ///
     /// # Errors
-    /// [`RbdError::Dispatch`] for an unknown name or a level that is not available.
-    pub fn from_name(name: &str) -> Result<Self, RbdError> {
+    /// [`ModelError::InstructionSet`] for an unknown name or a level that is not available.
+    pub fn from_name(name: &str) -> Result<Self, ModelError> {
         let refuse = |reason| {
             let available: Vec<_> = Self::available().into_iter().map(Self::name).collect();
-            Err(RbdError::Dispatch { asked: name.into(), reason, available: available.join(", ") })
+            Err(ModelError::InstructionSet { asked: name.into(), reason, available: available.join(", ") })
         };
         match Self::ALL.into_iter().find(|level| level.name() == name.trim().to_ascii_lowercase()) {
             None => refuse("is not known"),
@@ -84,7 +84,7 @@ impl Dispatch {
     ///
     /// # Errors
     /// As [`Self::from_name`].
-    pub fn from_environment() -> Result<Option<Self>, RbdError> {
+    pub fn from_environment() -> Result<Option<Self>, ModelError> {
         match std::env::var(Self::VARIABLE) {
             Ok(name) if !name.trim().is_empty() => Self::from_name(&name).map(Some),
             _ => Ok(None),
@@ -95,8 +95,8 @@ impl Dispatch {
     /// `Dispatch::Baseline.select()` makes runs bit-reproducible across machines.
     ///
     /// # Errors
-    /// [`RbdError::Dispatch`] if the level is not available.
-    pub fn select(self) -> Result<(), RbdError> {
+    /// [`ModelError::InstructionSet`] if the level is not available.
+    pub fn select(self) -> Result<(), ModelError> {
         Self::from_name(self.name())?;
         SELECTED.store(self as u8 + 1, Ordering::Relaxed);
         Ok(())

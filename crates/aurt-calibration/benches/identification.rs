@@ -1,0 +1,90 @@
+//! End to end: reading, preprocessing, regressor, parallel filter, weighted least squares, by stage.
+//!
+//! `cargo bench -p aurt-calibration --bench identification [-- --samples 29000 --joints 6 --rounds 15 --tsv]`
+//!
+//! One thread works, and its processor time is counted: median of the rounds [smallest, largest] in ms. By default
+//! 29 000 samples of six joints, 58 s at 500 Hz, with the paper's friction.
+#![expect(clippy::unwrap_used, reason = "a benchmark may panic")]
+
+mod workload;
+
+use aurt_calibration::{
+    CalibrationOptions, Estimator, FitRows, LoadTorqueChoice, NamedRecording, RigidRows, TermScopes,
+    accumulate, calibrate, calibrate_rows, estimate,
+};
+use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
+use aurt_traits::{Dispatch, LoadTorque, MeasurementUnit};
+use workload::{option, processor_s, summary};
+
+const STAGES: [&str; 8] = [
+    "read the table",
+    "preprocess",
+    "regressor, parallel filter, triangles",
+    "WLS from the triangles",
+    "from parsed arrays, τ_J literal",
+    "from parsed arrays, τ_J fitted",
+    "from the file, τ_J fitted",
+    "one more variant of joint dynamics, τ_J literal",
+];
+
+fn main() {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().unwrap();
+    let (joints, samples) = (option("--joints").unwrap_or(6), option("--samples").unwrap_or(29_000));
+    let rounds = option("--rounds").unwrap_or(15);
+    let model = workload::model(joints);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("recording.csv");
+    workload::write_csv(&file, joints, samples);
+    let read = ReadOptions { joints: Some(joints), ..ReadOptions::default() };
+    let options = |load_torque| CalibrationOptions { load_torque, ..CalibrationOptions::default() };
+    let preprocessing = PreprocessOptions::new(10.0);
+
+    let mut times = vec![Vec::new(); STAGES.len()];
+    for _ in 0..rounds {
+        let start = processor_s();
+        let recording = read_recording(&file, &read).unwrap();
+        let parsed = processor_s();
+        let data = preprocess(&recording, &preprocessing).unwrap();
+        let prepared = [NamedRecording { name: "recording".into(), data }];
+        let preprocessed = processor_s();
+        let literal = options(LoadTorqueChoice::Literal);
+        let system = accumulate(&model, &prepared, &LoadTorque::Literal, &literal).unwrap();
+        let accumulated = processor_s();
+        std::hint::black_box(estimate(&system, Estimator::Wls).unwrap());
+        let estimated = processor_s();
+        let fitted = options(LoadTorqueChoice::Fitted);
+        calibrate(&model, &prepared, MeasurementUnit::NewtonMetre, 10.0, &fitted).unwrap();
+        let calibrated = processor_s();
+        let rigid = RigidRows::new(&model, &prepared).unwrap();
+        let rows = FitRows::new(&rigid, &[0], &literal).unwrap();
+        let shared = processor_s();
+        let scopes = TermScopes::everywhere();
+        calibrate_rows(&model, &rows, &scopes, MeasurementUnit::NewtonMetre, 10.0, &literal).unwrap();
+        let varied = processor_s();
+        let preprocessing = preprocessed - parsed;
+        for (times, seconds) in times.iter_mut().zip([
+            parsed - start,
+            preprocessing,
+            accumulated - preprocessed,
+            estimated - accumulated,
+            estimated - parsed,
+            preprocessing + (calibrated - estimated),
+            parsed - start + preprocessing + (calibrated - estimated),
+            varied - shared,
+        ]) {
+            times.push(1e3 * seconds);
+        }
+    }
+    let tsv = std::env::args().any(|a| a == "--tsv");
+    if !tsv {
+        println!("{joints} joints, {samples} samples, one thread, {}", Dispatch::active());
+    }
+    for (stage, times) in STAGES.iter().zip(&mut times) {
+        let [median, least, most] = summary(times);
+        if tsv {
+            println!("{stage}\t{median:.3}\t{least:.3}\t{most:.3}");
+        } else {
+            println!("{median:9.2} ms [{least:.2}, {most:.2}]  {stage}");
+        }
+    }
+}

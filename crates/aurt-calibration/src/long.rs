@@ -1,0 +1,147 @@
+//! Calibration on recordings longer than memory.
+
+use aurt_recording::{LongPrepared, LongSegment, Stretch};
+use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
+
+use crate::{
+    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice,
+    accumulate::{Accumulated, Folding, Measured},
+    wls::{Setting, estimate, finished},
+};
+
+/// As [`calibrate`](crate::calibrate), on recordings longer than memory: memory does not depend on their length, and
+/// the result is that of the same recordings in memory to rounding. Models' shapes stay as they are.
+///
+/// Recordings are passed through twice with [`LoadTorqueChoice::Fitted`], else once, one after the other; joints are
+/// worked on in parallel.
+///
+/// # Errors
+/// As [`calibrate`](crate::calibrate), and [`RecordingError::Spill`](aurt_recording::RecordingError::Spill).
+pub fn calibrate_long(
+    model: &RobotModel,
+    recordings: &[LongPrepared],
+    unit: MeasurementUnit,
+    f_dyn_hz: f64,
+    options: &CalibrationOptions,
+) -> Result<Calibration, CalibrationError> {
+    let first = recordings.first().ok_or(CalibrationError::NothingToCalibrateOn)?;
+    for recording in recordings {
+        let file = || recording.name().into();
+        if recording.joints() != model.joints() {
+            let (expected, found) = (model.joints(), recording.joints());
+            return Err(CalibrationError::Joints { file: file(), expected, found });
+        }
+        if !recording.is_measured() {
+            return Err(CalibrationError::NoMeasurement { file: file() });
+        }
+    }
+    let load = match options.load_torque {
+        LoadTorqueChoice::Literal => LoadTorque::Literal,
+        LoadTorqueChoice::Fitted => {
+            let no_load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
+            let (found, _) = accumulate_long(model, recordings, &no_load, options)?;
+            LoadTorque::Fitted(estimate(&found.system, options.estimator)?.solution.coefficients)
+        }
+    };
+    let (found, speed) = accumulate_long(model, recordings, &load, options)?;
+    let estimate = estimate(&found.system, options.estimator)?;
+    let is_fitted = matches!(load, LoadTorque::Fitted(_));
+    let ranges = speed
+        .into_iter()
+        .zip(found.load_torque)
+        .map(|(velocity_rad_s, torque)| JointRange {
+            velocity_rad_s,
+            load_torque: is_fitted.then_some(torque),
+        })
+        .collect();
+    let names = recordings.iter().map(LongPrepared::name).collect();
+    let setting = Setting { model, unit, f_dyn_hz, options };
+    let filter = Some((first.parallel_filter(), first.decimation()));
+    Ok(finished(&setting, &found.system, estimate, filter, &load, ranges, names))
+}
+
+/// The triangles over all recordings, merged in their order, and the highest speed of each joint.
+fn accumulate_long(
+    model: &RobotModel,
+    recordings: &[LongPrepared],
+    load: &LoadTorque,
+    options: &CalibrationOptions,
+) -> Result<(Accumulated, Vec<f64>), CalibrationError> {
+    let mut speed = vec![0.0_f64; model.joints()];
+    let mut total: Option<Accumulated> = None;
+    for recording in recordings {
+        for segment in recording.segments() {
+            let part = accumulate_segment(model, recording, segment, load, options, &mut speed)?;
+            match &mut total {
+                None => total = Some(part),
+                Some(total) => {
+                    total.system.merge(&part.system)?;
+                    for (largest, other) in total.load_torque.iter_mut().zip(part.load_torque) {
+                        *largest = largest.max(other);
+                    }
+                }
+            }
+        }
+    }
+    Ok((total.ok_or(CalibrationError::NothingToCalibrateOn)?, speed))
+}
+
+fn accumulate_segment(
+    model: &RobotModel,
+    recording: &LongPrepared,
+    segment: &LongSegment,
+    load: &LoadTorque,
+    options: &CalibrationOptions,
+    fastest: &mut [f64],
+) -> Result<Accumulated, CalibrationError> {
+    let acting = vec![true; model.parameters().len()];
+    let filter = (recording.parallel_filter(), recording.decimation());
+    let mut folding = Folding::new(model, filter, segment.rows(), &acting, load, options);
+    let mut waiting = Waiting::new(model.joints());
+    recording.for_each_stretch::<CalibrationError>(segment, |stretch| {
+        for (joint, fastest) in fastest.iter_mut().enumerate() {
+            let speeds = stretch.motion.view().velocity_rad_s(joint);
+            *fastest = speeds.iter().fold(*fastest, |a, v| a.max(v.abs()));
+        }
+        waiting.forget(folding.delivered());
+        waiting.add(stretch, recording.decimation());
+        waiting.with(|measured| folding.push(stretch.motion.view(), measured))
+    })?;
+    waiting.with(|measured| folding.finish(measured))
+}
+
+/// Measured rows that the parallel filter has not delivered yet.
+struct Waiting {
+    first_row: usize,
+    measurement: Vec<Vec<f64>>,
+    speed: Vec<Vec<f64>>,
+}
+
+impl Waiting {
+    fn new(joints: usize) -> Self {
+        Self { first_row: 0, measurement: vec![Vec::new(); joints], speed: vec![Vec::new(); joints] }
+    }
+
+    fn add(&mut self, stretch: &Stretch, decimation: usize) {
+        let motion = stretch.motion.view();
+        for (joint, rows) in stretch.measurement.iter().enumerate() {
+            self.measurement[joint].extend_from_slice(rows);
+            let speeds = motion.velocity_rad_s(joint);
+            let at = |row: usize| (stretch.first_row + row) * decimation - stretch.first_sample;
+            self.speed[joint].extend((0..rows.len()).map(|row| speeds[at(row)].abs()));
+        }
+    }
+
+    /// Lets go of the rows before `row`.
+    fn forget(&mut self, row: usize) {
+        for series in self.measurement.iter_mut().chain(&mut self.speed) {
+            series.drain(..(row - self.first_row).min(series.len()));
+        }
+        self.first_row = row;
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&Measured<'_>) -> T) -> T {
+        let speed = |joint: usize, row: usize| self.speed[joint][row];
+        work(&Measured { first_row: self.first_row, measurement: &self.measurement, speed: &speed })
+    }
+}

@@ -1,0 +1,277 @@
+use std::ops::Range;
+
+use aurt_traits::Motion;
+
+use super::{LongRecording, uniform::Uniform};
+use crate::preprocess::differentiate::{inner_acceleration, velocity};
+use crate::preprocess::{Which, filter};
+use crate::{Decimation, PreprocessOptions, RecordingError, ZeroPhase};
+
+/// Motion samples of a stretch; memory is a few times their size.
+const STRETCH: usize = 1 << 15;
+
+/// What a stretch does not see beyond its ends would change its samples by no more than this share of their size.
+const NEGLIGIBLE: f64 = 1e-17;
+
+/// A long recording made ready for calibration, as [`preprocess`](crate::preprocess()) does it.
+///
+/// Stretches overlap by as many samples as the filters need to forget their start to 1e-17, so that the result is that
+/// of the whole recording to rounding (tested: 1e-12 of a series' size).
+#[derive(Debug)]
+pub struct LongPrepared {
+    recording: LongRecording,
+    options: PreprocessOptions,
+    rate_hz: f64,
+    decimation: usize,
+    position_filter: ZeroPhase,
+    parallel_filter: ZeroPhase,
+    segments: Vec<LongSegment>,
+}
+
+/// A run of samples without gaps.
+#[derive(Debug, Clone)]
+pub struct LongSegment {
+    /// Samples of the recording.
+    run: Range<usize>,
+    /// Motion sample k is sample `run.start` + `first` + k.
+    first: usize,
+    samples: usize,
+    rows: usize,
+}
+
+/// Consecutive samples of a segment.
+#[derive(Debug, Clone)]
+pub struct Stretch {
+    /// The filtered motion.
+    pub motion: Motion,
+    /// Index of its first sample within the segment.
+    pub first_sample: usize,
+    /// The filtered measurement at every decimation-th sample of the segment, `[joint][row]`.
+    pub measurement: Vec<Vec<f64>>,
+    /// Index of the first of these rows within the segment.
+    pub first_row: usize,
+}
+
+impl LongSegment {
+    /// Number of motion samples.
+    #[must_use]
+    pub const fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Rows per joint after decimation.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.rows
+    }
+}
+
+impl LongRecording {
+    /// Finds the clock, the gaps and the rest at the ends, and makes the filters.
+    ///
+    /// # Errors
+    /// As [`preprocess`](crate::preprocess()); also [`RecordingError::Clock`] for stamps that are not uniform and
+    /// [`RecordingError::InvalidOption`] for delays: both need samples between samples, which are made of whole
+    /// recordings only.
+    pub fn prepare(mut self, options: &PreprocessOptions) -> Result<LongPrepared, RecordingError> {
+        options.validate(self.joints)?;
+        if let Some(value) = options.delay_s.iter().flatten().copied().find(|d| *d != 0.0) {
+            let remedy = "delays need a recording that is read whole";
+            return Err(RecordingError::InvalidOption { option: "delay_s", value, remedy });
+        }
+        self.spill.finish().map_err(|source| self.failed(source))?;
+        let Uniform { rate_hz, runs } = Uniform::of(&self, options)?;
+        let mut prepared = LongPrepared {
+            options: options.clone(),
+            rate_hz,
+            decimation: Decimation::new(options.f_dyn_hz, 1.0 / rate_hz).factor,
+            position_filter: filter(&self.file, options, rate_hz, Which::Position)?,
+            parallel_filter: filter(&self.file, options, rate_hz, Which::Parallel)?,
+            segments: Vec::new(),
+            recording: self,
+        };
+        let shortest = if runs.len() > 1 { (2.0 * rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 };
+        let needed = shortest.max(prepared.padding() + 3);
+        let mut longest = 0;
+        for run in runs {
+            longest = longest.max(run.len());
+            if run.len() >= needed {
+                let segment = prepared.segment(run)?;
+                prepared.segments.extend(segment);
+            }
+        }
+        if prepared.segments.is_empty() {
+            return Err(RecordingError::TooShort {
+                path: prepared.recording.file.clone(),
+                samples: longest,
+                needed,
+                after: " in motion between gaps",
+                remedy: "record longer, or check max_gap_s, trim_rest and rest_velocity_rad_s".into(),
+            });
+        }
+        Ok(prepared)
+    }
+}
+
+impl LongPrepared {
+    /// Number of joints.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.recording.joints
+    }
+
+    /// What messages call the recording.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.recording.file.display().to_string()
+    }
+
+    /// Whether something was measured.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        self.recording.measured
+    }
+
+    /// Every how many samples a row is kept.
+    #[must_use]
+    pub const fn decimation(&self) -> usize {
+        self.decimation
+    }
+
+    /// The filter that the measurement passed, to be applied to the regressor's columns.
+    #[must_use]
+    pub const fn parallel_filter(&self) -> &ZeroPhase {
+        &self.parallel_filter
+    }
+
+    /// The stretches without gaps, in order of time.
+    #[must_use]
+    pub fn segments(&self) -> &[LongSegment] {
+        &self.segments
+    }
+
+    /// Hands out a segment's samples, in their order.
+    ///
+    /// # Errors
+    /// [`RecordingError::Spill`], and what `visit` returns.
+    pub fn for_each_stretch<E: From<RecordingError>>(
+        &self,
+        segment: &LongSegment,
+        mut visit: impl FnMut(&Stretch) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for first in (0..segment.samples).step_by(STRETCH) {
+            let end = (first + STRETCH).min(segment.samples);
+            visit(&self.stretch(segment, first..end)?)?;
+        }
+        Ok(())
+    }
+
+    fn padding(&self) -> usize {
+        self.position_filter.padding().max(self.parallel_filter.padding())
+    }
+
+    /// Samples after which neither filter remembers its start.
+    fn overlap(&self) -> usize {
+        let decay = |filter: &ZeroPhase| filter.design().decay_samples(NEGLIGIBLE) + filter.padding();
+        decay(&self.position_filter).max(decay(&self.parallel_filter))
+    }
+
+    /// The segment of a run; none if nothing moves or too little is left.
+    fn segment(&self, run: Range<usize>) -> Result<Option<LongSegment>, RecordingError> {
+        let inner = run.len() - 2;
+        let kept = if self.options.trim_rest {
+            let pieces: Vec<Range<usize>> =
+                (0..inner).step_by(STRETCH).map(|a| a..(a + STRETCH).min(inner)).collect();
+            let Some(first) = self.first_moving(&run, pieces.iter(), |moving| moving.next())? else {
+                return Ok(None);
+            };
+            let last = self.first_moving(&run, pieces.iter().rev(), |moving| moving.last())?;
+            first.max(1)..last.unwrap_or(first).max(1)
+        } else {
+            0..inner
+        };
+        if kept.len() <= self.padding() {
+            return Ok(None);
+        }
+        // After trimming, the measurement loses one more sample at either end, as in the original tool.
+        let measured = if self.options.trim_rest { kept.len() - 2 } else { kept.len() };
+        let rows = measured.div_ceil(self.decimation);
+        Ok(Some(LongSegment { run, first: kept.start + 1, samples: kept.len(), rows }))
+    }
+
+    /// Of the first piece with a moving sample the one that is chosen, counted without the run's first sample.
+    fn first_moving<'p>(
+        &self,
+        run: &Range<usize>,
+        pieces: impl Iterator<Item = &'p Range<usize>>,
+        choose: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<usize>,
+    ) -> Result<Option<usize>, RecordingError> {
+        let threshold = self.options.rest_velocity_rad_s;
+        for piece in pieces {
+            let (series, own) = self.window(run, piece.start + 1..piece.end + 1)?;
+            let filtered = self.position_filter.filter_all(&series[1..=self.joints()])?;
+            let speeds: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, 1.0 / self.rate_hz)).collect();
+            let mut moving = own.clone().filter(|k| speeds.iter().any(|v| v[*k].abs() > threshold));
+            if let Some(k) = choose(&mut moving) {
+                return Ok(Some(piece.start + k - own.start));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Time, positions and measurements around the samples `wanted` of a run, and where these lie in them.
+    fn window(
+        &self,
+        run: &Range<usize>,
+        wanted: Range<usize>,
+    ) -> Result<(Vec<Vec<f64>>, Range<usize>), RecordingError> {
+        let overlap = self.overlap() + 1;
+        let window = wanted.start.saturating_sub(overlap)..(wanted.end + overlap).min(run.len());
+        let rows = run.start + window.start..run.start + window.end;
+        let series = self.recording.spill.read(rows).map_err(|source| self.recording.failed(source))?;
+        Ok((series, wanted.start - window.start..wanted.end - window.start))
+    }
+
+    fn stretch(&self, segment: &LongSegment, samples: Range<usize>) -> Result<Stretch, RecordingError> {
+        let joints = self.joints();
+        let wanted = segment.first + samples.start..segment.first + samples.end;
+        let (series, own) = self.window(&segment.run, wanted)?;
+        let (time, values) = series.split_at(1);
+        let (positions, measurements) = values.split_at(joints);
+        let filtered = self.position_filter.filter_all(positions)?;
+        let period_s = 1.0 / self.rate_hz;
+        let mut motion = [Vec::new(), Vec::new(), Vec::new()];
+        for q in &filtered {
+            motion[0].extend_from_slice(&q[own.clone()]);
+            let around = &q[own.start - 1..=own.end];
+            motion[1].extend_from_slice(&velocity(around, period_s)[1..=own.len()]);
+            motion[2].extend(inner_acceleration(around, period_s));
+        }
+        let [position, speed, acceleration] = motion;
+        let motion = Motion::new(joints, time[0][own.clone()].to_vec(), position, speed, acceleration)
+            .map_err(|_| RecordingError::Count {
+                what: "values of the motion".into(),
+                expected: joints * own.len(),
+                found: 0,
+            })?;
+        let corrected: Vec<Vec<f64>> = measurements
+            .iter()
+            .enumerate()
+            .map(|(joint, raw)| {
+                let gain = self.options.gains.as_ref().map_or(1.0, |g| g[joint]);
+                let offset = self.options.offsets.as_ref().map_or(0.0, |o| o[joint]);
+                raw.iter().map(|v| (v - offset) * gain).collect()
+            })
+            .collect();
+        let first_row = samples.start.div_ceil(self.decimation);
+        let rows = first_row..samples.end.div_ceil(self.decimation).min(segment.rows).max(first_row);
+        let at = |row: usize| own.start + row * self.decimation - samples.start;
+        let measurement = self
+            .parallel_filter
+            .filter_all(&corrected)?
+            .iter()
+            .map(|y| rows.clone().map(|row| y[at(row)]).collect())
+            .collect();
+        Ok(Stretch { motion, first_sample: samples.start, measurement, first_row })
+    }
+}
