@@ -177,6 +177,26 @@ pub enum BuildError {
         /// Its file, when the model was saved.
         library: PathBuf,
     },
+    /// A saved model is from another library than the model of that name that is there now.
+    #[error(
+        "the {slot} model `{model}` was saved from the library {name} {version}, but the one here is from {found}, whose \
+         coefficients may mean something else",
+        slot = slot.name()
+    )]
+    OtherLibrary {
+        /// The slot to be filled.
+        slot: Slot,
+        /// The model's name.
+        model: String,
+        /// The name of the library that it was saved from.
+        name: String,
+        /// That library's version.
+        version: String,
+        /// That library's file, when the model was saved.
+        library: PathBuf,
+        /// What has registered the model now, in words.
+        found: String,
+    },
     /// The model has its keys but cannot work with a value, or does not fit its slot.
     #[error("{error}")]
     Invalid {
@@ -198,7 +218,7 @@ impl BuildError {
             | Self::Configuration { span, .. }
             | Self::Invalid { span, .. } => span.clone(),
             // Only files without places say what library a model is from.
-            Self::LibraryNotLoaded { .. } => 0..0,
+            Self::LibraryNotLoaded { .. } | Self::OtherLibrary { .. } => 0..0,
         }
     }
 
@@ -237,6 +257,10 @@ impl BuildError {
             }
             Self::LibraryNotLoaded { library, .. } => Some(format!(
                 "load it with `--plugin {}`, or under `libraries` of [plugins] in the experiment",
+                library.display()
+            )),
+            Self::OtherLibrary { version, library, .. } => Some(format!(
+                "load version {version} in its place (it was {}), or calibrate anew with the one that is here",
                 library.display()
             )),
             Self::Invalid { .. } => None,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, System, TermScopes,
-    wls::{Estimate, Setting, estimate, finished},
+    wls::{Estimate, Setting, estimate, estimate_coefficients, finished},
 };
 
 /// A linear fit with what it was made of.
@@ -51,20 +51,22 @@ pub(crate) fn fit(
     let acting = rows.acting(model, scopes);
     let coefficients = model.parameters().len();
     let sources = Source::all(model);
-    let pass = |load: LoadTorque| -> Result<Fitted, CalibrationError> {
-        let loads = rows.loads(model, &load)?;
+    let prepared = |load: &LoadTorque| -> Result<(Vec<LoadSeries>, System), CalibrationError> {
+        let loads = rows.loads(model, load)?;
         let columns = rows.columns(&sources, &acting, &loads)?;
         let system = rows.system(coefficients, &columns);
-        let estimate = estimate(&system, options.estimator)?;
-        Ok(Fitted { load, loads, system, estimate })
+        Ok((loads, system))
     };
-    match options.load_torque {
-        LoadTorqueChoice::Literal => pass(LoadTorque::Literal),
+    let load = match options.load_torque {
+        LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
-            let first = pass(LoadTorque::Fitted(vec![0.0; coefficients]))?;
-            pass(LoadTorque::Fitted(first.estimate.solution.coefficients))
+            let (_, system) = prepared(&LoadTorque::Fitted(vec![0.0; coefficients]))?;
+            LoadTorque::Fitted(estimate_coefficients(&system, options.estimator)?)
         }
-    }
+    };
+    let (loads, system) = prepared(&load)?;
+    let estimate = estimate(&system, options.estimator)?;
+    Ok(Fitted { load, loads, system, estimate })
 }
 
 impl FitRows<'_> {

@@ -1,7 +1,7 @@
 use aurt_traits::RobotModel;
 
 use super::{
-    dynamics::{Source, dynamics_rows},
+    dynamics::{Source, dynamics_sums},
     rigid::RigidRows,
 };
 use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
@@ -46,15 +46,13 @@ impl RigidRows<'_> {
         for (s, segment) in named.data.segments.iter().enumerate() {
             let Some(measurement) = &segment.measurement else { continue };
             let load = self.load_series(model, segment, &calibration.load)?;
-            let columns = dynamics_rows(&Source::all(model), segment, &load)?;
+            let dynamics = dynamics_sums(&Source::all(model), segment, &load, |column| {
+                if acting[column] { coefficients[column] } else { 0.0 }
+            })?;
             let motion = segment.motion.view();
-            for joint in 0..self.joints() {
-                let mut predicted = vec![0.0; segment.rows()];
+            for (joint, mut predicted) in dynamics.into_iter().enumerate() {
                 for (k, column) in self.columns(joint).iter().enumerate() {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
-                }
-                for column in columns.iter().filter(|c| c.joint == joint && acting[c.column]) {
-                    add(&mut predicted, coefficients[column.column], &column.rows);
                 }
                 for row in validated(segment, rows, rest) {
                     let sample = row * segment.decimation;

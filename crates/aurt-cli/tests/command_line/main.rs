@@ -9,6 +9,8 @@ mod checks;
 mod diagnosis;
 mod machine_output;
 mod outputs;
+mod plugins;
 mod real_recordings;
 mod support;
+mod sweeps;
 mod words;
