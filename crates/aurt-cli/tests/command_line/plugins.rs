@@ -125,3 +125,34 @@ fn a_new_c_plugin_is_calibrated_and_swept() {
     let built: PathBuf = folder.path("drag-c").join(format!("libdrag_c{DLL_SUFFIX}"));
     is_a_model(folder, &built, "drag_c");
 }
+
+#[test]
+fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
+    for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
+        let library = folder.path(&format!("{fault}{DLL_SUFFIX}"));
+        let compiler = Command::new("cc")
+            .args(["-shared", "-fPIC", &format!("-D{fault}"), "-I"])
+            .arg(crates.join("aurt-traits/include"))
+            .arg(crates.join("aurt-plugins/tests/fixtures/faulty.c"))
+            .arg("-o")
+            .arg(&library)
+            .output();
+        let Ok(output) = compiler else {
+            println!("skipped: there is no C compiler `cc`");
+            return;
+        };
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
+        let sweep = "[sweep.grid]\n\"joint_dynamics.hysteresis.model\" = [\"sign\", \"faulty\", \"tanh\"]\n";
+        folder.write("experiment.toml", &format!("{base}{sweep}"));
+        let run = folder.aurt(["sweep", "run", "experiment.toml", "--out", fault]);
+        assert_eq!(run.status(), 1, "{}", run.stderr());
+        let table = folder.json(&format!("{fault}/table.json"));
+        assert_eq!(table["ranked"].as_array().unwrap().len(), 2);
+        let error = table["failed"][0]["error"].as_str().unwrap();
+        assert!(error.contains("model `faulty` failed") && error.contains(reason), "{error}");
+    }
+}

@@ -117,7 +117,7 @@ fn what_is_killed_goes_on_to_the_same_bytes() {
     }
     let there = results(&folder, "killed");
     assert!(killed > 0 && (1..MANY_POINTS).contains(&there), "{killed} killed, {there} results");
-    let run = folder.aurt(words("sweep run experiment.toml --out killed --json -")).succeeded();
+    let run = folder.aurt(words("sweep run experiment.toml --out killed --json")).succeeded();
     let run: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
     assert_eq!(run["run"]["present"], there);
     assert_eq!(run["run"]["run"], MANY_POINTS - there);
