@@ -42,8 +42,8 @@ const MANY: &str = r#"
 "joint_dynamics.coulomb.model" = ["none", "square", "absolute"]
 "joint_dynamics.hysteresis" = [
     { model = "sign" }, { model = "dahl" }, { model = "tanh" },
-    { model = "maxwell_slip", elements = 2 }, { model = "dahl", distance_rad = 0.002 },
-    { model = "tanh", transition_velocity_rad_s = 0.02 },
+    { model = "maxwell_slip", elements = 2 }, { model = "dahl", presliding_rad = 0.002 },
+    { model = "tanh", velocity_rad_s = 0.02 },
 ]
 "joint_dynamics.viscous.powers" = [[1], [1, 2], [1, 3]]
 "#;
@@ -165,7 +165,7 @@ fn keys_and_values_that_cannot_be_are_underlined() {
         "did you mean `model`",
         "f_dyn_hz",
     ]);
-    assert!(said.contains("experiment.toml:18:") && said.contains("experiment.toml:19:"), "{said}");
+    assert!(said.contains("experiment.toml:17:1]") && said.contains("experiment.toml:18:29]"), "{said}");
     assert!(!folder.path("out").exists());
 }
 
