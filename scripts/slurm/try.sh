@@ -93,13 +93,17 @@ sinfo --Node --format='%N %t'
 cd "$scratch"
 "$AURT" demo --out demo --quiet >/dev/null
 sed '/^\[\[joint_dynamics.override\]\]/,/^\[recordings\]/{/^\[recordings\]/!d}' demo/experiment.toml >demo/sweep.toml
-cat >>demo/sweep.toml <<'SWEEP'
-
-[sweep.grid]
-"joint_dynamics.coulomb.model" = ["none", "absolute"]
-"joint_dynamics.hysteresis.model" = ["sign", "dahl", "lugre"]
-"joint_dynamics.viscous.powers" = [[1], [1, 2]]
-SWEEP
+for coulomb in none absolute; do
+    for hysteresis in sign dahl lugre; do
+        for powers in "1" "1, 2"; do
+            cat <<VARIANT
+[[sweep.variant]]
+name = "$coulomb, $hysteresis, {$powers}"
+set = { "joint_dynamics.coulomb.model" = "$coulomb", "joint_dynamics.hysteresis.model" = "$hysteresis", "joint_dynamics.viscous.powers" = [$powers] }
+VARIANT
+        done
+    done
+done >>demo/sweep.toml
 
 say "aurt sweep run demo/sweep.toml --out sweep --engine slurm"
 aurt sweep run demo/sweep.toml --out sweep --engine slurm

@@ -3,7 +3,11 @@ use aurt_traits::{
     ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, RigidBodyRegressor, RobotModel,
 };
 
-use super::{load::LoadSeries, rigid::TILE_SAMPLES};
+use super::{
+    load::LoadSeries,
+    parts::{filtered, separable},
+    rigid::TILE_SAMPLES,
+};
 use crate::CalibrationError;
 
 /// Distance between the columns of a tile; not a multiple of 4096 bytes, so that they do not share cache sets.
@@ -64,6 +68,19 @@ impl<'m> Source<'m> {
                     .collect()
             }
         }
+    }
+
+    /// Whether its columns may depend on τ_J.
+    pub(crate) fn reads_load(&self) -> bool {
+        match self {
+            Self::Stack { stack, .. } => stack.coulomb().reads_load() || !separable(stack),
+            Self::Term { .. } => true,
+        }
+    }
+
+    /// Whether it is a stack whose parts can be had apart.
+    pub(crate) fn separable(&self) -> bool {
+        matches!(self, Self::Stack { stack, .. } if separable(stack))
     }
 
     const fn first_column(&self) -> usize {
@@ -164,8 +181,8 @@ pub(crate) fn dynamics_rows(
     Ok(columns)
 }
 
-/// The sources' columns over a segment, each times its coefficient and summed up for each joint, filtered and decimated.
-/// The filter is linear: it sees one series a joint instead of all columns.
+/// The sources' columns over a segment, each times its coefficient and added to its joint's part of `summed`; the sums,
+/// filtered and decimated. The filter is linear: it sees one series a joint instead of all columns.
 ///
 /// # Errors
 /// What models report.
@@ -174,28 +191,22 @@ pub(crate) fn dynamics_sums(
     segment: &Segment,
     load: &LoadSeries,
     coefficient: impl Fn(usize) -> f64,
+    mut summed: Vec<f64>,
 ) -> Result<Vec<Vec<f64>>, CalibrationError> {
-    let joints = segment.motion.joints();
-    let mut sums = vec![vec![0.0; segment.rows()]; joints];
+    let (joints, samples) = (segment.motion.joints(), segment.motion.samples());
     let (mut running, entries) = begin(sources, joints);
     let mut data = vec![0.0; entries.len() * STRIDE];
-    let mut summed = vec![0.0; joints * STRIDE];
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, joints, segment.decimation);
-    let mut store = |block: DecimatedTile<'_>| keep(&block, sums.iter_mut().map(|s| &mut **s));
     for (first, end) in tiles(segment) {
         for source in &mut running {
             source.evaluate(segment, load, (first, end), &mut data)?;
         }
-        summed.fill(0.0);
         for ((joint, column), values) in entries.iter().zip(data.chunks_exact(STRIDE)) {
             let factor = coefficient(*column);
-            let sum = &mut summed[joint * STRIDE..joint * STRIDE + end - first];
+            let sum = &mut summed[joint * samples + first..joint * samples + end];
             sum.iter_mut().zip(values).for_each(|(s, v)| *s += factor * v);
         }
-        bank.push(&summed, STRIDE, end - first, &mut store);
     }
-    bank.finish(&mut store)?;
-    Ok(sums)
+    filtered(segment, &summed, joints)
 }
 
 /// Sources without a state yet, and the (joint, coefficient) of each of their columns.
@@ -212,13 +223,13 @@ fn begin<'m>(sources: &[Source<'m>], joints: usize) -> (Vec<Running<'m>>, Vec<(u
 }
 
 /// First sample and end of each tile of a segment.
-fn tiles(segment: &Segment) -> impl Iterator<Item = (usize, usize)> {
+pub(super) fn tiles(segment: &Segment) -> impl Iterator<Item = (usize, usize)> {
     let samples = segment.motion.samples();
     (0..samples).step_by(TILE_SAMPLES).map(move |first| (first, (first + TILE_SAMPLES).min(samples)))
 }
 
 /// Puts a block's columns into theirs.
-fn keep<'a>(block: &DecimatedTile<'_>, columns: impl Iterator<Item = &'a mut [f64]>) {
+pub(super) fn keep<'a>(block: &DecimatedTile<'_>, columns: impl Iterator<Item = &'a mut [f64]>) {
     for (k, column) in columns.enumerate() {
         let first = block.first_row().min(column.len());
         let count = block.rows().min(column.len() - first);

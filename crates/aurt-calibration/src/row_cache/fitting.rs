@@ -51,20 +51,30 @@ pub(crate) fn fit(
     let acting = rows.acting(model, scopes);
     let coefficients = model.parameters().len();
     let sources = Source::all(model);
-    let prepared = |load: &LoadTorque| -> Result<(Vec<LoadSeries>, System), CalibrationError> {
-        let loads = rows.loads(model, load)?;
-        let columns = rows.columns(&sources, &acting, &loads)?;
-        let system = rows.system(coefficients, &columns);
-        Ok((loads, system))
+    let (stacks, others): (Vec<Source<'_>>, Vec<Source<'_>>) = sources.iter().partition(|s| s.separable());
+    let system = |loads: &[LoadSeries]| -> Result<System, CalibrationError> {
+        let mut columns = rows.columns(&others, &acting, loads)?;
+        for source in &stacks {
+            let Source::Stack { joint, stack, first_column } = *source else { continue };
+            columns.extend(rows.stack_columns((joint, stack, first_column), loads)?);
+        }
+        Ok(rows.system(coefficients, &columns))
     };
     let load = match options.load_torque {
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
-            let (_, system) = prepared(&LoadTorque::Fitted(vec![0.0; coefficients]))?;
+            let system = system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?;
+            if !sources.iter().any(Source::reads_load) {
+                // A second fit would be this one.
+                let estimate = estimate(&system, options.estimator)?;
+                let load = LoadTorque::Fitted(estimate.solution.coefficients.clone());
+                return Ok(Fitted { loads: rows.loads(model, &load)?, load, system, estimate });
+            }
             LoadTorque::Fitted(estimate_coefficients(&system, options.estimator)?)
         }
     };
-    let (loads, system) = prepared(&load)?;
+    let loads = rows.loads(model, &load)?;
+    let system = system(&loads)?;
     let estimate = estimate(&system, options.estimator)?;
     Ok(Fitted { load, loads, system, estimate })
 }

@@ -13,7 +13,9 @@ mod fit;
 mod fitting;
 mod judging;
 mod load;
+mod parts;
 mod rigid;
+mod stacks;
 
 pub(crate) use dynamics::Source;
 pub(crate) use fit::{Split, SplitColumn};

@@ -55,7 +55,7 @@ fn is_a_model(folder: Folder, library: &Path, model: &str) {
     folder.write("experiment.toml", &EXPERIMENT.replace("LIBRARY", &library).replace("MODEL", model));
     folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
     let saved = folder.json("out/rd_calibrated.json");
-    let viscous = &saved["robot_dynamics"]["joint_dynamics"][0]["viscous"];
+    let viscous = &saved["model"]["joint_dynamics"][0]["viscous"];
     assert_eq!((&viscous["model"], &viscous["saturation_velocity_rad_s"]), (&model.into(), &1.0.into()));
     let predict =
         "predict --model out/rd_calibrated.json --data other_motion.csv --gravity 0 0 -9.81 --out p.csv";
