@@ -64,9 +64,10 @@ pub fn submit(
             .arg("--wrap")
             .arg(script);
         let job = submitted(&mut command, arguments).map_err(|problem| SweepError::Slurm {
-            problem: match jobs.is_empty() {
-                true => problem,
-                false => format!("{problem}; before that it took {}", jobs.join(", ")),
+            problem: if jobs.is_empty() {
+                problem
+            } else {
+                format!("{problem}; before that it took {}", jobs.join(", "))
             },
         })?;
         jobs.push(job);
