@@ -1,6 +1,6 @@
 //! From a table `{ model = "…", … }` to a model.
 
-use std::{cell::RefCell, path::PathBuf, sync::Arc};
+use std::{cell::RefCell, sync::Arc};
 
 use aurt_traits::{ArmTerm, CoulombModel, HysteresisModel, JointModel, ModelError, Slot, ViscousBasis};
 use serde::{Deserialize, de::value::Error as SerdeError};
@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use crate::{
     Node, Origin, Registry,
     configuration::NodeKind,
-    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryModel},
+    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryListing, LibraryModel},
     error::BuildError,
     place::{self, Place, Tracked},
 };
@@ -144,26 +144,17 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
 }
 
 /// The library that a saved model is from.
-#[derive(Debug)]
-struct Saved {
-    name: String,
-    version: String,
-    library: PathBuf,
+fn saved_library(plugin: &Value) -> LibraryListing {
+    let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
+    LibraryListing { name: said("name"), version: said("version"), path: said("library").into() }
 }
 
-impl Saved {
-    fn read(plugin: &Value) -> Self {
-        let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
-        Self { name: said("name"), version: said("version"), library: said("library").into() }
-    }
-
-    /// Whether a model that has this origin now can stand for the saved one: it is of the same library, of a version
-    /// that by semantic versioning changes nothing that is there. Of a linked crate only the name is known.
-    fn is(&self, origin: &Origin) -> bool {
-        match origin {
-            Origin::Crate(name) => self.name == *name,
-            Origin::Library(now) => self.name == now.name && compatible(&self.version, &now.version),
-        }
+/// Whether a model that has this origin now can stand for one that was saved from a library: it is of the same library,
+/// of a version that by semantic versioning changes nothing that is there. Of a linked crate only the name is known.
+fn stands_for(origin: &Origin, saved: &LibraryListing) -> bool {
+    match origin {
+        Origin::Crate(name) => saved.name == *name,
+        Origin::Library(now) => saved.name == now.name && compatible(&saved.version, &now.version),
     }
 }
 
@@ -185,19 +176,17 @@ pub(crate) fn build_saved<M: SlotModel + ?Sized>(
     table: &Value,
 ) -> Result<Box<M>, Vec<BuildError>> {
     let mut table = table.clone();
-    let saved = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY)).as_ref().map(Saved::read);
+    let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
     let built = build::<M>(registry, &Node::from(&table));
-    let Some(Saved { name, version, library }) = &saved else { return built };
+    let Some(saved) = plugin.as_ref().map(saved_library) else { return built };
     let named = table.get("model").and_then(Value::as_str);
     let now = named.and_then(|name| registry.model(M::SLOT, name).ok());
     // Another version may refuse keys that were right for the saved one: that it is another one says more.
-    if let Some(other) = now.filter(|now| !saved.as_ref().is_some_and(|s| s.is(&now.origin))) {
+    if let Some(other) = now.filter(|now| !stands_for(&now.origin, &saved)) {
         return Err(vec![BuildError::OtherLibrary {
             slot: M::SLOT,
             model: other.name.clone(),
-            name: name.clone(),
-            version: version.clone(),
-            library: library.clone(),
+            saved: Box::new(saved),
             found: other.origin.to_string(),
         }]);
     }
@@ -208,9 +197,9 @@ pub(crate) fn build_saved<M: SlotModel + ?Sized>(
                 BuildError::UnknownModel { slot, name: model, .. } => BuildError::LibraryNotLoaded {
                     slot,
                     model,
-                    name: name.clone(),
-                    version: version.clone(),
-                    library: library.clone(),
+                    name: saved.name.clone(),
+                    version: saved.version.clone(),
+                    library: saved.path.clone(),
                 },
                 other => other,
             })

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{
     Span,
-    dynamic::LibraryProblem,
+    dynamic::{LibraryListing, LibraryProblem},
     experiment::ExperimentErrors,
     model_file::{Step, in_words},
     suggestion,
@@ -179,21 +179,17 @@ pub enum BuildError {
     },
     /// A saved model is from another library than the model of that name that is there now.
     #[error(
-        "the {slot} model `{model}` was saved from the library {name} {version}, but the one here is from {found}, whose \
+        "the {slot} model `{model}` was saved from the library {} {}, but the one here is from {found}, whose \
          coefficients may mean something else",
-        slot = slot.name()
+        saved.name, saved.version, slot = slot.name()
     )]
     OtherLibrary {
         /// The slot to be filled.
         slot: Slot,
         /// The model's name.
         model: String,
-        /// The name of the library that it was saved from.
-        name: String,
-        /// That library's version.
-        version: String,
-        /// That library's file, when the model was saved.
-        library: PathBuf,
+        /// The library that it was saved from.
+        saved: Box<LibraryListing>,
         /// What has registered the model now, in words.
         found: String,
     },
@@ -259,9 +255,10 @@ impl BuildError {
                 "load it with `--plugin {}`, or under `libraries` of [plugins] in the experiment",
                 library.display()
             )),
-            Self::OtherLibrary { version, library, .. } => Some(format!(
-                "load version {version} in its place (it was {}), or calibrate anew with the one that is here",
-                library.display()
+            Self::OtherLibrary { saved, .. } => Some(format!(
+                "load version {} in its place (it was {}), or calibrate anew with the one that is here",
+                saved.version,
+                saved.path.display()
             )),
             Self::Invalid { .. } => None,
         }
