@@ -33,20 +33,13 @@ impl JointFactor {
     #[must_use]
     pub fn new(columns: Vec<usize>) -> Self {
         let size = columns.len() + 1;
-        Self {
-            columns,
-            size,
-            triangle: vec![0.0; size * size],
-            buffer: vec![0.0; STRIDE * size],
-            buffered: 0,
-            rows: 0,
-        }
+        Self { columns, size, triangle: vec![0.0; size * size], buffer: Vec::new(), buffered: 0, rows: 0 }
     }
 
     /// A factor whose triangle is known, column-major, (p + 1) × (p + 1).
     pub(crate) fn from_triangle(columns: Vec<usize>, triangle: Vec<f64>, rows: usize) -> Self {
         let size = columns.len() + 1;
-        Self { columns, size, triangle, buffer: vec![0.0; STRIDE * size], buffered: 0, rows }
+        Self { columns, size, triangle, buffer: Vec::new(), buffered: 0, rows }
     }
 
     /// The regressor columns that the joint's rows have.
@@ -70,6 +63,8 @@ impl JointFactor {
         keep: impl Fn(usize) -> bool,
     ) {
         let kept: Vec<usize> = (0..measurement.len()).filter(|i| keep(*i)).collect();
+        // A factor that is only solved needs no buffer.
+        self.buffer.resize(STRIDE * self.size, 0.0);
         let mut taken = 0;
         while taken < kept.len() {
             let now = &kept[taken..(taken + CHUNK_ROWS - self.buffered).min(kept.len())];
@@ -128,6 +123,20 @@ impl JointFactor {
         fold_rows(Dispatch::active(), &mut self.triangle, self.size, &mut self.buffer, STRIDE, pieces);
         self.buffered = 0;
     }
+}
+
+/// Scalar product in eight interleaved partial sums, so that it vectorises and rounds less.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut partial = [0.0_f64; 8];
+    let (a_blocks, a_rest) = a.as_chunks::<8>();
+    let (b_blocks, b_rest) = b.as_chunks::<8>();
+    for (x, y) in a_blocks.iter().zip(b_blocks) {
+        for lane in 0..8 {
+            partial[lane] += x[lane] * y[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    partial.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

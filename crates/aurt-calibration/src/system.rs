@@ -1,4 +1,4 @@
-use crate::{CalibrationError, JointFactor, condition::condition_number};
+use crate::{CalibrationError, JointFactor, condition::condition_number, factor::dot};
 
 /// A column whose part independent of the columns before it is smaller than this share of its length is
 /// taken as not excited.
@@ -93,11 +93,47 @@ impl System {
         weights: &[f64],
         active: impl Fn(usize) -> bool,
     ) -> Result<Solution, CalibrationError> {
+        let reduced = self.reduced(weights, active)?;
+        let (n, m) = (self.coefficients, reduced.kept.len());
+        let Reduced { kept, scales, upper, .. } = &reduced;
+        let gram = gram_of_inverse(&invert_upper(upper, m), m);
+        let mut covariance = vec![0.0; n * n];
+        for (b, other) in kept.iter().enumerate() {
+            for (a, column) in kept.iter().enumerate() {
+                covariance[other * n + column] = gram[b * m + a] / (scales[*column] * scales[*other]);
+            }
+        }
+        let coefficients = reduced.coefficients(n)?;
+        Ok(Solution {
+            residual_sum: self.residual_sum(&coefficients),
+            excited: reduced.excited(n),
+            coefficients,
+            covariance,
+            condition_number: condition_number(upper, m),
+        })
+    }
+
+    /// The coefficients of [`Self::solve`] and whether each is excited, without what tells how sure they are.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NotFinite`].
+    pub fn solve_coefficients(&self, weights: &[f64]) -> Result<(Vec<f64>, Vec<bool>), CalibrationError> {
+        let reduced = self.reduced(weights, |_| true)?;
+        Ok((reduced.coefficients(self.coefficients)?, reduced.excited(self.coefficients)))
+    }
+
+    /// The triangle of all joints' weighted rows, columns scaled to equal length.
+    fn reduced(&self, weights: &[f64], active: impl Fn(usize) -> bool) -> Result<Reduced, CalibrationError> {
         let n = self.coefficients;
-        let rows: usize = self.factors.iter().map(|f| f.columns().len() + 1).sum();
+        let order = self.rows_by_first_column();
+        let rows = order.len();
+        let mut place: Vec<Vec<usize>> =
+            self.factors.iter().map(|f| vec![0; f.columns().len() + 1]).collect();
+        for (at, (_, joint, row)) in order.iter().enumerate() {
+            place[*joint][*row] = at;
+        }
         let mut stacked = vec![0.0; rows * (n + 1)];
-        let mut first = 0;
-        for (factor, weight) in self.factors.iter().zip(weights) {
+        for ((factor, weight), place) in self.factors.iter().zip(weights).zip(&place) {
             let (r, size) = (factor.triangle(), factor.columns().len() + 1);
             for k in 0..size {
                 let column = factor.columns().get(k).copied().unwrap_or(n);
@@ -105,66 +141,104 @@ impl System {
                     continue;
                 }
                 for row in 0..=k {
-                    stacked[column * rows + first + row] = weight * r[k * size + row];
+                    stacked[column * rows + place[row]] = weight * r[k * size + row];
                 }
             }
-            first += size;
         }
         if stacked.iter().any(|v| !v.is_finite()) {
             return Err(CalibrationError::NotFinite);
         }
-        let scales: Vec<f64> =
-            stacked.chunks_exact(rows).map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt()).collect();
+        let scales: Vec<f64> = stacked.chunks_exact(rows).map(|c| dot(c, c).sqrt()).collect();
         for (column, scale) in stacked.chunks_exact_mut(rows).take(n).zip(&scales) {
             if *scale > 0.0 {
                 column.iter_mut().for_each(|v| *v /= scale);
             }
         }
-        let pivots = triangularise(&mut stacked, rows, n);
+        let heights: Vec<usize> = (0..n).map(|c| order.partition_point(|(first, ..)| *first <= c)).collect();
+        let pivots = triangularise_below(&mut stacked, rows, &heights);
         let kept: Vec<usize> = (0..n).filter(|c| pivots[*c].is_some()).collect();
         let m = kept.len();
         let mut upper = vec![0.0; m * m];
         for (k, column) in kept.iter().enumerate() {
             upper[k * m..k * m + k + 1].copy_from_slice(&stacked[column * rows..column * rows + k + 1]);
         }
-        let inverse = invert_upper(&upper, m);
-        let right = &stacked[n * rows..n * rows + m];
-        let mut coefficients = vec![0.0; n];
-        let mut covariance = vec![0.0; n * n];
-        for (a, column) in kept.iter().enumerate() {
-            let value: f64 = (a..m).map(|k| inverse[k * m + a] * right[k]).sum();
-            coefficients[*column] = value / scales[*column];
-            for (b, other) in kept.iter().enumerate() {
-                let product: f64 = (a.max(b)..m).map(|k| inverse[k * m + a] * inverse[k * m + b]).sum();
-                covariance[other * n + column] = product / (scales[*column] * scales[*other]);
+        let right = stacked[n * rows..n * rows + m].to_vec();
+        Ok(Reduced { kept, scales, upper, right })
+    }
+
+    /// The rows of all triangles as (first column that can be non-zero, joint, row), by that column: while the columns
+    /// are eliminated from left to right, a row takes part no sooner than there.
+    fn rows_by_first_column(&self) -> Vec<(usize, usize, usize)> {
+        let mut order = Vec::new();
+        for (joint, factor) in self.factors.iter().enumerate() {
+            let mut first = self.coefficients;
+            order.push((first, joint, factor.columns().len()));
+            for (row, column) in factor.columns().iter().enumerate().rev() {
+                first = first.min(*column);
+                order.push((first, joint, row));
             }
         }
-        if coefficients.iter().any(|v| !v.is_finite()) {
-            return Err(CalibrationError::NotFinite);
+        order.sort_unstable();
+        order
+    }
+}
+
+/// A triangular system over the columns that rows determine, which are scaled to equal length.
+#[derive(Debug)]
+struct Reduced {
+    kept: Vec<usize>,
+    scales: Vec<f64>,
+    /// Column-major.
+    upper: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Reduced {
+    fn coefficients(&self, n: usize) -> Result<Vec<f64>, CalibrationError> {
+        let m = self.kept.len();
+        let mut values = self.right.clone();
+        for k in (0..m).rev() {
+            let column = &self.upper[k * m..k * m + k + 1];
+            values[k] /= column[k];
+            let (above, value) = values.split_at_mut(k);
+            above.iter_mut().zip(column).for_each(|(a, r)| *a -= value[0] * r);
         }
-        Ok(Solution {
-            residual_sum: self.residual_sum(&coefficients),
-            excited: pivots.iter().map(Option::is_some).collect(),
-            coefficients,
-            covariance,
-            condition_number: condition_number(&upper, m),
-        })
+        let mut coefficients = vec![0.0; n];
+        for (value, column) in values.iter().zip(&self.kept) {
+            coefficients[*column] = value / self.scales[*column];
+        }
+        if coefficients.iter().all(|v| v.is_finite()) {
+            Ok(coefficients)
+        } else {
+            Err(CalibrationError::NotFinite)
+        }
+    }
+
+    fn excited(&self, n: usize) -> Vec<bool> {
+        let mut excited = vec![false; n];
+        self.kept.iter().for_each(|c| excited[*c] = true);
+        excited
     }
 }
 
 /// Householder QR in place, left to right, of `columns` columns and one right-hand side (the last); a column
 /// that depends on those before it gets no pivot. Returns each column's row of R.
 pub(crate) fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> Vec<Option<usize>> {
-    let mut pivots = vec![None; columns];
+    triangularise_below(matrix, rows, &vec![rows; columns])
+}
+
+/// [`triangularise`] of columns of which the k-th is zero below its first `heights[k]` rows; heights ascend.
+fn triangularise_below(matrix: &mut [f64], rows: usize, heights: &[usize]) -> Vec<Option<usize>> {
+    let mut pivots = vec![None; heights.len()];
     let mut next = 0;
-    for c in 0..columns {
-        if next == rows {
-            break;
+    for (c, height) in heights.iter().copied().enumerate() {
+        if next >= height {
+            continue;
         }
         let (left, right) = matrix.split_at_mut((c + 1) * rows);
-        let column = &mut left[c * rows..];
-        let length = column.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let rest = column[next..].iter().map(|v| v * v).sum::<f64>().sqrt();
+        let column = &mut left[c * rows..c * rows + height];
+        let length = dot(column, column).sqrt();
+        let rest = dot(&column[next..], &column[next..]).sqrt();
         if rest <= DEPENDENCE_TOLERANCE * length.max(f64::MIN_POSITIVE) {
             continue;
         }
@@ -173,11 +247,13 @@ pub(crate) fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> 
         let tau = (beta - alpha) / beta;
         let scale = 1.0 / (alpha - beta);
         column[next + 1..].iter_mut().for_each(|v| *v *= scale);
+        let reflector = &column[next + 1..];
         for other in right.chunks_exact_mut(rows) {
-            let along: f64 = other[next + 1..].iter().zip(&column[next + 1..]).map(|(o, v)| o * v).sum();
-            let projection = tau * (other[next] + along);
-            other[next] -= projection;
-            for (o, v) in other[next + 1..].iter_mut().zip(&column[next + 1..]) {
+            let other = &mut other[next..height];
+            let Some((top, below)) = other.split_first_mut() else { continue };
+            let projection = tau * (*top + dot(below, reflector));
+            *top -= projection;
+            for (o, v) in below.iter_mut().zip(reflector) {
                 *o -= projection * v;
             }
         }
@@ -193,13 +269,33 @@ pub(crate) fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> 
 fn invert_upper(upper: &[f64], n: usize) -> Vec<f64> {
     let mut inverse = vec![0.0; n * n];
     for k in 0..n {
-        inverse[k * n + k] = 1.0 / upper[k * n + k];
-        for row in (0..k).rev() {
-            let sum: f64 = (row + 1..=k).map(|i| upper[i * n + row] * inverse[k * n + i]).sum();
-            inverse[k * n + row] = -sum / upper[row * n + row];
+        let column = &mut inverse[k * n..k * n + k + 1];
+        column[k] = 1.0;
+        for i in (0..=k).rev() {
+            let (above, rest) = column.split_at_mut(i);
+            rest[0] /= upper[i * n + i];
+            above.iter_mut().zip(&upper[i * n..i * n + i]).for_each(|(a, r)| *a -= rest[0] * r);
         }
     }
     inverse
+}
+
+/// X Xᵀ of an upper triangle X, column-major.
+fn gram_of_inverse(inverse: &[f64], n: usize) -> Vec<f64> {
+    let mut gram = vec![0.0; n * n];
+    for k in 0..n {
+        let column = &inverse[k * n..k * n + k + 1];
+        for (b, factor) in column.iter().enumerate() {
+            let sum = &mut gram[b * n..b * n + b + 1];
+            sum.iter_mut().zip(column).for_each(|(s, x)| *s += factor * x);
+        }
+    }
+    for b in 0..n {
+        for a in 0..b {
+            gram[a * n + b] = gram[b * n + a];
+        }
+    }
+    gram
 }
 
 #[cfg(test)]

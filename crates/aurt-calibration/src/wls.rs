@@ -64,7 +64,7 @@ pub fn calibrate_scoped(
         LoadTorqueChoice::Fitted => {
             let no_load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
             let system = accumulate_scoped(model, recordings, scopes, &no_load, options)?;
-            LoadTorque::Fitted(estimate(&system, options.estimator)?.solution.coefficients)
+            LoadTorque::Fitted(estimate_coefficients(&system, options.estimator)?)
         }
     };
     let Accumulated { system, load_torque } = accumulate_ranged(model, recordings, scopes, &load, options)?;
@@ -129,22 +129,11 @@ pub struct Estimate {
 /// # Errors
 /// [`CalibrationError::TooFewSamples`] unless every joint has more rows than there are parameters.
 pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, CalibrationError> {
-    let ones = vec![1.0; system.factors().len()];
-    let ols = system.solve(&ones, |_| true)?;
-    let parameters = ols.excited.iter().filter(|e| **e).count();
-    let sigma: Vec<f64> = system
-        .factors()
-        .iter()
-        .zip(&ols.residual_sum)
-        .map(|(factor, sum)| {
-            if factor.rows() <= parameters {
-                return Err(CalibrationError::TooFewSamples { rows: factor.rows(), parameters });
-            }
-            Ok((sum / (factor.rows() - parameters) as f64).sqrt())
-        })
-        .collect::<Result<_, _>>()?;
+    let (ols, excited) = system.solve_coefficients(&ones(system))?;
+    let parameters = excited.iter().filter(|e| **e).count();
+    let sigma = sigma(system, &ols, parameters)?;
     let mut solution = match estimator {
-        Estimator::Ols => ols,
+        Estimator::Ols => system.solve(&ones(system), |_| true)?,
         Estimator::Wls => system.solve(&weights(&sigma), |_| true)?,
     };
     if estimator == Estimator::Ols {
@@ -153,6 +142,39 @@ pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, Calib
         solution.covariance.iter_mut().for_each(|c| *c *= variance);
     }
     Ok(Estimate { solution, sigma })
+}
+
+/// The coefficients of [`estimate`] alone.
+///
+/// # Errors
+/// As [`estimate`].
+pub(crate) fn estimate_coefficients(
+    system: &System,
+    estimator: Estimator,
+) -> Result<Vec<f64>, CalibrationError> {
+    let (ols, excited) = system.solve_coefficients(&ones(system))?;
+    let sigma = sigma(system, &ols, excited.iter().filter(|e| **e).count())?;
+    match estimator {
+        Estimator::Ols => Ok(ols),
+        Estimator::Wls => Ok(system.solve_coefficients(&weights(&sigma))?.0),
+    }
+}
+
+fn ones(system: &System) -> Vec<f64> {
+    vec![1.0; system.factors().len()]
+}
+
+/// σ_j of equation (14) from the global OLS.
+fn sigma(system: &System, ols: &[f64], parameters: usize) -> Result<Vec<f64>, CalibrationError> {
+    let rows = system.factors().iter().map(JointFactor::rows);
+    rows.zip(system.residual_sum(ols))
+        .map(|(rows, sum)| {
+            if rows <= parameters {
+                return Err(CalibrationError::TooFewSamples { rows, parameters });
+            }
+            Ok((sum / (rows - parameters) as f64).sqrt())
+        })
+        .collect()
 }
 
 /// 1/σ_j. A joint that is met exactly would get an infinite weight; the largest residual sets the scale.

@@ -14,6 +14,7 @@ type Law = fn(&JointSeries<'_>, usize) -> f64;
 struct Faulty {
     law: Law,
     declares: Vec<Invariant>,
+    reads_load: bool,
 }
 
 impl JointModel for Faulty {
@@ -27,6 +28,10 @@ impl JointModel for Faulty {
 
     fn invariants(&self) -> Invariants {
         Invariants::of(&self.declares)
+    }
+
+    fn reads_load(&self) -> bool {
+        self.reads_load
     }
 
     fn evaluate(
@@ -99,7 +104,7 @@ fn every_false_declaration_is_found() {
         (Invariant::RateIndependent, |s, n| s.velocity_rad_s[n]),
     ];
     for (invariant, law) in cases {
-        let model = Faulty { law, declares: vec![invariant, Invariant::Memoryless] };
+        let model = Faulty { law, declares: vec![invariant, Invariant::Memoryless], reads_load: true };
         assert_eq!(broken_invariant(&model), Some(invariant));
     }
 }
@@ -128,10 +133,13 @@ fn models_under_false_flags_are_found() {
 
 #[test]
 fn contracts_are_checked_whatever_is_declared() {
-    let contract = |law: Law| match check(&Faulty { law, declares: Vec::new() }, 3) {
+    let found = |law: Law, reads_load| match check(&Faulty { law, declares: Vec::new(), reads_load }, 3) {
         Err(Violation::Contract { detail, .. }) => detail,
         other => panic!("{other:?}"),
     };
+    let contract = |law| found(law, true);
     assert!(contract(|_, n| n as f64).contains("split"));
     assert!(contract(|s, n| 1.0 / (s.velocity_rad_s[n] - s.velocity_rad_s[n])).contains("inf"));
+    // Even in the load, so that a reversed load alone would not show it.
+    assert!(found(|s, n| s.load_torque[n].abs(), false).contains("does not read the load"));
 }

@@ -7,9 +7,9 @@ use serde::{Deserialize, de::value::Error as SerdeError};
 use serde_json::{Map, Value};
 
 use crate::{
-    Node, Registry,
+    Node, Origin, Registry,
     configuration::NodeKind,
-    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryModel},
+    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryListing, LibraryModel},
     error::BuildError,
     place::{self, Place, Tracked},
 };
@@ -143,6 +143,33 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
     if complaints.is_empty() { Ok(model) } else { Err(complaints) }
 }
 
+/// The library that a saved model is from.
+fn saved_library(plugin: &Value) -> LibraryListing {
+    let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
+    LibraryListing { name: said("name"), version: said("version"), path: said("library").into() }
+}
+
+/// Whether a model that has this origin now can stand for one that was saved from a library: it is of the same library,
+/// of a version that by semantic versioning changes nothing that is there. Of a linked crate only the name is known.
+fn stands_for(origin: &Origin, saved: &LibraryListing) -> bool {
+    match origin {
+        Origin::Crate(name) => saved.name == *name,
+        Origin::Library(now) => saved.name == now.name && compatible(&saved.version, &now.version),
+    }
+}
+
+/// Whether two versions have the same first number that is not zero, and the same zeros before it; versions that are
+/// not numbers with dots are compatible if they are equal.
+fn compatible(a: &str, b: &str) -> bool {
+    fn begin(version: &str) -> Option<Vec<u64>> {
+        let numbers = version.split(['-', '+']).next()?.split('.');
+        let numbers = numbers.map(|part| part.parse().ok()).collect::<Option<Vec<u64>>>()?;
+        let end = numbers.iter().position(|n| *n != 0).map_or(numbers.len(), |first| first + 1);
+        Some(numbers[..end].to_vec())
+    }
+    a == b || begin(a).is_some_and(|a| begin(b) == Some(a))
+}
+
 /// The model of a saved table, which may say what library it is from.
 pub(crate) fn build_saved<M: SlotModel + ?Sized>(
     registry: &Registry,
@@ -150,18 +177,29 @@ pub(crate) fn build_saved<M: SlotModel + ?Sized>(
 ) -> Result<Box<M>, Vec<BuildError>> {
     let mut table = table.clone();
     let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
-    build(registry, &Node::from(&table)).map_err(|errors| {
-        let Some(plugin) = plugin else { return errors };
-        let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
+    let built = build::<M>(registry, &Node::from(&table));
+    let Some(saved) = plugin.as_ref().map(saved_library) else { return built };
+    let named = table.get("model").and_then(Value::as_str);
+    let now = named.and_then(|name| registry.model(M::SLOT, name).ok());
+    // Another version may refuse keys that were right for the saved one: that it is another one says more.
+    if let Some(other) = now.filter(|now| !stands_for(&now.origin, &saved)) {
+        return Err(vec![BuildError::OtherLibrary {
+            slot: M::SLOT,
+            model: other.name.clone(),
+            saved: Box::new(saved),
+            found: other.origin.to_string(),
+        }]);
+    }
+    built.map_err(|errors| {
         errors
             .into_iter()
             .map(|error| match error {
-                BuildError::UnknownModel { slot, name, .. } => BuildError::LibraryNotLoaded {
+                BuildError::UnknownModel { slot, name: model, .. } => BuildError::LibraryNotLoaded {
                     slot,
-                    model: name,
-                    name: said("name"),
-                    version: said("version"),
-                    library: said("library").into(),
+                    model,
+                    name: saved.name.clone(),
+                    version: saved.version.clone(),
+                    library: saved.path.clone(),
                 },
                 other => other,
             })
@@ -192,4 +230,28 @@ fn in_terms_of_keys(message: &str) -> String {
     ]
     .iter()
     .fold(message.to_owned(), |text, (field, key)| text.replace(field, key))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_compatible_as_semantic_versioning_says() {
+        for (a, b, expected) in [
+            ("1.2.3", "1.4.0", true),
+            ("1.2.3", "2.0.0", false),
+            ("0.1.0", "0.1.9", true),
+            ("0.1.0", "0.2.0", false),
+            ("0.1.0", "1.1.0", false),
+            ("0.0.1", "0.0.2", false),
+            ("0.0.1", "0.0.1", true),
+            ("1.0.0-rc.1", "1.0.0", true),
+            ("spring", "spring", true),
+            ("spring", "autumn", false),
+            ("1.0", "unknown", false),
+        ] {
+            assert_eq!((compatible(a, b), compatible(b, a)), (expected, expected), "{a} {b}");
+        }
+    }
 }

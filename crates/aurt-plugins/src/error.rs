@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::{
     Span,
-    dynamic::LibraryProblem,
+    dynamic::{LibraryListing, LibraryProblem},
     experiment::ExperimentErrors,
     model_file::{Step, in_words},
     suggestion,
@@ -177,6 +177,22 @@ pub enum BuildError {
         /// Its file, when the model was saved.
         library: PathBuf,
     },
+    /// A saved model is from another library than the model of that name that is there now.
+    #[error(
+        "the {slot} model `{model}` was saved from the library {} {}, but the one here is from {found}, whose \
+         coefficients may mean something else",
+        saved.name, saved.version, slot = slot.name()
+    )]
+    OtherLibrary {
+        /// The slot to be filled.
+        slot: Slot,
+        /// The model's name.
+        model: String,
+        /// The library that it was saved from.
+        saved: Box<LibraryListing>,
+        /// What has registered the model now, in words.
+        found: String,
+    },
     /// The model has its keys but cannot work with a value, or does not fit its slot.
     #[error("{error}")]
     Invalid {
@@ -198,7 +214,7 @@ impl BuildError {
             | Self::Configuration { span, .. }
             | Self::Invalid { span, .. } => span.clone(),
             // Only files without places say what library a model is from.
-            Self::LibraryNotLoaded { .. } => 0..0,
+            Self::LibraryNotLoaded { .. } | Self::OtherLibrary { .. } => 0..0,
         }
     }
 
@@ -238,6 +254,11 @@ impl BuildError {
             Self::LibraryNotLoaded { library, .. } => Some(format!(
                 "load it with `--plugin {}`, or under `libraries` of [plugins] in the experiment",
                 library.display()
+            )),
+            Self::OtherLibrary { saved, .. } => Some(format!(
+                "load version {} in its place (it was {}), or calibrate anew with the one that is here",
+                saved.version,
+                saved.path.display()
             )),
             Self::Invalid { .. } => None,
         }

@@ -11,6 +11,8 @@ use toml::{
 /// Makes the relative paths of an experiment absolute, so that it means the same from any folder. Paths that begin with
 /// an environment variable stay as they are.
 pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
+    // The folder of a bare file name is the empty path, which has no canonical form.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let fix = |value: &mut Value| {
         if let Value::String(text) = value
@@ -122,5 +124,9 @@ mod tests {
         assert_eq!(document["recordings"]["calibration"][0].as_str(), Some("$D/b.csv"));
         assert_eq!(document["recordings"]["calibration"][1]["file"].as_str(), Some(&*here("c.csv")));
         assert_eq!(document["recordings"]["validation"].as_str(), Some("/d.csv"));
+
+        let mut beside: Table = toml::from_str("robot.mdh = \"Cargo.toml\"").unwrap();
+        make_absolute(&mut beside, Path::new(""));
+        assert!(Path::new(beside["robot"]["mdh"].as_str().unwrap()).is_absolute());
     }
 }

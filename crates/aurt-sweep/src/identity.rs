@@ -1,13 +1,14 @@
 //! What a result depends on, as a hash.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeSet, HashMap},
     path::{Path, PathBuf},
     sync::Mutex,
 };
 
 use aurt_plugins::{Experiment, Registry};
 use blake3::Hasher;
+use serde_json::Value;
 
 use crate::{SweepError, definition::Validate};
 
@@ -38,8 +39,8 @@ impl Digests {
 }
 
 /// The key of a point: a hash of everything that its result depends on. These are the resolved experiment, the contents
-/// of every file that it names, how points are judged, and the program: its version, its executable and the libraries
-/// whose models it has loaded.
+/// of every file that it names, how points are judged, and the program: its version, its executable and those of the
+/// loaded libraries whose models the experiment has.
 ///
 /// # Errors
 /// [`SweepError::Read`] if a file cannot be read.
@@ -61,7 +62,11 @@ pub fn key(
     if let Ok(program) = std::env::current_exe() {
         add(&digests.of(&program)?);
     }
+    let used = libraries_of(experiment);
     for library in registry.libraries() {
+        if used.as_ref().is_some_and(|used| !used.contains(&*library.path.to_string_lossy())) {
+            continue;
+        }
         add(library.name.as_bytes());
         add(library.version.as_bytes());
         add(&digests.of(&library.path)?);
@@ -74,4 +79,35 @@ pub fn key(
         add(&digests.of(&source.file)?);
     }
     Ok(hash.finalize().to_hex().as_str()[..40].to_owned())
+}
+
+/// The libraries whose models an experiment has; nothing where that cannot be told.
+///
+/// Others that happen to be loaded, because another point of the sweep names them, change nothing about this one.
+fn libraries_of(experiment: &Experiment) -> Option<BTreeSet<String>> {
+    let stacks = experiment.joint_dynamics.stacks(experiment.joints()).ok()?;
+    let mut models = Vec::new();
+    for stack in &stacks {
+        models.push(serde_json::to_value(stack.coulomb()).ok()?);
+        models.push(serde_json::to_value(stack.hysteresis()).ok()?);
+        models.push(serde_json::to_value(stack.viscous()).ok()?);
+    }
+    for term in &experiment.arm_terms {
+        models.push(serde_json::to_value(&**term).ok()?);
+    }
+    let mut used = BTreeSet::new();
+    models.iter().for_each(|model| collect_libraries(model, &mut used));
+    Some(used)
+}
+
+/// Saved models of libraries say which file they are from, also where they are part of another model.
+fn collect_libraries(saved: &Value, used: &mut BTreeSet<String>) {
+    match saved {
+        Value::Object(keys) => {
+            used.extend(saved["plugin"]["library"].as_str().map(str::to_owned));
+            keys.values().for_each(|value| collect_libraries(value, used));
+        }
+        Value::Array(list) => list.iter().for_each(|value| collect_libraries(value, used)),
+        _ => {}
+    }
 }

@@ -19,6 +19,12 @@ pub trait JointModel: Debug + Send + Sync {
     /// What the model declares of itself; the property tests hold it to that.
     fn invariants(&self) -> Invariants;
 
+    /// Whether anything that the model gives depends on τ_J. The columns of a model that says no are computed once for
+    /// all calculations that differ in τ_J alone; the property tests hold it to that.
+    fn reads_load(&self) -> bool {
+        true
+    }
+
     /// The parameters in which the model is not linear.
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         Vec::new()

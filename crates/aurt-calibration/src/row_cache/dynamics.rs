@@ -3,7 +3,11 @@ use aurt_traits::{
     ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, RigidBodyRegressor, RobotModel,
 };
 
-use super::{load::LoadSeries, rigid::TILE_SAMPLES};
+use super::{
+    load::LoadSeries,
+    parts::{filtered, separable},
+    rigid::TILE_SAMPLES,
+};
 use crate::CalibrationError;
 
 /// Distance between the columns of a tile; not a multiple of 4096 bytes, so that they do not share cache sets.
@@ -64,6 +68,19 @@ impl<'m> Source<'m> {
                     .collect()
             }
         }
+    }
+
+    /// Whether its columns may depend on τ_J.
+    pub(crate) fn reads_load(&self) -> bool {
+        match self {
+            Self::Stack { stack, .. } => stack.coulomb().reads_load() || !separable(stack),
+            Self::Term { .. } => true,
+        }
+    }
+
+    /// Whether it is a stack whose parts can be had apart.
+    pub(crate) fn separable(&self) -> bool {
+        matches!(self, Self::Stack { stack, .. } if separable(stack))
     }
 
     const fn first_column(&self) -> usize {
@@ -144,30 +161,17 @@ pub(crate) fn dynamics_rows(
     load: &LoadSeries,
 ) -> Result<Vec<DynamicsColumn>, CalibrationError> {
     let rows = segment.rows();
-    let samples = segment.motion.samples();
-    let mut columns = Vec::new();
-    let mut running = Vec::new();
-    for source in sources {
-        let entries = source.entries(segment.motion.joints());
-        let first_slot = columns.len();
-        columns.extend(entries.iter().map(|(joint, column)| DynamicsColumn {
-            joint: *joint,
-            column: source.first_column() + column,
-            rows: vec![0.0; rows],
-        }));
-        running.push(Running { source: *source, entries, first_slot, state: None, scratch: Vec::new() });
-    }
+    let (mut running, entries) = begin(sources, segment.motion.joints());
+    let mut columns: Vec<DynamicsColumn> = entries
+        .into_iter()
+        .map(|(joint, column)| DynamicsColumn { joint, column, rows: vec![0.0; rows] })
+        .collect();
     let mut data = vec![0.0; columns.len() * STRIDE];
     let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, columns.len(), segment.decimation);
     let mut store = |block: DecimatedTile<'_>| {
-        let first = block.first_row().min(rows);
-        let count = block.rows().min(rows - first);
-        for (k, column) in columns.iter_mut().enumerate() {
-            column.rows[first..first + count].copy_from_slice(&block.column(k)[..count]);
-        }
+        keep(&block, columns.iter_mut().map(|c| &mut *c.rows));
     };
-    for first in (0..samples).step_by(TILE_SAMPLES) {
-        let end = (first + TILE_SAMPLES).min(samples);
+    for (first, end) in tiles(segment) {
         for source in &mut running {
             source.evaluate(segment, load, (first, end), &mut data)?;
         }
@@ -175,4 +179,60 @@ pub(crate) fn dynamics_rows(
     }
     bank.finish(&mut store)?;
     Ok(columns)
+}
+
+/// The sources' columns over a segment, each times its coefficient and added to its joint's part of `summed`; the sums,
+/// filtered and decimated. The filter is linear: it sees one series a joint instead of all columns.
+///
+/// # Errors
+/// What models report.
+pub(crate) fn dynamics_sums(
+    sources: &[Source<'_>],
+    segment: &Segment,
+    load: &LoadSeries,
+    coefficient: impl Fn(usize) -> f64,
+    mut summed: Vec<f64>,
+) -> Result<Vec<Vec<f64>>, CalibrationError> {
+    let (joints, samples) = (segment.motion.joints(), segment.motion.samples());
+    let (mut running, entries) = begin(sources, joints);
+    let mut data = vec![0.0; entries.len() * STRIDE];
+    for (first, end) in tiles(segment) {
+        for source in &mut running {
+            source.evaluate(segment, load, (first, end), &mut data)?;
+        }
+        for ((joint, column), values) in entries.iter().zip(data.chunks_exact(STRIDE)) {
+            let factor = coefficient(*column);
+            let sum = &mut summed[joint * samples + first..joint * samples + end];
+            sum.iter_mut().zip(values).for_each(|(s, v)| *s += factor * v);
+        }
+    }
+    filtered(segment, &summed, joints)
+}
+
+/// Sources without a state yet, and the (joint, coefficient) of each of their columns.
+fn begin<'m>(sources: &[Source<'m>], joints: usize) -> (Vec<Running<'m>>, Vec<(usize, usize)>) {
+    let mut columns = Vec::new();
+    let mut running = Vec::new();
+    for source in sources {
+        let entries = source.entries(joints);
+        let first_slot = columns.len();
+        columns.extend(entries.iter().map(|(joint, column)| (*joint, source.first_column() + column)));
+        running.push(Running { source: *source, entries, first_slot, state: None, scratch: Vec::new() });
+    }
+    (running, columns)
+}
+
+/// First sample and end of each tile of a segment.
+pub(super) fn tiles(segment: &Segment) -> impl Iterator<Item = (usize, usize)> {
+    let samples = segment.motion.samples();
+    (0..samples).step_by(TILE_SAMPLES).map(move |first| (first, (first + TILE_SAMPLES).min(samples)))
+}
+
+/// Puts a block's columns into theirs.
+pub(super) fn keep<'a>(block: &DecimatedTile<'_>, columns: impl Iterator<Item = &'a mut [f64]>) {
+    for (k, column) in columns.enumerate() {
+        let first = block.first_row().min(column.len());
+        let count = block.rows().min(column.len() - first);
+        column[first..first + count].copy_from_slice(&block.column(k)[..count]);
+    }
 }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{
     dynamics::{DynamicsColumn, Source, dynamics_rows},
     load::LoadSeries,
+    parts::Kept,
     rigid::RigidRows,
 };
 use crate::{
@@ -22,10 +23,14 @@ const ROUNDING: f64 = 1e-14;
 /// along and beyond it.
 #[derive(Debug)]
 pub struct FitRows<'r> {
-    rigid: &'r RigidRows<'r>,
-    pieces: Vec<Piece>,
-    joints: Vec<JointBasis>,
+    pub(super) rigid: &'r RigidRows<'r>,
+    pub(super) pieces: Vec<Piece>,
+    pub(super) joints: Vec<JointBasis>,
+    pub(super) parts: SplitParts,
 }
+
+/// The split columns of models that do not read the load torque, by joint and model with its configuration.
+type SplitParts = Kept<(usize, String), Vec<Split>>;
 
 /// A segment of a recording that is fitted.
 #[derive(Debug, Clone)]
@@ -38,7 +43,7 @@ pub(crate) struct Piece {
 
 /// The rigid-body rows W = Q R of a joint, over all pieces, and its measurement.
 #[derive(Debug)]
-struct JointBasis {
+pub(super) struct JointBasis {
     rows: usize,
     /// Q, column after column.
     basis: Vec<f64>,
@@ -105,7 +110,7 @@ impl<'r> FitRows<'r> {
             .into_par_iter()
             .map(|joint| JointBasis::new(rigid, &pieces, joint))
             .collect::<Result<_, _>>()?;
-        Ok(Self { rigid, pieces, joints })
+        Ok(Self { rigid, pieces, joints, parts: SplitParts::default() })
     }
 
     /// The rows that are shared.
@@ -244,7 +249,7 @@ impl Piece {
     }
 
     /// Appends the rows of a joint that are fitted.
-    fn append(&self, joint: usize, rows: &[f64], to: &mut Vec<f64>) {
+    pub(super) fn append(&self, joint: usize, rows: &[f64], to: &mut Vec<f64>) {
         match &self.keep {
             None => to.extend_from_slice(rows),
             Some(keep) => to.extend(keep[joint].iter().map(|row| rows[*row])),
@@ -295,7 +300,8 @@ impl JointBasis {
         Ok(joint)
     }
 
-    fn split(&self, columns: &[&[f64]]) -> Vec<Split> {
+    /// The parts of columns.
+    pub(super) fn split(&self, columns: &[&[f64]]) -> Vec<Split> {
         let (rows, n) = (self.rows, self.triangle.len().isqrt());
         let mut beyond = columns.concat();
         let mut along = project_out(&self.basis, rows, &mut beyond, columns.len());

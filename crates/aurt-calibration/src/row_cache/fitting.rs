@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, System, TermScopes,
-    wls::{Estimate, Setting, estimate, finished},
+    wls::{Estimate, Setting, estimate, estimate_coefficients, finished},
 };
 
 /// A linear fit with what it was made of.
@@ -51,20 +51,32 @@ pub(crate) fn fit(
     let acting = rows.acting(model, scopes);
     let coefficients = model.parameters().len();
     let sources = Source::all(model);
-    let pass = |load: LoadTorque| -> Result<Fitted, CalibrationError> {
-        let loads = rows.loads(model, &load)?;
-        let columns = rows.columns(&sources, &acting, &loads)?;
-        let system = rows.system(coefficients, &columns);
-        let estimate = estimate(&system, options.estimator)?;
-        Ok(Fitted { load, loads, system, estimate })
-    };
-    match options.load_torque {
-        LoadTorqueChoice::Literal => pass(LoadTorque::Literal),
-        LoadTorqueChoice::Fitted => {
-            let first = pass(LoadTorque::Fitted(vec![0.0; coefficients]))?;
-            pass(LoadTorque::Fitted(first.estimate.solution.coefficients))
+    let (stacks, others): (Vec<Source<'_>>, Vec<Source<'_>>) = sources.iter().partition(|s| s.separable());
+    let system = |loads: &[LoadSeries]| -> Result<System, CalibrationError> {
+        let mut columns = rows.columns(&others, &acting, loads)?;
+        for source in &stacks {
+            let Source::Stack { joint, stack, first_column } = *source else { continue };
+            columns.extend(rows.stack_columns((joint, stack, first_column), loads)?);
         }
-    }
+        Ok(rows.system(coefficients, &columns))
+    };
+    let load = match options.load_torque {
+        LoadTorqueChoice::Literal => LoadTorque::Literal,
+        LoadTorqueChoice::Fitted => {
+            let system = system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?;
+            if !sources.iter().any(Source::reads_load) {
+                // A second fit would be this one.
+                let estimate = estimate(&system, options.estimator)?;
+                let load = LoadTorque::Fitted(estimate.solution.coefficients.clone());
+                return Ok(Fitted { loads: rows.loads(model, &load)?, load, system, estimate });
+            }
+            LoadTorque::Fitted(estimate_coefficients(&system, options.estimator)?)
+        }
+    };
+    let loads = rows.loads(model, &load)?;
+    let system = system(&loads)?;
+    let estimate = estimate(&system, options.estimator)?;
+    Ok(Fitted { load, loads, system, estimate })
 }
 
 impl FitRows<'_> {

@@ -1,7 +1,8 @@
 use aurt_traits::RobotModel;
 
 use super::{
-    dynamics::{Source, dynamics_rows},
+    dynamics::{Source, dynamics_sums},
+    load::LoadSeries,
     rigid::RigidRows,
 };
 use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
@@ -43,18 +44,29 @@ impl RigidRows<'_> {
         let coefficients = calibration.coefficients();
         let acting = scopes.acting(model, &named.name);
         let rest = calibration.options.rest_velocity_rad_s;
+        let sources = Source::all(model);
         for (s, segment) in named.data.segments.iter().enumerate() {
             let Some(measurement) = &segment.measurement else { continue };
-            let load = self.load_series(model, segment, &calibration.load)?;
-            let columns = dynamics_rows(&Source::all(model), segment, &load)?;
+            let (joints, samples) = (self.joints(), segment.motion.samples());
+            let load = if sources.iter().any(Source::reads_load) {
+                self.load_series(model, segment, &calibration.load)?
+            } else {
+                LoadSeries::zero(joints, samples)
+            };
+            let mut summed = vec![0.0; joints * samples];
+            for source in sources.iter().filter(|s| s.separable()) {
+                let Source::Stack { joint, stack, first_column } = *source else { continue };
+                let own = &coefficients[first_column..first_column + stack.columns().len()];
+                let sum = &mut summed[joint * samples..(joint + 1) * samples];
+                self.add_stack((recording, s, joint), stack, &load, own, sum)?;
+            }
+            let others: Vec<Source<'_>> = sources.iter().filter(|s| !s.separable()).copied().collect();
+            let of = |column: usize| if acting[column] { coefficients[column] } else { 0.0 };
+            let dynamics = dynamics_sums(&others, segment, &load, of, summed)?;
             let motion = segment.motion.view();
-            for joint in 0..self.joints() {
-                let mut predicted = vec![0.0; segment.rows()];
+            for (joint, mut predicted) in dynamics.into_iter().enumerate() {
                 for (k, column) in self.columns(joint).iter().enumerate() {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
-                }
-                for column in columns.iter().filter(|c| c.joint == joint && acting[c.column]) {
-                    add(&mut predicted, coefficients[column.column], &column.rows);
                 }
                 for row in validated(segment, rows, rest) {
                     let sample = row * segment.decimation;

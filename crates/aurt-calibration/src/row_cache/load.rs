@@ -12,7 +12,7 @@ pub(crate) struct LoadSeries {
 }
 
 impl LoadSeries {
-    fn zero(joints: usize, samples: usize) -> Self {
+    pub(crate) fn zero(joints: usize, samples: usize) -> Self {
         Self { values: vec![0.0; joints * samples], samples }
     }
 

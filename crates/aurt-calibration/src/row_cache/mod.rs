@@ -6,6 +6,9 @@
 //! evaluation of its own columns, their filter, and their projection onto that basis:
 //! with [Y_RBD | B | y] = [Q | Q′] · [R, QᵀB, Qᵀy; 0, S, s], only B, QᵀB and S are new.
 //!
+//! What hysteresis and viscous models give where they do not read the load torque is kept too, for all models that have
+//! them.
+//!
 //! The results are those of [`calibrate`](crate::calibrate) and [`validate`](crate::validate()) to rounding.
 
 mod dynamics;
@@ -13,7 +16,9 @@ mod fit;
 mod fitting;
 mod judging;
 mod load;
+mod parts;
 mod rigid;
+mod stacks;
 
 pub(crate) use dynamics::Source;
 pub(crate) use fit::{Split, SplitColumn};

@@ -4,6 +4,7 @@ use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor, RobotModel};
 use rayon::prelude::*;
 
+use super::parts::Parts;
 use crate::{CalibrationError, NamedRecording, wls::check};
 
 /// Samples evaluated at once.
@@ -17,6 +18,7 @@ pub struct RigidRows<'r> {
     recordings: &'r [NamedRecording],
     layout: Layout,
     segments: Vec<Vec<SegmentRows>>,
+    pub(super) parts: Parts,
 }
 
 /// Where the rigid-body entries of each joint's row lie in a tile.
@@ -67,6 +69,7 @@ impl<'r> RigidRows<'r> {
             recordings,
             layout,
             segments: Vec::new(),
+            parts: Parts::default(),
         };
         let of_recording = |r: &NamedRecording| -> Result<Vec<SegmentRows>, CalibrationError> {
             r.data.segments.par_iter().map(|segment| rows.filtered(segment)).collect()

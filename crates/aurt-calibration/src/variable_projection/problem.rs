@@ -190,7 +190,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// [`CalibrationError::NotFinite`].
     pub(super) fn coefficients(&self, point: &Point) -> Result<Vec<f64>, CalibrationError> {
-        Ok(self.system(point, &[]).solve(&self.weights, |_| true)?.coefficients)
+        Ok(self.system(point, &[]).solve_coefficients(&self.weights)?.0)
     }
 
     /// The sensitivities of some owners' shapes; `coefficients` are those of the fit at `point`.

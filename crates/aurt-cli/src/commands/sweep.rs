@@ -173,7 +173,7 @@ impl RunSweep {
             let text = "every point has its result already\n".to_owned();
             return Ok(Report {
                 text,
-                json: json!({ "command": "sweep run", "job": null }),
+                json: json!({ "command": "sweep run", "jobs": [], "points": [] }),
                 findings: false,
             });
         }
@@ -185,15 +185,16 @@ impl RunSweep {
         let folder = Folder::shared(&path)?;
         let submission = slurm::submit(&folder, &points, &program, &plugins, &self.slurm_arg)?;
         let text = format!(
-            "{} of {} points submitted as job array {}\n  their output: {}\n  when they are done: \
+            "{} of {} points submitted as job {} {}\n  their output: {}\n  when they are done: \
              aurt sweep collect --out {}\n  to submit those that a lost node left out: the same command again\n",
             points.len(),
             plan.points.len(),
-            submission.job,
+            if submission.jobs.len() == 1 { "array" } else { "arrays" },
+            submission.jobs.join(", "),
             submission.output.display(),
             path.display()
         );
-        let json = json!({ "command": "sweep run", "job": submission.job, "points": submission.points });
+        let json = json!({ "command": "sweep run", "jobs": submission.jobs, "points": submission.points });
         Ok(Report { text, json, findings: false })
     }
 }
@@ -201,7 +202,7 @@ impl RunSweep {
 impl PlanSweep {
     fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let (_, plan, folder) = planned(&self.experiment, &self.out, session)?;
-        let mut text = format!("{} points\n", plan.points.len());
+        let mut text = format!("{}\n", counted(plan.points.len()));
         for (k, point) in plan.points.iter().enumerate() {
             text.push_str(&format!("  {:>4}  {}\n", k + 1, point.name));
         }
@@ -265,8 +266,8 @@ fn collected(
 
 fn summary_text(summary: &Summary) -> String {
     let mut text = format!(
-        "{} points run in {:.2} s, {} had their result already\n",
-        summary.run,
+        "{} run in {:.2} s, {} had their result already\n",
+        counted(summary.run),
         summary.elapsed.as_secs_f64(),
         summary.present
     );
@@ -279,6 +280,10 @@ fn summary_text(summary: &Summary) -> String {
     }
     text.push('\n');
     text
+}
+
+fn counted(points: usize) -> String {
+    if points == 1 { "1 point".into() } else { format!("{points} points") }
 }
 
 fn summary_json(summary: &Summary) -> Value {

@@ -10,6 +10,8 @@ mod diagnosis;
 mod instruction_sets;
 mod machine_output;
 mod outputs;
+mod plugins;
 mod real_recordings;
 mod support;
+mod sweeps;
 mod words;

@@ -30,6 +30,16 @@ pub fn check(model: &dyn JointModel, seed: u64) -> Result<(), Violation> {
             return Err(broken(model, format!("depends on how the series is split, {place}")));
         }
     }
+    if !model.reads_load() {
+        let other = evaluate(model, &recording.clone().with_reversed_load().joint(0), &[])?;
+        let none = evaluate(model, &JointSeries { load_torque: &[0.0; SAMPLES], ..recording.joint(0) }, &[])?;
+        if whole != other || whole != none {
+            return Err(broken(
+                model,
+                "says that it does not read the load torque, but depends on it".to_owned(),
+            ));
+        }
+    }
     for invariant in model.invariants().iter() {
         check_invariant(model, invariant, seed, &recording, &whole)?;
     }

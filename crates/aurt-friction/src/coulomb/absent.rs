@@ -49,6 +49,10 @@ impl JointModel for Absent {
         Invariants::of(&Invariant::ALL)
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn evaluate(
         &self,
         _series: &JointSeries<'_>,

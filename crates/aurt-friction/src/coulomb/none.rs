@@ -58,6 +58,10 @@ impl JointModel for Constant {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn evaluate(
         &self,
         _series: &JointSeries<'_>,

@@ -145,6 +145,10 @@ impl JointModel for BoucWen {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![PRESLIDING.at(self.presliding_rad), EXPONENT.at(self.exponent), BETA.at(self.beta)]
     }

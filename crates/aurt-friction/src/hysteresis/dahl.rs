@@ -79,6 +79,10 @@ impl JointModel for Dahl {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![PRESLIDING.at(self.presliding_rad)]
     }

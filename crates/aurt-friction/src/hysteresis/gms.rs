@@ -177,6 +177,10 @@ impl JointModel for Gms {
         Invariants::of(&[Invariant::BoundedByOne, Invariant::OddInVelocity, Invariant::ContinuousInVelocity])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![
             STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s),

@@ -129,6 +129,10 @@ impl JointModel for LuGre {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![
             PRESLIDING.at(self.presliding_rad),

@@ -111,6 +111,10 @@ impl JointModel for MaxwellSlip {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         if self.fit_thresholds { self.thresholds().shape_parameters() } else { Vec::new() }
     }

@@ -73,6 +73,10 @@ impl JointModel for Sign {
         Invariants::from_bits(Invariants::of(&ALWAYS).bits() | rate.bits())
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), Vec<ModelError>> {
         verdict(rest_complaint("sign", self.rest_velocity_rad_s).into_iter().collect())
     }

@@ -73,6 +73,10 @@ impl JointModel for Tanh {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![VELOCITY.at(self.velocity_rad_s)]
     }

@@ -73,6 +73,10 @@ impl JointModel for Polynomial {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |reason: String| {

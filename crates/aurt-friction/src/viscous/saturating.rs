@@ -88,6 +88,10 @@ impl JointModel for Saturating {
         ])
     }
 
+    fn reads_load(&self) -> bool {
+        false
+    }
+
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         vec![SATURATION_VELOCITY.at(self.saturation_velocity_rad_s)]
     }

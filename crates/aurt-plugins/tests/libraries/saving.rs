@@ -57,6 +57,34 @@ fn a_model_of_a_library_asks_for_it() {
 }
 
 #[test]
+fn a_model_of_another_library_or_version_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut registry = Registry::linked().unwrap();
+    let model = experiment(folder.path(), &mut registry).robot_model().unwrap();
+    let saved = model_file::robot_model_to_json(&model).unwrap();
+    let path = folder.path().join("rd.json");
+    let read_with = |key: &str, value: &str| {
+        let mut changed = saved.clone();
+        let viscous = &mut changed["joint_dynamics"][1]["viscous"];
+        viscous["plugin"][key] = json!(value);
+        // Keys that only that version knew do not distract from what is wrong.
+        viscous["added_later"] = json!(1);
+        fs::write(&path, changed.to_string()).unwrap();
+        model_file::read_robot_model(&path, &registry).unwrap_err().to_string()
+    };
+    let error = read_with("version", "0.2.0");
+    let expected = [
+        "`joint_dynamics[1].viscous`",
+        "the viscous model `eyring` was saved from the library aurt-plugin-example 0.2.0, but the one here is from \
+         library aurt-plugin-example 0.1.0",
+        "load version 0.2.0 in its place",
+    ];
+    assert!(expected.iter().all(|e| error.contains(e)), "{error}");
+    assert!(read_with("name", "other").contains("was saved from the library other 0.1.0, but the one here"));
+    assert!(read_with("version", "0.1.7").contains("unknown key"));
+}
+
+#[test]
 fn shape_parameters_are_saved_as_they_are_now() {
     let registry = built::with(&built::rust_example());
     let config = json!({ "model": "stop", "distance_rad": 0.3 });

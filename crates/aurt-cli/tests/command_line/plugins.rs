@@ -1,0 +1,158 @@
+//! A plugin that `aurt new-plugin` wrote is built, tests itself, and is then a model like any other.
+
+use std::{
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use crate::support::{Folder, text};
+
+const EXPERIMENT: &str = r#"
+schema = 1
+[plugins]
+libraries = ["LIBRARY"]
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
+[joint_dynamics]
+coulomb = { model = "none" }
+hysteresis = { model = "sign" }
+viscous = { model = "MODEL", saturation_velocity_rad_s = 1.0 }
+[recordings]
+calibration = ["exciting_motion.csv"]
+validation = ["other_motion.csv"]
+[preprocess]
+f_dyn_hz = 5.0
+[calibration]
+fit_shapes = false
+[sweep.grid]
+"joint_dynamics.viscous" = [
+    { model = "polynomial", powers = [1] },
+    { model = "MODEL", saturation_velocity_rad_s = 0.5 },
+    { model = "MODEL", saturation_velocity_rad_s = 5.0 },
+]
+"#;
+
+fn succeeded(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{command:?}\n{}\n{}", text(&output.stdout), text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// The model is listed, explained, calibrated, saved, used again and swept.
+fn is_a_model(folder: Folder, library: &Path, model: &str) {
+    let folder = folder.with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    let library = text(library);
+    let listed = folder.aurt(["--plugin", &library, "models"]).succeeded().stdout();
+    assert!(listed.contains(&format!("  {model} ")), "{listed}");
+    let explained = folder.aurt(["--plugin", &library, "explain", model]).succeeded().stdout();
+    assert!(explained.contains("saturation_velocity_rad_s"), "{explained}");
+
+    folder.write("experiment.toml", &EXPERIMENT.replace("LIBRARY", &library).replace("MODEL", model));
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    let saved = folder.json("out/rd_calibrated.json");
+    let viscous = &saved["model"]["joint_dynamics"][0]["viscous"];
+    assert_eq!((&viscous["model"], &viscous["saturation_velocity_rad_s"]), (&model.into(), &1.0.into()));
+    let predict =
+        "predict --model out/rd_calibrated.json --data other_motion.csv --gravity 0 0 -9.81 --out p.csv";
+    let predict = || predict.split(' ').collect::<Vec<_>>();
+    folder.aurt(predict()).refused(&[model, "which is not loaded", "load it with `--plugin"]);
+    folder.aurt([vec!["--plugin", &library], predict()].concat()).succeeded();
+
+    folder.aurt(["sweep", "run", "experiment.toml", "--out", "sweep"]).succeeded();
+    let table = folder.json("sweep/table.json");
+    assert_eq!(table["ranked"].as_array().unwrap().len(), 3);
+    assert_eq!(table["failed"].as_array().unwrap().len(), 0);
+
+    // A library that one point names is not a part of the others: each can be run without it.
+    let plain =
+        EXPERIMENT.replace("MODEL", "saturating").replace("libraries = [\"LIBRARY\"]", "libraries = []");
+    let (plain, _) = plain.split_once("[sweep.grid]").unwrap();
+    let own = "{ model = \"MODEL\", saturation_velocity_rad_s = 1.0 }".replace("MODEL", model);
+    let variants = format!(
+        "[[sweep.variant]]\nname = \"ours\"\n[[sweep.variant]]\nname = \"plugin\"\nset = {{ \"plugins.libraries\" = \
+         [\"{library}\"], \"joint_dynamics.viscous\" = {own} }}\n"
+    );
+    folder.write("one.toml", &format!("{plain}{variants}"));
+    folder.aurt(["sweep", "plan", "one.toml", "--out", "one"]).succeeded();
+    folder.aurt(["sweep", "point", "1", "--out", "one"]).succeeded();
+    folder.aurt(["sweep", "point", "2", "--out", "one"]).succeeded();
+    folder.aurt(["sweep", "collect", "--out", "one"]).succeeded();
+}
+
+#[test]
+fn a_new_rust_plugin_is_calibrated_and_swept() {
+    let folder = Folder::new();
+    folder.aurt(["new-plugin", "drag-rust"]).succeeded();
+    // The versions of this workspace, so that nothing has to be downloaded.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    fs::copy(root.join("Cargo.lock"), folder.path("drag-rust/Cargo.lock")).unwrap();
+    // Another test builds a new plugin here too; what both depend on is built once.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-plugin-target");
+    let cargo = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO"));
+        command.current_dir(folder.path("drag-rust")).args(arguments);
+        command.env("CARGO_TARGET_DIR", &target).env("CARGO_PROFILE_DEV_DEBUG", "0");
+        succeeded(&mut command)
+    };
+    let tests = cargo(&["test", "--lib"]);
+    assert!(tests.contains("test result: ok. 4 passed"), "{tests}");
+    cargo(&["build"]);
+    let built = target.join("debug").join(format!("{DLL_PREFIX}drag_rust{DLL_SUFFIX}"));
+    is_a_model(folder, &built, "drag_rust");
+}
+
+#[test]
+fn a_new_c_plugin_is_calibrated_and_swept() {
+    if Command::new("make").arg("--version").output().is_err()
+        || Command::new("cc").arg("--version").output().is_err()
+    {
+        println!("skipped: there is no C compiler `cc` or no `make`");
+        return;
+    }
+    let folder = Folder::new();
+    folder.aurt(["new-plugin", "drag-c", "--lang", "c"]).succeeded();
+    let make = |arguments: &[&str]| {
+        succeeded(Command::new("make").current_dir(folder.path("drag-c")).args(arguments))
+    };
+    let tests = make(&["test"]);
+    assert!(tests.contains("all checks passed"), "{tests}");
+    make(&[]);
+    let built: PathBuf = folder.path("drag-c").join(format!("libdrag_c{DLL_SUFFIX}"));
+    is_a_model(folder, &built, "drag_c");
+}
+
+#[test]
+fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
+    for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
+        let library = folder.path(&format!("{fault}{DLL_SUFFIX}"));
+        let compiler = Command::new("cc")
+            .args(["-shared", "-fPIC", &format!("-D{fault}"), "-I"])
+            .arg(crates.join("aurt-traits/include"))
+            .arg(crates.join("aurt-plugins/tests/fixtures/faulty.c"))
+            .arg("-o")
+            .arg(&library)
+            .output();
+        let Ok(output) = compiler else {
+            println!("skipped: there is no C compiler `cc`");
+            return;
+        };
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
+        let sweep = "[sweep.grid]\n\"joint_dynamics.hysteresis.model\" = [\"sign\", \"faulty\", \"tanh\"]\n";
+        folder.write("experiment.toml", &format!("{base}{sweep}"));
+        let run = folder.aurt(["sweep", "run", "experiment.toml", "--out", fault]);
+        assert_eq!(run.status(), 1, "{}", run.stderr());
+        let table = folder.json(&format!("{fault}/table.json"));
+        assert_eq!(table["ranked"].as_array().unwrap().len(), 2);
+        let error = table["failed"][0]["error"].as_str().unwrap();
+        assert!(error.contains("model `faulty` failed") && error.contains(reason), "{error}");
+    }
+}

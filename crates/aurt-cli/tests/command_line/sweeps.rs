@@ -1,0 +1,248 @@
+//! `aurt sweep` as a person, a queue or a power cut meets it.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use crate::support::Folder;
+
+/// The demo's recordings with this `[sweep]` in place of the demo's own choice of friction.
+fn experiment(sweep: &str) -> Folder {
+    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    folder.write(
+        "experiment.toml",
+        &format!(
+            r#"
+schema = 1
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
+[joint_dynamics]
+coulomb = {{ model = "none" }}
+hysteresis = {{ model = "sign" }}
+viscous = {{ model = "polynomial", powers = [1] }}
+[recordings]
+calibration = ["exciting_motion.csv"]
+validation = ["other_motion.csv"]
+[preprocess]
+f_dyn_hz = 5.0
+{sweep}"#
+        ),
+    );
+    folder
+}
+
+/// Fifty-four points, two thirds of which search for shapes.
+const MANY: &str = r#"
+[sweep.grid]
+"joint_dynamics.coulomb.model" = ["none", "square", "absolute"]
+"joint_dynamics.hysteresis" = [
+    { model = "sign" }, { model = "dahl" }, { model = "tanh" },
+    { model = "maxwell_slip", elements = 2 }, { model = "dahl", presliding_rad = 0.002 },
+    { model = "tanh", velocity_rad_s = 0.02 },
+]
+"joint_dynamics.viscous.powers" = [[1], [1, 2], [1, 3]]
+"#;
+const MANY_POINTS: usize = 54;
+
+const FEW: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\", \"absolute\"]\n";
+
+fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// Starts a sweep on one thread and leaves it running.
+fn started(folder: &Folder, out: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_aurt"))
+        .args(["sweep", "run", "experiment.toml", "--quiet", "--out", out])
+        .current_dir(folder.path(""))
+        .env("RAYON_NUM_THREADS", "1")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+fn results(folder: &Folder, out: &str) -> usize {
+    let whole = |e: &fs::DirEntry| e.path().extension().is_some_and(|x| x == "json");
+    fs::read_dir(folder.path(out).join("results"))
+        .map_or(0, |entries| entries.flatten().filter(whole).count())
+}
+
+/// Waits until the folder holds more results than that, or the process ends.
+fn wait_for_more(folder: &Folder, out: &str, than: usize, child: &mut Child) {
+    let begin = Instant::now();
+    while results(folder, out) <= than && child.try_wait().unwrap().is_none() {
+        assert!(begin.elapsed() < Duration::from_secs(300), "no result after {:?}", begin.elapsed());
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Every file below a folder with its contents, but for the lock.
+fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().unwrap() != "lock" {
+                found.push((path.strip_prefix(folder).unwrap().to_owned(), fs::read(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+#[cfg(unix)]
+fn what_is_killed_goes_on_to_the_same_bytes() {
+    use std::os::unix::process::ExitStatusExt;
+
+    const SIGKILL: i32 = 9;
+    let folder = experiment(MANY);
+    let mut killed = 0;
+    for _ in 0..3 {
+        let before = results(&folder, "killed");
+        let mut child = started(&folder, "killed");
+        wait_for_more(&folder, "killed", before + 2, &mut child);
+        child.kill().unwrap();
+        killed += usize::from(child.wait().unwrap().signal() == Some(SIGKILL));
+    }
+    let there = results(&folder, "killed");
+    assert!(killed > 0 && (1..MANY_POINTS).contains(&there), "{killed} killed, {there} results");
+    let run = folder.aurt(words("sweep run experiment.toml --out killed --json")).succeeded();
+    let run: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+    assert_eq!(run["run"]["present"], there);
+    assert_eq!(run["run"]["run"], MANY_POINTS - there);
+    folder.aurt(words("sweep run experiment.toml --out undisturbed")).succeeded();
+    let (killed, undisturbed) = (contents(&folder.path("killed")), contents(&folder.path("undisturbed")));
+    assert_eq!(undisturbed.len(), 2 * MANY_POINTS + 4);
+    assert!(killed == undisturbed, "the folders differ");
+}
+
+#[test]
+fn two_sweeps_do_not_share_a_folder_at_a_time() {
+    let folder = experiment(MANY);
+    let mut first = started(&folder, "out");
+    wait_for_more(&folder, "out", 0, &mut first);
+    for second in ["sweep run experiment.toml --out out", "sweep point 1 --out out"] {
+        folder.aurt(words(second)).refused(&["another sweep is at work in this folder", "wait until"]);
+    }
+    assert!(first.try_wait().unwrap().is_none(), "the first was done too soon to be in the way");
+    first.kill().unwrap();
+    first.wait().unwrap();
+    folder.aurt(words("sweep point 1 --out out")).succeeded();
+}
+
+#[test]
+fn a_folder_belongs_to_one_experiment() {
+    let folder = experiment(FEW);
+    folder.aurt(words("sweep run experiment.toml --out out")).succeeded();
+    folder.write("other.toml", &folder.read("experiment.toml"));
+    folder.aurt(words("sweep run other.toml --out out")).refused(&[
+        "holds the results of another experiment",
+        "experiment.toml",
+        "name another folder",
+    ]);
+    folder.aurt(words("sweep run other.toml --out .")).refused(&["holds files that are no sweep's"]);
+    folder.aurt(words("sweep show .")).refused(&["holds no sweep", "aurt sweep run"]);
+}
+
+#[test]
+fn keys_and_values_that_cannot_be_are_underlined() {
+    let folder = experiment(
+        "[sweep.grid]\n\"joint_dynamics.coulomb.modell\" = [\"none\"]\n\"preprocess.f_dyn_hz\" = [5, -1]\n",
+    );
+    let said = folder.aurt(words("sweep run experiment.toml --out out")).refused(&[
+        "`modell`",
+        "did you mean `model`",
+        "f_dyn_hz",
+    ]);
+    assert!(said.contains("experiment.toml:17:1]") && said.contains("experiment.toml:18:29]"), "{said}");
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn a_point_that_fails_is_recorded_and_the_others_go_on() {
+    // The position filter of the second point is above half the sampling rate.
+    let folder = experiment("[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 2000.0, 2.5]\n");
+    let run = folder.aurt(words("sweep run experiment.toml --out out"));
+    let said = run.stdout();
+    assert_eq!(run.status(), 1, "{said}");
+    assert!(said.contains("points that failed") && said.contains("f_dyn_hz can be at most"), "{said}");
+    let table = folder.json("out/table.json");
+    assert_eq!(table["ranked"].as_array().unwrap().len(), 2);
+    assert_eq!(table["failed"][0]["number"], 2);
+    assert_eq!(folder.read("out/table.csv").lines().count(), 4);
+    // It is not tried again until something changes that it depends on.
+    let again = folder.aurt(words("sweep run experiment.toml --out out"));
+    assert_eq!(again.status(), 1);
+    assert!(again.stdout().contains("0 points run"), "{}", again.stdout());
+    assert_eq!(folder.aurt(words("sweep point 1 2 --out out")).status(), 1);
+    folder.aurt(words("sweep point 4 --out out")).refused(&["there is no point 4", "points 1 to 3"]);
+}
+
+/// An `sbatch` that runs the elements of the array one after the other, except those that a file names.
+const SBATCH: &str = r#"#!/bin/sh
+for argument; do
+    case "$argument" in --array=*) array="${argument#--array=}" ;; esac
+    [ "$argument" = --wrap ] && wrap=next || { [ "$wrap" = next ] && wrap="$argument"; }
+done
+echo "$@" >>"$(dirname "$0")/asked"
+for range in $(echo "$array" | tr , ' '); do
+    for task in $(seq "${range%-*}" "${range#*-}"); do
+        grep -qx "$task" "$(dirname "$0")/lost" || SLURM_ARRAY_TASK_ID="$task" sh -c "$wrap" >/dev/null
+    done
+done
+echo "41;cluster"
+"#;
+
+#[test]
+#[cfg(unix)]
+fn slurm_is_given_what_has_no_result_yet() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = experiment(FEW);
+    folder.aurt(words("sweep run experiment.toml --out here")).succeeded();
+    let submit = || {
+        Command::new(env!("CARGO_BIN_EXE_aurt"))
+            .args(words("sweep run experiment.toml --out out --engine slurm --slurm-arg=--partition=short"))
+            .current_dir(folder.path(""))
+            .env("PATH", format!("{}:/usr/bin:/bin", folder.path("bin").display()))
+            .output()
+            .unwrap()
+    };
+    let said = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    if Command::new("/usr/bin/sbatch").arg("--version").output().is_err() {
+        let refused = submit();
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(said(&refused.stderr).contains("sbatch cannot be run"), "{}", said(&refused.stderr));
+    }
+    fs::create_dir(folder.path("bin")).unwrap();
+    let sbatch = folder.write("bin/sbatch", SBATCH);
+    fs::set_permissions(&sbatch, fs::Permissions::from_mode(0o755)).unwrap();
+    folder.write("bin/lost", "2\n");
+
+    let first = said(&submit().stdout);
+    assert!(first.contains("3 of 3 points submitted as job array 41\n"), "{first}");
+    let asked = folder.read("bin/asked");
+    assert!(asked.contains("--array=1-3 ") && asked.contains(" --partition=short --wrap"), "{asked}");
+    let collected = folder.aurt(words("sweep collect --out out"));
+    assert_eq!(collected.status(), 1);
+    assert!(collected.stdout().contains("points without a result\n  2\n"), "{}", collected.stdout());
+
+    folder.write("bin/lost", "");
+    let second = said(&submit().stdout);
+    assert!(second.contains("1 of 3 points submitted"), "{second}");
+    folder.aurt(words("sweep collect --out out")).succeeded();
+    assert!(said(&submit().stdout).contains("every point has its result already"));
+    fs::remove_dir(folder.path("out/slurm")).unwrap();
+    assert!(contents(&folder.path("out")) == contents(&folder.path("here")), "the folders differ");
+}

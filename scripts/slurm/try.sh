@@ -1,0 +1,164 @@
+#!/usr/bin/env bash
+# A sweep on a real Slurm, on one machine: two nodes, one of which is killed while it computes, and a job that somebody
+# cancels. Shows that every point is there in the end and that the results are those of a run without Slurm.
+#
+#   sudo scripts/slurm/try.sh
+#
+# Needs Debian or Ubuntu. Installs slurmctld, slurmd and munge from there if they are missing; configuration, state and
+# logs lie in a folder of their own, so a Slurm that the machine already has is not touched. AURT names the program to
+# try; without it, it is built.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+((EUID == 0)) || { echo "Slurm's daemons want to be started by root" >&2; exit 2; }
+if [[ -z "${AURT:-}" ]]; then
+    cargo build --quiet --release
+    AURT="$(cargo metadata --format-version 1 --no-deps | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/release/aurt"
+fi
+AURT="$(realpath "$AURT")"
+for program in munged slurmctld slurmd sbatch; do
+    command -v "$program" >/dev/null && continue
+    apt-get install -y --no-install-recommends slurmctld slurmd slurm-client munge >/dev/null
+done
+
+scratch="$(mktemp -d)"
+chmod 755 "$scratch" # munge wants to know that nobody but root can write above its socket
+pid_of() { cat "$scratch/$1.pid" 2>/dev/null || true; }
+clean_up() {
+    for daemon in node1 node2 slurmctld munged; do
+        pid="$(pid_of "$daemon")"
+        [[ -n "$pid" ]] && kill "$pid" 2>/dev/null || continue
+        # They write a last time when they end.
+        tail --pid="$pid" --follow /dev/null
+    done
+    rm -rf "$scratch"
+}
+trap clean_up EXIT
+
+mkdir "$scratch/munge" "$scratch/state"
+head -c 1024 /dev/urandom >"$scratch/munge/key"
+chmod 600 "$scratch/munge/key"
+cat >"$scratch/slurm.conf" <<CONF
+ClusterName=try
+SlurmctldHost=localhost
+SlurmctldPort=16817
+SlurmUser=root
+# A lost job may start again after the life of its credential.
+AuthInfo=socket=$scratch/munge/socket,cred_expire=5
+StateSaveLocation=$scratch/state
+SlurmdSpoolDir=$scratch/spool-%n
+SlurmctldPidFile=$scratch/slurmctld.pid
+SlurmdPidFile=$scratch/%n.pid
+SlurmctldLogFile=$scratch/slurmctld.log
+SlurmdLogFile=$scratch/%n.log
+# No control groups: this also works in a container.
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+ReturnToService=2
+# A node that does not answer for so many seconds is down, and its jobs start again elsewhere.
+SlurmdTimeout=5
+JobRequeue=1
+NodeName=node1 NodeHostname=localhost NodeAddr=127.0.0.1 Port=16818 CPUs=1 State=UNKNOWN
+NodeName=node2 NodeHostname=localhost NodeAddr=127.0.0.1 Port=16819 CPUs=1 State=UNKNOWN
+PartitionName=all Nodes=ALL Default=YES State=UP
+CONF
+export SLURM_CONF="$scratch/slurm.conf"
+
+say() { printf '\n# %s\n' "$1"; }
+show() { sed "s|$scratch|.|g; s|$AURT|aurt|g"; }
+aurt() { "$AURT" "$@" 2>&1 | show; return "${PIPESTATUS[0]}"; }
+tasks() { squeue --noheader --array --format='%K %T %N %r' | sort -n; }
+# Waits for what the command says, at most so many seconds.
+wait_for() {
+    local seconds="$1" end=$((SECONDS + $1))
+    shift
+    until "$@"; do
+        ((SECONDS < end)) || { echo "not after $seconds s: $*" >&2; tasks >&2; tail -n 20 "$scratch"/*.log >&2; exit 1; }
+        sleep 0.2
+    done
+}
+
+say "$(slurmctld -V): one controller, two nodes"
+munged --socket="$scratch/munge/socket" --key-file="$scratch/munge/key" --pid-file="$scratch/munged.pid" \
+    --log-file="$scratch/munge/log" --seed-file="$scratch/munge/seed"
+slurmctld
+slurmd -N node1
+slurmd -N node2
+nodes_are() { [[ "$(sinfo --noheader --Node --format='%N %t' | tr '\n' ' ')" == "$1" ]]; }
+wait_for 60 nodes_are "node1 idle node2 idle "
+sinfo --Node --format='%N %t'
+
+cd "$scratch"
+"$AURT" demo --out demo --quiet >/dev/null
+sed '/^\[\[joint_dynamics.override\]\]/,/^\[recordings\]/{/^\[recordings\]/!d}' demo/experiment.toml >demo/sweep.toml
+for coulomb in none absolute; do
+    for hysteresis in sign dahl lugre; do
+        for powers in "1" "1, 2"; do
+            cat <<VARIANT
+[[sweep.variant]]
+name = "$coulomb, $hysteresis, {$powers}"
+set = { "joint_dynamics.coulomb.model" = "$coulomb", "joint_dynamics.hysteresis.model" = "$hysteresis", "joint_dynamics.viscous.powers" = [$powers] }
+VARIANT
+        done
+    done
+done >>demo/sweep.toml
+
+say "aurt sweep run demo/sweep.toml --out sweep --engine slurm"
+aurt sweep run demo/sweep.toml --out sweep --engine slurm
+
+say "somebody cancels point 12, which waits: Slurm will not start it again"
+array="$(squeue --noheader --format=%F | head -n 1)"
+scancel "${array}_12"
+
+say "kill -9 of node2, its daemon and all that it runs, in the middle of a point"
+task_on() { tasks | awk -v node="$1" '$2 == "RUNNING" && $3 == node { print $1 }' | head -n 1; }
+# The processes of a node's jobs and the daemon's helpers above them, by what Slurm puts into their environment.
+processes_of() {
+    local environment pid
+    for environment in /proc/[0-9]*/environ; do
+        pid="${environment//[^0-9]/}"
+        if tr '\0' '\n' <"$environment" 2>/dev/null | grep -qx "SLURMD_NODENAME=$1"; then
+            echo "$pid"
+            awk '/^PPid:/ { print $2 }' "/proc/$pid/status"
+        fi
+    done 2>/dev/null | sort -un | while read -r pid; do
+        grep -qE '^(slurmstepd|/bin/sh|.*slurm_script|.*aurt)' <(tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null) && echo "$pid"
+    done
+}
+# A point that takes a while, so that it surely is in the middle.
+long_on_node2() {
+    lost="$(task_on node2)"
+    [[ -n "$lost" ]] && grep -q 'lugre' "sweep/points/$(printf %04d "$lost").toml"
+}
+wait_for 120 long_on_node2
+sleep 0.3
+mapfile -t victims < <(pid_of node2; processes_of node2)
+kill -9 "${victims[@]}" 2>/dev/null || true
+echo "point $lost was running on node2; results so far: $(find sweep/results -name '*.json' | wc -l)"
+down() { sinfo --noheader --nodes=node2 --format=%t | grep -q down; }
+wait_for 60 down
+sinfo --Node --format='%N %t'
+restarted() { scontrol --oneliner show job | grep -E "ArrayTaskId=$lost .*Restarts=[1-9]" >restarted.txt; }
+wait_for 60 restarted
+sed -E 's/.*ArrayTaskId=([0-9]+) .*(Requeue=1 Restarts=[0-9]+).*/point \1: \2/' restarted.txt
+
+idle() { [[ -z "$(tasks)" ]]; }
+wait_for 300 idle
+
+say "aurt sweep collect --out sweep"
+aurt sweep collect --out sweep | grep -A 2 -E 'without a result|written' || true
+
+say "aurt sweep run demo/sweep.toml --out sweep --engine slurm, again"
+aurt sweep run demo/sweep.toml --out sweep --engine slurm
+wait_for 120 idle
+
+say "aurt sweep collect --out sweep"
+aurt sweep collect --out sweep
+
+say "the same without Slurm, file by file"
+"$AURT" sweep run demo/sweep.toml --out here --quiet >/dev/null
+cmp_all() { diff --recursive --exclude=lock --exclude=slurm sweep here; }
+cmp_all
+echo "sweep and here: $(find here/results -name '*.json' | wc -l) results and both tables are byte-identical"
