@@ -103,7 +103,8 @@ fn friction_holds() {
 #[test]
 fn the_method_is_of_order_two() {
     let mut robot = robots::two_link();
-    robot.gravity_m_s2 = [0.0, -9.81, 0.0];
+    // Without gravity nothing comes to rest, where the torque is not smooth.
+    robot.gravity_m_s2 = [0.0; 3];
     let friction = [json!({ "model": "absent" }), json!({ "model": "sign" })];
     let (model, coefficients) = model(&robot, friction, &[2.0]);
     let load = LoadTorque::Literal;
@@ -112,9 +113,9 @@ fn the_method_is_of_order_two() {
         let samples = (0.4 / step_s).round() as usize + 1;
         let time = (0..samples).map(|k| k as f64 * step_s).collect();
         let still =
-            Motion::new(2, time, vec![0.2; 2 * samples], vec![1.0; 2 * samples], vec![0.0; 2 * samples])
+            Motion::new(2, time, vec![0.2; 2 * samples], vec![2.0; 2 * samples], vec![0.0; 2 * samples])
                 .unwrap();
-        let torque = vec![vec![1.0; samples]; 2];
+        let torque = vec![vec![3.0; samples]; 2];
         let moved = moving.run(&ModelDrive::Torques { motion: still, torque }, &mut |_| ()).unwrap();
         [0, 1].map(|j| moved.position_rad[j][samples - 1])
     };

@@ -103,7 +103,8 @@ pub enum Kind {
 impl Excite {
     /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
-        let inputs: Vec<&Path> = [&self.mdh, &self.limits].into_iter().flatten().map(PathBuf::as_path).collect();
+        let inputs: Vec<&Path> =
+            [&self.mdh, &self.limits].into_iter().flatten().map(PathBuf::as_path).collect();
         let out = OutputFile::new("--out", &self.out, &inputs)?;
         let robot = self.the_robot()?;
         let (trajectory, condition) = self.trajectory(&robot, session)?;
@@ -112,7 +113,8 @@ impl Excite {
         }
         out.write(&trajectory.csv(self.rate_hz)?)?;
         let kind = self.kind.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
-        let mut text = format!("{kind} motion of {} joints over {:.1} s\n", robot.joints(), trajectory.duration_s());
+        let mut text =
+            format!("{kind} motion of {} joints over {:.1} s\n", robot.joints(), trajectory.duration_s());
         if let Some([first, best]) = condition {
             text.push_str(&format!(
                 "condition number of the base regressor: {best:.1}, {first:.1} of the first draw\n"
@@ -209,7 +211,8 @@ fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure>
     };
     let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, l)| l.split(',').map(str::trim).collect());
+    let header: Vec<&str> =
+        lines.next().map_or_else(Vec::new, |(_, l)| l.split(',').map(str::trim).collect());
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
         *place = header

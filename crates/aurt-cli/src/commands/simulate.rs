@@ -13,12 +13,8 @@ use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
 use crate::{
-    arguments::parse_positive,
-    calibrated_file::CalibratedModel,
-    data::Purpose,
-    failure::Failure,
-    output::OutputFile,
-    rendering::terminal::Report,
+    arguments::parse_positive, calibrated_file::CalibratedModel, data::Purpose, failure::Failure,
+    output::OutputFile, rendering::terminal::Report,
 };
 
 /// Simulate a calibrated model, or a robot with concealed effects.
@@ -151,7 +147,11 @@ impl Simulate {
             "{} joints over {:.2} s, driven by {}, in {}\nlargest distance from the motion in {}: {} rad\n",
             calibrated.model.joints(),
             moved.time_s.last().zip(moved.time_s.first()).map_or(0.0, |(end, start)| end - start),
-            if measured { "what was measured, without controller" } else { "a controller that knows the model" },
+            if measured {
+                "what was measured, without controller"
+            } else {
+                "a controller that knows the model"
+            },
             unit.symbol(),
             file.display(),
             away.join(" ")

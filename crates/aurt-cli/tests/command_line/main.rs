@@ -10,5 +10,6 @@ mod diagnosis;
 mod machine_output;
 mod outputs;
 mod real_recordings;
+mod simulation;
 mod support;
 mod words;

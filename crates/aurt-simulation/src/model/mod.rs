@@ -20,6 +20,7 @@ use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 
 use crate::SimulationError;
+use crate::error::Complaints;
 use torque::Torque;
 
 /// Half the width of the velocities that count as rest, rad/s.
@@ -70,8 +71,8 @@ impl MovingModel<'_> {
     /// share that is done.
     ///
     /// # Errors
-    /// [`SimulationError::Count`] if drive or coefficients do not fit the model, [`SimulationError::NotSettled`]
-    /// if a step cannot be solved, which is what happens with a model whose inertia is not positive, and
+    /// [`SimulationError::Count`] if drive or coefficients do not fit the model, [`SimulationError::Value`] if its
+    /// inertia is not positive at the start, [`SimulationError::NotSettled`] if a step cannot be solved, and
     /// [`SimulationError::Diverged`] if the motion runs away.
     pub fn run(
         &self,
@@ -89,7 +90,14 @@ impl MovingModel<'_> {
         }
         let mut torque = Torque::new(self);
         let (q, v) = drive.start();
-        let gains = drive.gains(&torque.inertia(&q)?);
+        let inertia = torque.inertia(&q)?;
+        let mut complaints = Complaints::default();
+        for (j, value) in inertia.iter().enumerate() {
+            let what = format!("what the model needs to accelerate joint {j}, its inertia,");
+            complaints.positive(what, *value);
+        }
+        complaints.finish()?;
+        let gains = drive.gains(&inertia);
         let feed_forward = drive.feed_forward(&mut torque)?;
         let mut stepper = Stepper { torque, drive, gains, feed_forward, inverse: None };
         let mut state = At { time_s: drive.time_s()[0], q, v, a: vec![0.0; n] };

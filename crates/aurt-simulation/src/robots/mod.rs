@@ -122,7 +122,12 @@ impl Robot {
     /// A robot of which only geometry and limits are known: enough to plan motions for it, and no more. Its links
     /// are balls of 1 kg, its torque limits endless for practical purposes.
     #[must_use]
-    pub fn of_geometry(name: &str, mdh: Vec<MdhRow>, gravity_m_s2: [f64; 3], limits: &[MotionLimits]) -> Self {
+    pub fn of_geometry(
+        name: &str,
+        mdh: Vec<MdhRow>,
+        gravity_m_s2: [f64; 3],
+        limits: &[MotionLimits],
+    ) -> Self {
         let ball = body(1.0, [0.0; 3], [4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]);
         let drive = |limits: &MotionLimits| Drive {
             gear_ratio: 1.0,

@@ -158,8 +158,10 @@ impl Regressor {
         }
         // Column after column, joint after joint; entries that do not load a joint stay zero.
         let mut data = vec![0.0; columns * n * samples];
-        self.chain
-            .evaluate(motion.view(), &mut RegressorTile::new(&destination, standard, samples, samples, &mut data));
+        self.chain.evaluate(
+            motion.view(),
+            &mut RegressorTile::new(&destination, standard, samples, samples, &mut data),
+        );
         let matrix = DMatrix::from_vec(n * samples, columns, data);
         let gram = matrix.tr_mul(&matrix);
         let scale: Vec<f64> = (0..columns).map(|k| gram[(k, k)].sqrt()).collect();
