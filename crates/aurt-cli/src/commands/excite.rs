@@ -180,9 +180,14 @@ impl Excite {
             return Ok(robot);
         };
         let table = MdhTable::from_path(mdh, self.mdh_rows.into())?;
+        let mut gravity = self.gravity.map_or([0.0, 0.0, -9.81], |g| g.0);
+        if let (MdhRows::Previous, Some(first)) = (table.reading, table.rows.first()) {
+            // What leads to the first joint only turns gravity.
+            let (sin, cos) = first.alpha_rad.sin_cos();
+            gravity = [gravity[0], cos * gravity[1] + sin * gravity[2], cos * gravity[2] - sin * gravity[1]];
+        }
         let rows = in_next_reading(table);
         let limits = read_limits(limits, rows.len())?;
-        let gravity = self.gravity.map_or([0.0, 0.0, -9.81], |g| g.0);
         Ok(Robot::of_geometry("your robot", rows, gravity, &limits))
     }
 }
@@ -204,7 +209,7 @@ const COLUMNS: [&str; 4] = ["lower_rad", "upper_rad", "velocity_rad_s", "acceler
 
 /// Reads limits: a header with [`COLUMNS`] in any order, and a row for each joint.
 fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure> {
-    let refuse = |reason: String| Failure::Simulated {
+    let refuse = |reason: String| Failure::ModelFile {
         path: path.to_owned(),
         reason,
         remedy: format!("write the columns {} and a row for each joint", COLUMNS.join(", ")),

@@ -1,6 +1,6 @@
 //! `aurt simulate`: how a calibrated model moves, or what the logger of a simulated robot writes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_recording::Segment;
 use aurt_simulation::{
@@ -65,7 +65,7 @@ impl Simulate {
         }
     }
 
-    fn scenario(&self, path: &PathBuf, session: &Session<'_>) -> Result<Report, Failure> {
+    fn scenario(&self, path: &Path, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[path])?;
         let scenario = ScenarioFile::read(path)?.scenario()?;
         let progress = session.terminal.progress(1);
@@ -97,7 +97,7 @@ impl Simulate {
         })
     }
 
-    fn model(&self, path: &PathBuf, session: &Session<'_>) -> Result<Report, Failure> {
+    fn model(&self, path: &Path, session: &Session<'_>) -> Result<Report, Failure> {
         let (file, measured) = match (&self.motion, &self.torques) {
             (Some(file), _) => (file, false),
             (None, Some(file)) => (file, true),
@@ -133,7 +133,7 @@ impl Simulate {
         let progress = session.terminal.progress(100);
         let mut shown = 0;
         let moved = moving.run(&drive, &mut |share| {
-            for _ in shown..(100.0 * share) as usize {
+            while shown < (100.0 * share) as usize {
                 progress.step("moving the model");
                 shown += 1;
             }
@@ -184,8 +184,8 @@ impl Simulate {
     }
 }
 
-fn nothing_to_move(file: &std::path::Path) -> Failure {
-    Failure::Simulated {
+fn nothing_to_move(file: &Path) -> Failure {
+    Failure::ModelFile {
         path: file.to_owned(),
         reason: "has no stretch without gaps that could be simulated".into(),
         remedy: "use a recording of a second or more".into(),

@@ -142,7 +142,7 @@ fn excitation_is_optimised_within_limits() {
     for kind in ["multi-sine", "point-to-point", "triangles", "sweeps"] {
         let line = format!("excite --robot panda --kind {kind} --seed 1 --out {kind}.csv");
         folder.aurt(line.split(' ')).succeeded();
-        folder.aurt(format!("check {kind}.csv").split(' '));
+        assert_eq!(folder.read(&format!("{kind}.csv")).lines().count(), 2002);
     }
 }
 

@@ -41,7 +41,7 @@ pub const TRACE_STEP_S: f64 = 2e-3;
 /// Angle between a joint and its command beyond which a simulation has failed, rad.
 const LARGEST_ERROR_RAD: f64 = 0.5;
 
-/// What happened, every millisecond, without any sensor: series of N values a sample.
+/// What happened, every [`TRACE_STEP_S`], without any sensor: series of N values a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traces {
     /// Number of joints N.
