@@ -112,7 +112,8 @@ impl MovingModel<'_> {
         for (k, time_s) in times.iter().enumerate() {
             if k > 0 {
                 let span_s = time_s - times[k - 1];
-                let steps = (span_s / LONGEST_STEP_S).ceil().max(1.0);
+                // A distance that rounding has made a little longer is not worth another step.
+                let steps = (span_s / LONGEST_STEP_S - 1e-6).ceil().max(1.0);
                 for _ in 0..steps as usize {
                     stepper.step(&mut state, span_s / steps, HALVINGS)?;
                 }
