@@ -1,5 +1,4 @@
 //! The simulator's LuGre, generalised Maxwell-slip and Masing friction do what textbooks say of them.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 #[path = "../examples/pictures/experiments.rs"]
 mod experiments;

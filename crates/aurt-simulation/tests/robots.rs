@@ -1,7 +1,6 @@
 //! The simulated robots against Pinocchio, and whether they could be built.
 //!
 //! `reference/make_reference.py` wrote `reference/reference.json` and says how.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::collections::BTreeMap;
 
