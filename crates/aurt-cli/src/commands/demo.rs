@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::{
     Session,
+    diagnose::Diagnose,
     run::{fit_experiment, write_results},
 };
 use crate::{
@@ -22,10 +23,11 @@ use crate::{
     },
 };
 
-/// Calibrate and validate a model of a simulated six-joint robot.
+/// Calibrate, validate and diagnose a model of a simulated six-joint robot.
 ///
 /// Writes recordings of a robot whose friction is known, with noise, and an experiment file, runs the experiment,
-/// and compares what it found with what was put in. The files are a start for experiments of your own.
+/// and compares what it found with what was put in. Then it diagnoses recordings of the same robot after something
+/// has changed, and tells what it was. The files are a start for experiments of your own.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt demo\n  aurt run aurt-demo/experiment.toml --out results")]
 pub struct Demo {
@@ -51,14 +53,22 @@ impl Demo {
         let mut report = write_results("demo", &experiment, outcome, &folder, session.terminal)?;
         let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
         let table = table(&compared);
+        let later = folder.path().join(demo::QUESTION_FILE);
+        let diagnosis = Diagnose::new(later, folder.path().join("diagnosis")).run(session)?;
+        let asked = session.terminal.emphasise(Emphasis::Title, "later, something has changed: what?");
         let made: Vec<PathBuf> = inputs.iter().map(|(name, _)| folder.path().join(name)).collect();
         let inputs: Vec<String> = made.iter().map(|f| format!("  {}\n", f.display())).collect();
         report.text = format!(
-            "a simulated UR10e, 20 s of motion to calibrate on, 20 s of others to validate\n{}\n{}\n{title}\n{}",
+            "a simulated UR10e, 20 s of motion to calibrate on, 20 s of others to validate\n{}\n{}\n{title}\n{}\n\
+             {asked}\n{}\nconcealed was {}\n",
             inputs.concat(),
             report.text,
-            table.render()
+            table.render(),
+            diagnosis.text,
+            demo::CONCEALED
         );
+        report.json["diagnosis"] = diagnosis.json;
+        report.json["concealed"] = json!(demo::CONCEALED);
         report.json["inputs"] = json!(made);
         report.json["truth"] = compared
             .iter()

@@ -54,6 +54,11 @@ pub struct Diagnose {
 }
 
 impl Diagnose {
+    /// A diagnosis of an experiment with all effects, its outputs in `out`.
+    pub const fn new(experiment: PathBuf, out: PathBuf) -> Self {
+        Self { experiment, out, model: None, without: Vec::new(), compare: false }
+    }
+
     /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry } = session;

@@ -10,6 +10,7 @@ mod conceal;
 mod data_options;
 mod demo;
 mod diagnose;
+mod excite;
 mod explain;
 mod man;
 mod models;
@@ -18,6 +19,7 @@ mod predict;
 mod prove;
 pub mod run;
 mod score;
+mod simulate;
 mod sweep;
 
 use aurt_plugins::Registry;
@@ -41,6 +43,8 @@ pub enum Command {
     Predict(predict::Predict),
     Diagnose(diagnose::Diagnose),
     Sweep(sweep::Sweep),
+    Simulate(simulate::Simulate),
+    Excite(excite::Excite),
     Conceal(conceal::Conceal),
     Score(score::Score),
     Prove(prove::Prove),
@@ -52,9 +56,10 @@ pub enum Command {
 }
 
 /// The commands by what they are for, as `--help` shows them.
-pub const GROUPS: [(&str, &[&str]); 6] = [
+pub const GROUPS: [(&str, &[&str]); 7] = [
     ("Start here", &["demo", "check", "run"]),
     ("Which model, what is missing", &["sweep", "diagnose"]),
+    ("Motions and simulation", &["excite", "simulate"]),
     ("Proof", &["prove", "conceal", "score"]),
     (
         "Step by step, as in the paper",
@@ -90,6 +95,8 @@ impl Command {
             Self::Predict(command) => command.run(session),
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
+            Self::Simulate(command) => command.run(session),
+            Self::Excite(command) => command.run(session),
             Self::Conceal(command) => command.run(session),
             Self::Score(command) => command.run(session),
             Self::Prove(command) => command.run(session),

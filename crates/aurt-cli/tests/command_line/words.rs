@@ -12,6 +12,8 @@ fn help_names_every_command_and_each_has_an_example() {
         "sweep",
         "diagnose",
         "conceal",
+        "simulate",
+        "excite",
         "completions",
         "man",
         "demo",

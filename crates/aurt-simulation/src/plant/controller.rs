@@ -12,7 +12,7 @@ use crate::{Robot, SimulationError, Trajectory};
 /// motors deliver, within the limits of torque and of its rate:
 /// u = τ_nominal(q_d, q̇_d, q̈_d) + friction_nominal(q̇_d) + K_p (q_d − θ) + K_d (q̇_d − θ̇).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Controller {
     /// Bandwidth of the loop, Hz: K_p = I ω², K_d = 2 ζ I ω with the joint's nominal inertia I at home, the
     /// other joints free.

@@ -24,6 +24,8 @@ const LOAD_ITERATIONS: usize = 8;
 pub(crate) enum Command {
     /// A controller that follows a trajectory.
     Track(TrackingLoop),
+    /// Torques that stay as they are, Nm.
+    Constant(Vec<f64>),
 }
 
 /// The machine with its state and working memory.
@@ -43,6 +45,8 @@ pub(crate) struct Plant {
     pub reaction_nm: Vec<f64>,
     /// Level of dry friction that a holding contact can bear, Nm.
     pub hold_nm: Vec<f64>,
+    /// Torque that is taken off each contact beside what its mode does, Nm: zero but while modes are sought.
+    pub probe_nm: Vec<f64>,
     /// Torque of the drives at the last evaluation, Nm.
     pub drive_nm: Vec<f64>,
     /// Friction power of each joint at the last evaluation, W.
@@ -58,14 +62,14 @@ pub(crate) struct Plant {
     pub then_s: f64,
     pub drive_then_nm: Vec<f64>,
     pub last_qdd_rad_s2: Vec<f64>,
-    shaft_rad: Vec<f64>,
-    shaft_rad_s: Vec<f64>,
-    net_nm: Vec<f64>,
+    pub shaft_rad: Vec<f64>,
+    pub shaft_rad_s: Vec<f64>,
+    pub net_nm: Vec<f64>,
     divisor: Vec<f64>,
     link_nm: Vec<f64>,
     torque_nm: Vec<f64>,
     rotors_kg_m2: Vec<f64>,
-    qdd_rad_s2: Vec<f64>,
+    pub qdd_rad_s2: Vec<f64>,
     share: Vec<f64>,
     coupling_response: Vec<Vec<f64>>,
     coupling_nm: Vec<f64>,
@@ -102,6 +106,7 @@ impl Plant {
             modes,
             reaction_nm: vec![0.0; joints + couplings],
             hold_nm: vec![0.0; joints + couplings],
+            probe_nm: vec![0.0; joints + couplings],
             drive_nm: zeros(),
             friction_w: zeros(),
             load_sign: vec![1.0; joints],
@@ -161,10 +166,20 @@ impl Plant {
         rotor.ratios.iter().map(|(j, ratio)| ratio * state[self.shaft_velocity_index(*j)]).sum()
     }
 
-    /// The velocity up to which a dry contact rests: none for joints, whose velocities are set to zero when
-    /// they stop; rounding of the sum for coupled rotors.
+    /// The velocity up to which a dry contact rests. Joints that stop are given no velocity at all, but one that
+    /// is at the limit of its friction and kept in place by others moves as far as rounding has it; for coupled
+    /// rotors it is the rounding of the sum.
     pub const fn rest_rad_s(&self, contact: usize) -> f64 {
-        if contact < self.joints { 0.0 } else { 1e-7 }
+        if contact < self.joints { 1e-9 } else { 1e-7 }
+    }
+
+    /// Whether a dry contact rests, whether or not it holds.
+    pub fn rests(&self, contact: usize, state: &[f64]) -> bool {
+        match self.modes[contact] {
+            Mode::Absent => false,
+            Mode::Holds => true,
+            Mode::Slides(_) => self.sliding_rad_s(contact, state).abs() <= self.rest_rad_s(contact),
+        }
     }
 
     /// The acceleration of a dry contact, given the state's rates.
@@ -195,6 +210,7 @@ impl Plant {
                 (&self.drive_then_nm, time_s - self.then_s),
                 &mut self.drive_nm,
             ),
+            Command::Constant(torque_nm) => self.drive_nm.copy_from_slice(torque_nm),
         }
 
         self.link_nm.fill(0.0);
@@ -210,7 +226,7 @@ impl Plant {
             let velocity = at.shaft_rad_s[j];
             let [dry, fluid] = self.warmth_factor[j];
             let viscous = fluid * physics.viscous.torque_nm(velocity);
-            let mut friction = viscous;
+            let mut friction = viscous + self.probe_nm[j];
             self.share[j] = match self.modes[j] {
                 Mode::Slides(direction) => {
                     friction += dry * physics.level_nm(j, &at, direction) * direction;
@@ -243,7 +259,7 @@ impl Plant {
                 Mode::Slides(direction) => rotor.coulomb_nm * direction,
                 Mode::Holds | Mode::Absent => 0.0,
             };
-            let friction = rotor.viscous_nm_s * velocity + dry;
+            let friction = rotor.viscous_nm_s * velocity + dry + self.probe_nm[n + k];
             for (j, ratio) in &rotor.ratios {
                 self.net_nm[*j] -= ratio * friction;
             }
@@ -302,7 +318,7 @@ impl Plant {
     }
 
     /// The torque that a compliant gear transmits.
-    fn gear_nm(&self, state: &[f64], joint: usize) -> f64 {
+    pub fn gear_nm(&self, state: &[f64], joint: usize) -> f64 {
         let n = self.joints;
         let twist = self.shaft_rad[joint] - state[joint];
         let twist_rate = self.shaft_rad_s[joint] - state[n + joint];
@@ -327,7 +343,7 @@ impl Plant {
     }
 
     /// The torque that a joint transmits to its link.
-    fn load_nm(&self, state: &[f64], joint: usize) -> f64 {
+    pub fn load_nm(&self, state: &[f64], joint: usize) -> f64 {
         if self.machine.joints[joint].gear != Gear::Rigid {
             return self.gear_nm(state, joint);
         }
@@ -344,7 +360,7 @@ impl Plant {
         for k in 0..count {
             self.along_nm.fill(0.0);
             for (j, ratio) in &self.machine.couplings[k].ratios {
-                self.along_nm[*j] += ratio;
+                self.along_nm[*j] += ratio / self.divisor[*j];
             }
             let response = &mut self.coupling_response[k];
             self.arm.response(q_rad, &self.along_nm, &self.rotors_kg_m2, response)?;
@@ -357,6 +373,14 @@ impl Plant {
             let inertia = if self.modes[n + k] == Mode::Holds { LOCKED_KG_M2 } else { rotor.inertia_kg_m2 };
             system[(k, k)] += 1.0 / inertia.max(1e-12);
             right[k] = along(&self.qdd_rad_s2);
+            // Joints that all hold bear what there is to bear; a rotor between them has nothing to hold.
+            if self.modes[n + k] == Mode::Holds
+                && rotor.ratios.iter().all(|(j, _)| self.modes[*j] == Mode::Holds)
+            {
+                system.row_mut(k).fill(0.0);
+                system[(k, k)] = 1.0;
+                right[k] = 0.0;
+            }
         }
         let Some(torque) = system.lu().solve(&right) else {
             return Ok(());
@@ -374,38 +398,6 @@ impl Plant {
             }
         }
         Ok(())
-    }
-
-    /// The reactions of contacts that hold, and what they can bear.
-    fn note_holding_levels(&mut self, time_s: f64, state: &[f64]) {
-        let n = self.joints;
-        for j in 0..n {
-            if self.modes[j] != Mode::Holds {
-                continue;
-            }
-            let rigid = self.machine.joints[j].gear == Gear::Rigid;
-            self.reaction_nm[j] = if rigid {
-                LOCKED_KG_M2 * self.qdd_rad_s2[j]
-            } else {
-                self.net_nm[j] - self.gear_nm(state, j)
-            };
-            let load = if rigid { self.net_nm[j] - self.reaction_nm[j] } else { self.gear_nm(state, j) };
-            let direction = if self.reaction_nm[j] < 0.0 { -1.0 } else { 1.0 };
-            let at = Instant {
-                time_s,
-                shaft_rad: &self.shaft_rad,
-                shaft_rad_s: &self.shaft_rad_s,
-                q_rad: &state[..n],
-                qd_rad_s: &state[n..2 * n],
-                last_qdd_rad_s2: &self.last_qdd_rad_s2,
-            };
-            let physics = &self.machine.joints[j];
-            let level = self.warmth_factor[j][0] * physics.level_nm(j, &at, direction);
-            self.hold_nm[j] = level + physics.load_coefficient(direction, load) * load.abs();
-        }
-        for (k, rotor) in self.machine.couplings.iter().enumerate() {
-            self.hold_nm[n + k] = rotor.coulomb_nm;
-        }
     }
 
     /// Makes the present evaluation the start of the next step.

@@ -14,10 +14,12 @@
 
 mod arm;
 pub mod bristles;
+mod contacts;
 pub(crate) mod controller;
 mod dynamics;
 mod machine;
 mod step;
+mod step_size;
 mod warmth;
 
 pub use controller::Controller;
@@ -31,6 +33,7 @@ use controller::TrackingLoop;
 use dynamics::{Command, Plant};
 use step::Integrator;
 
+use crate::error::Complaints;
 use crate::{SimulationError, Trajectory};
 
 /// Distance of the samples of [`Traces`], s.
@@ -38,7 +41,7 @@ pub const TRACE_STEP_S: f64 = 2e-3;
 /// Angle between a joint and its command beyond which a simulation has failed, rad.
 const LARGEST_ERROR_RAD: f64 = 0.5;
 
-/// What happened, every millisecond, without any sensor: series of N values a sample.
+/// What happened, every [`TRACE_STEP_S`], without any sensor: series of N values a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traces {
     /// Number of joints N.
@@ -84,10 +87,72 @@ pub fn run(
     let start = tracking.start_rad();
     let home: Vec<f64> = machine.robot.drives.iter().map(|d| d.home_rad).collect();
     let mut plant = Plant::new(machine, Command::Track(tracking))?;
-    let step_s = step::step_s(&mut plant, &home, TRACE_STEP_S)?;
-    let n = plant.joints;
-    let mut integrator = Integrator::new(&mut plant, &start, &vec![0.0; n])?;
+    let step_s = step_size::step_s(&mut plant, &home, TRACE_STEP_S)?;
     let samples = (trajectory.duration_s() / TRACE_STEP_S) as usize + 1;
+    let rest = vec![0.0; plant.joints];
+    traced(&mut plant, [&start, &rest], samples, step_s)
+}
+
+/// What a machine does under drive torques that stay as they are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Release {
+    /// Angles at the start, rad, N entries.
+    pub start_rad: Vec<f64>,
+    /// Velocities at the start, rad/s, N entries.
+    pub start_rad_s: Vec<f64>,
+    /// Torques of the drives, Nm, N entries; all 0 lets it swing.
+    pub torque_nm: Vec<f64>,
+    /// How long, s.
+    pub duration_s: f64,
+    /// Steps of the integration within [`TRACE_STEP_S`]; as many as the fastest rate needs unless set.
+    pub steps: Option<usize>,
+}
+
+impl Release {
+    /// Lets the machine go.
+    ///
+    /// # Errors
+    /// [`SimulationError::Count`] for states or torques of another number of joints,
+    /// [`SimulationError::Value`] for a duration or a number of steps that is not positive,
+    /// [`SimulationError::TooStiff`], and [`SimulationError::Diverged`] if the motion is not finite.
+    pub fn run(&self, machine: Machine) -> Result<Traces, SimulationError> {
+        let n = machine.robot.joints();
+        let mut complaints = Complaints::default();
+        for (what, values) in [
+            ("angles at the start", &self.start_rad),
+            ("velocities at the start", &self.start_rad_s),
+            ("drive torques", &self.torque_nm),
+        ] {
+            if values.len() != n {
+                let what = what.to_owned();
+                complaints.0.push(SimulationError::Count { what, expected: n, found: values.len() });
+            }
+            for value in values {
+                complaints.within(what, *value, -1e6, 1e6);
+            }
+        }
+        complaints.positive("duration in s", self.duration_s);
+        complaints.within("steps of the integration", self.steps.unwrap_or(1) as f64, 1.0, 1e6);
+        complaints.finish()?;
+        let mut plant = Plant::new(machine, Command::Constant(self.torque_nm.clone()))?;
+        let step_s = match self.steps {
+            Some(steps) => TRACE_STEP_S / steps as f64,
+            None => step_size::step_s(&mut plant, &self.start_rad, TRACE_STEP_S)?,
+        };
+        let samples = (self.duration_s / TRACE_STEP_S) as usize + 1;
+        traced(&mut plant, [&self.start_rad, &self.start_rad_s], samples, step_s)
+    }
+}
+
+/// Integrates from a state on and notes what happens.
+fn traced(
+    plant: &mut Plant,
+    [start_rad, start_rad_s]: [&[f64]; 2],
+    samples: usize,
+    step_s: f64,
+) -> Result<Traces, SimulationError> {
+    let n = plant.joints;
+    let mut integrator = Integrator::new(plant, start_rad, start_rad_s)?;
     let mut traces = Traces {
         joints: n,
         samples,
@@ -110,10 +175,13 @@ pub fn run(
             traces.acceleration_rad_s2.push(integrator.rates[velocity]);
         }
         traces.torque_nm.extend_from_slice(&plant.drive_nm);
-        check_tracking(&plant, &integrator)?;
+        check_state(plant, &integrator)?;
+        if sample + 1 == samples {
+            break;
+        }
         let start_s = sample as f64 * TRACE_STEP_S;
         for piece in 1..=pieces {
-            integrator.advance(&mut plant, start_s + piece as f64 * step_s)?;
+            integrator.advance(plant, start_s + piece as f64 * step_s)?;
         }
     }
     traces.evaluations = integrator.evaluations;
@@ -121,12 +189,18 @@ pub fn run(
     Ok(traces)
 }
 
-fn check_tracking(plant: &Plant, integrator: &Integrator) -> Result<(), SimulationError> {
-    let Command::Track(tracking) = &plant.command;
+/// Whether joints are where they are to be or, without command, anywhere.
+fn check_state(plant: &Plant, integrator: &Integrator) -> Result<(), SimulationError> {
     for joint in 0..plant.joints {
-        let error = integrator.state[joint] - tracking.command_rad(integrator.time_s, joint);
+        let at = integrator.state[joint];
+        let (error, largest) = match &plant.command {
+            Command::Track(tracking) => {
+                (at - tracking.command_rad(integrator.time_s, joint), LARGEST_ERROR_RAD)
+            }
+            Command::Constant(_) => (at, f64::MAX),
+        };
         // Written so that a NaN has failed too.
-        let follows = error.abs() <= LARGEST_ERROR_RAD;
+        let follows = error.abs() <= largest;
         if !follows {
             return Err(SimulationError::Diverged {
                 joint,

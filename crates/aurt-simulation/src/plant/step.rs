@@ -3,14 +3,11 @@
 
 use super::dynamics::{Mode, Plant};
 use crate::SimulationError;
-use crate::plant::machine::Gear;
 
 /// Accuracy of the times of events, s.
 const EVENT_S: f64 = 2e-7;
 /// Events within one step after which the rest of it is taken as a whole.
 const MOST_EVENTS: usize = 40;
-/// Excess over a holding level that rounding explains, relative.
-const HOLD_SLACK: f64 = 1e-9;
 
 /// Integrates a [`Plant`].
 #[derive(Debug)]
@@ -160,22 +157,15 @@ impl Integrator {
         Ok(())
     }
 
-    /// Changes the modes of the contacts that are violated at the end of the attempted step.
+    /// Stops the contacts that have come to rest at the end of the attempted step. Whether they, and those that
+    /// bear too much, hold or slide is for [`Plant::settle`] to say.
     fn resolve(&mut self, plant: &mut Plant) {
         for contact in 0..plant.modes.len() {
-            if contact_margin(plant, contact, &self.trial) >= 0.0 {
-                continue;
-            }
-            match plant.modes[contact] {
-                Mode::Slides(_) => {
-                    plant.modes[contact] = Mode::Holds;
-                    if contact < plant.joints {
-                        let velocity = plant.shaft_velocity_index(contact);
-                        self.trial[velocity] = 0.0;
-                    }
-                }
-                Mode::Holds => plant.modes[contact] = Mode::Slides(plant.reaction_nm[contact].signum()),
-                Mode::Absent => {}
+            if matches!(plant.modes[contact], Mode::Slides(_))
+                && contact_margin(plant, contact, &self.trial) < 0.0
+            {
+                plant.stop(contact, &mut self.trial);
+                plant.modes[contact] = Mode::Holds;
             }
         }
     }
@@ -187,56 +177,9 @@ impl Integrator {
         plant.complete(time_s, &self.state, &self.rates);
     }
 
-    /// Finds modes that agree with the accelerations: a holding contact that bears too much lets go, the
-    /// worst one first; one that was let go and is pushed back holds again.
     fn settle(&mut self, plant: &mut Plant) -> Result<(), SimulationError> {
-        let contacts = plant.modes.len();
-        for _ in 0..4 * contacts + 1 {
-            plant.rates(self.time_s, &self.state, &mut self.rates)?;
-            self.evaluations += 1;
-            let mut worst: Option<(usize, f64)> = None;
-            for contact in 0..contacts {
-                match plant.modes[contact] {
-                    Mode::Absent => {}
-                    Mode::Holds => {
-                        let excess = plant.reaction_nm[contact].abs()
-                            - plant.hold_nm[contact] * (1.0 + HOLD_SLACK)
-                            - HOLD_SLACK;
-                        if excess > 0.0 && worst.is_none_or(|(_, most)| excess > most) {
-                            worst = Some((contact, excess));
-                        }
-                    }
-                    Mode::Slides(direction) => {
-                        let velocity = plant.sliding_rad_s(contact, &self.state);
-                        let resting = velocity.abs() <= plant.rest_rad_s(contact);
-                        if resting && direction * plant.sliding_rad_s2(contact, &self.rates) < 0.0 {
-                            plant.modes[contact] = Mode::Holds;
-                            worst = None;
-                            break;
-                        }
-                    }
-                }
-            }
-            match worst {
-                Some((contact, _)) => {
-                    plant.modes[contact] = Mode::Slides(plant.reaction_nm[contact].signum());
-                }
-                None if self.consistent(plant) => break,
-                None => {}
-            }
-        }
+        self.evaluations += plant.settle(self.time_s, &self.state, &mut self.rates)?;
         Ok(())
-    }
-
-    /// Whether no contact that slides at rest is pushed back.
-    fn consistent(&self, plant: &Plant) -> bool {
-        (0..plant.modes.len()).all(|contact| match plant.modes[contact] {
-            Mode::Slides(direction) => {
-                plant.sliding_rad_s(contact, &self.state).abs() > plant.rest_rad_s(contact)
-                    || direction * plant.sliding_rad_s2(contact, &self.rates) >= 0.0
-            }
-            Mode::Holds | Mode::Absent => true,
-        })
     }
 
     /// Gives every sliding contact the direction in which it moves.
@@ -265,78 +208,6 @@ fn contact_margin(plant: &Plant, contact: usize, state: &[f64]) -> f64 {
         Mode::Slides(direction) => {
             direction * plant.sliding_rad_s(contact, state) + plant.rest_rad_s(contact)
         }
-        Mode::Holds => {
-            plant.hold_nm[contact] * (1.0 + HOLD_SLACK) + HOLD_SLACK - plant.reaction_nm[contact].abs()
-        }
+        Mode::Holds => plant.spare_nm(contact),
     }
 }
-
-/// The step in s that resolves the plant's fastest rate, a divisor of `sample_s`.
-///
-/// # Errors
-/// [`SimulationError::TooStiff`] below [`SMALLEST_STEP_S`].
-pub(crate) fn step_s(plant: &mut Plant, home_rad: &[f64], sample_s: f64) -> Result<f64, SimulationError> {
-    let n = plant.joints;
-    let mut inertia = vec![0.0; n];
-    let (mut unit, mut response) = (vec![0.0; n], vec![0.0; n]);
-    let rotors: Vec<f64> = plant
-        .machine
-        .robot
-        .drives
-        .iter()
-        .zip(&plant.machine.joints)
-        .map(|(d, p)| if p.gear == Gear::Rigid { d.rotor_inertia_kg_m2 } else { 0.0 })
-        .collect();
-    for j in 0..n {
-        unit.fill(0.0);
-        unit[j] = 1.0;
-        plant.arm.response(home_rad, &unit, &rotors, &mut response)?;
-        inertia[j] = 1.0 / response[j].max(1e-12);
-    }
-    let mut fastest = (0.0_f64, String::new());
-    let mut note = |rate: f64, what: &str, joint: usize| {
-        if rate > fastest.0 {
-            fastest = (rate, format!("{what} of joint {joint}"));
-        }
-    };
-    for j in 0..n {
-        let physics = &plant.machine.joints[j];
-        let rotor = plant.machine.robot.drives[j].rotor_inertia_kg_m2;
-        let shaft = match physics.gear {
-            Gear::Rigid => inertia[j],
-            Gear::Compliant { stiffness_nm_rad, damping_nm_s, .. } => {
-                let both = rotor * inertia[j] / (rotor + inertia[j]);
-                note((stiffness_nm_rad / both).sqrt(), "the gear", j);
-                note(damping_nm_s / both, "the gear's damping", j);
-                rotor
-            }
-        };
-        note(physics.viscous.steepest_nm_s() / shaft, "viscous friction", j);
-        if let Some(bristle) = &physics.bristle {
-            let level = physics.coulomb_nm[0].max(physics.coulomb_nm[1]);
-            note((bristle.stiffness_nm_rad(level) / shaft).sqrt(), "presliding stiffness", j);
-            note(bristle.damping_nm_s() / shaft, "presliding damping", j);
-        }
-        let super::dynamics::Command::Track(tracking) = &plant.command;
-        note(tracking.rate_per_s(j, shaft), "the control loop", j);
-        for torque in &plant.machine.shaft_torques {
-            note(torque.rate_per_s(&|i| if i == j { shaft } else { f64::INFINITY }), "an added torque", j);
-        }
-    }
-    let (rate, what) = fastest;
-    let wanted = STEP_PER_RATE / rate.max(1e-3);
-    let pieces = (sample_s / wanted).ceil().max(1.0);
-    let step = sample_s / pieces;
-    if step < SMALLEST_STEP_S {
-        let error =
-            SimulationError::TooStiff { what, rate_per_s: rate, needed_s: step, smallest_s: SMALLEST_STEP_S };
-        return Err(error);
-    }
-    Ok(step)
-}
-
-/// Step times fastest rate: the method is stable to 2.8, and at 0.4 its error per unit of time is 1e-4 of
-/// the fastest mode's own motion.
-const STEP_PER_RATE: f64 = 0.6;
-/// Smallest step, s.
-pub(crate) const SMALLEST_STEP_S: f64 = 2e-5;

@@ -77,6 +77,17 @@ pub struct Drive {
     pub torque_noise_nm: f64,
 }
 
+/// What a joint's motion has to stay within.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits {
+    /// Smallest and largest angle, rad.
+    pub position_rad: [f64; 2],
+    /// Largest speed, rad/s.
+    pub velocity_rad_s: f64,
+    /// Largest acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+}
+
 /// Where the inertia of the rotors acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -106,6 +117,44 @@ impl Robot {
     #[must_use]
     pub fn all() -> Vec<Self> {
         vec![two_link(), ur5e(), ur10e(), tx40(), panda()]
+    }
+
+    /// A robot of which only geometry and limits are known: enough to plan motions for it, and no more. Its links
+    /// are balls of 1 kg, its torque limits endless for practical purposes.
+    #[must_use]
+    pub fn of_geometry(
+        name: &str,
+        mdh: Vec<MdhRow>,
+        gravity_m_s2: [f64; 3],
+        limits: &[MotionLimits],
+    ) -> Self {
+        let ball = body(1.0, [0.0; 3], [4e-3, 0.0, 0.0, 4e-3, 0.0, 4e-3]);
+        let drive = |limits: &MotionLimits| Drive {
+            gear_ratio: 1.0,
+            rotor_inertia_kg_m2: 0.0,
+            torque_constant_nm_per_a: 1.0,
+            coulomb_nm: 0.0,
+            viscous_nm_s: 0.0,
+            load_coefficient: 0.0,
+            gear_stiffness_nm_rad: 1e5,
+            position_limit_rad: limits.position_rad,
+            velocity_limit_rad_s: limits.velocity_rad_s,
+            acceleration_limit_rad_s2: limits.acceleration_rad_s2,
+            torque_limit_nm: 1e9,
+            torque_rate_limit_nm_s: 1e12,
+            home_rad: 0.5 * (limits.position_rad[0] + limits.position_rad[1]),
+            encoder_resolution_rad: 0.0,
+            encoder_noise_rad: 0.0,
+            torque_noise_nm: 0.0,
+        };
+        Self {
+            name: name.into(),
+            links: vec![ball; mdh.len()],
+            mdh,
+            gravity_m_s2,
+            drives: limits.iter().map(drive).collect(),
+            unit: MeasurementUnit::NewtonMetre,
+        }
     }
 
     /// Number of joints N.

@@ -6,7 +6,7 @@ use crate::random::Random;
 
 /// What a logger's clock and transport do to its rows; shares of all rows.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct ClockFaults {
     /// Rows that are missing, in short bursts.
     pub missing_share: f64,
@@ -20,7 +20,7 @@ pub struct ClockFaults {
 
 /// Rows with an absurd value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct CorruptRows {
     /// Share of all rows.
     pub share: f64,

@@ -22,7 +22,7 @@ pub enum ColumnNames {
 
 /// The rate, clock, resolution and columns of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Logger {
     /// Rows per second.
     pub rate_hz: f64,

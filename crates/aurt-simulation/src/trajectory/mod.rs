@@ -1,9 +1,11 @@
 //! Commanded motions: functions of time that start and end at rest, within a robot's limits.
 
+mod excitation;
 mod multi_sine;
 mod point_to_point;
 mod velocity_profile;
 
+pub use excitation::{Excitation, ExcitationOptions, excite};
 pub use multi_sine::MultiSineOptions;
 
 use std::fmt::Debug;
@@ -213,6 +215,31 @@ impl Trajectory {
             }
         });
         SimulationError::all(worst.into_iter().flatten().collect())
+    }
+
+    /// The motion as a CSV table, `rate_hz` rows per second: `time, q_0, …, qd_0, …, qdd_0, …`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Value`] for a rate that is not positive.
+    pub fn csv(&self, rate_hz: f64) -> Result<Vec<u8>, SimulationError> {
+        let mut complaints = crate::error::Complaints::default();
+        complaints.within("rate of the trajectory in Hz", rate_hz, 1e-3, 1e5);
+        complaints.finish()?;
+        let n = self.joints();
+        let mut text = String::from("time");
+        for family in ["q", "qd", "qdd"] {
+            text.extend((0..n).map(|j| format!(",{family}_{j}")));
+        }
+        text.push('\n');
+        let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for k in 0..=(self.duration_s() * rate_hz + 1e-9) as usize {
+            let time_s = k as f64 / rate_hz;
+            self.at(time_s, &mut q, &mut qd, &mut qdd);
+            text.push_str(&format!("{time_s:.6}"));
+            text.extend(q.iter().chain(&qd).chain(&qdd).map(|x| format!(",{x:.9}")));
+            text.push('\n');
+        }
+        Ok(text.into_bytes())
     }
 
     /// Calls `visit` with time, angles, velocities and accelerations every 5 ms.

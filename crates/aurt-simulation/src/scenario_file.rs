@@ -1,0 +1,186 @@
+//! Scenarios as TOML files.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::effects::read_effect;
+use crate::error::Complaints;
+use crate::plant::Controller;
+use crate::sensors::Logger;
+use crate::{Motion, Robot, Rotors, Scenario, SimulationError};
+
+/// A scenario as a file says it: one of the included robots, perhaps changed, its motion, and what else is in it.
+///
+/// ```
+/// let scenario = aurt_simulation::ScenarioFile::parse(r#"
+///     robot = "ur10e"
+///     seed = 7
+///     [motion]
+///     kind = "multi_sine"
+///     duration_s = 5.0
+///     harmonics = 5
+///     top_hz = 0.8
+///     share = 0.5
+///     [logger]
+///     rate_hz = 125
+///     [[link]]
+///     index = 5
+///     mass_kg = 1.9
+///     [[effect]]
+///     name = "current_offset"
+///     joints = [2]
+///     offset_nm = [3.0]
+/// "#, "scenario.toml")?.scenario()?;
+/// assert_eq!(scenario.robot.links[5].mass_kg, 1.9);
+/// # Ok::<(), aurt_simulation::SimulationError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioFile {
+    /// Name of the robot.
+    pub robot: String,
+    /// Where its rotors' inertia is; geared unless said.
+    pub rotors: Option<Rotors>,
+    /// Seed of motion and noise.
+    pub seed: u64,
+    /// What the robot is asked to do.
+    pub motion: Motion,
+    /// How it is driven.
+    #[serde(default)]
+    pub controller: Controller,
+    /// What is recorded.
+    #[serde(default)]
+    pub logger: Logger,
+    /// How its links differ from the included robot's.
+    #[serde(default, rename = "link")]
+    pub links: Vec<LinkChange>,
+    /// How its drives differ.
+    #[serde(default, rename = "drive")]
+    pub drives: Vec<DriveChange>,
+    /// Effects: `name`, and the fields of an effect of that identifier.
+    #[serde(default, rename = "effect")]
+    pub effects: Vec<toml::Table>,
+}
+
+/// A link that differs.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkChange {
+    /// Which.
+    pub index: usize,
+    /// Mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Centre of mass in the link's frame, m.
+    pub com_m: Option<[f64; 3]>,
+    /// Inertia {XX XY XZ YY YZ ZZ} about the centre of mass, kg m².
+    pub inertia_at_com_kg_m2: Option<[f64; 6]>,
+}
+
+/// A drive that differs; units as in [`crate::Drive`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "the fields are those of `Drive`")]
+pub struct DriveChange {
+    /// Which joint's.
+    pub joint: usize,
+    pub rotor_inertia_kg_m2: Option<f64>,
+    pub torque_constant_nm_per_a: Option<f64>,
+    pub coulomb_nm: Option<f64>,
+    pub viscous_nm_s: Option<f64>,
+    pub load_coefficient: Option<f64>,
+    pub home_rad: Option<f64>,
+    pub encoder_resolution_rad: Option<f64>,
+    pub encoder_noise_rad: Option<f64>,
+    pub torque_noise_nm: Option<f64>,
+}
+
+impl ScenarioFile {
+    /// Reads a scenario; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unreadable`] with the place of what is wrong.
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
+        toml::from_str(text).map_err(|error| SimulationError::Unreadable {
+            path: path.as_ref().into(),
+            reason: error.to_string(),
+        })
+    }
+
+    /// Reads a scenario from a file.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`], and as [`Self::parse`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// The robot, with its changes.
+    ///
+    /// # Errors
+    /// [`SimulationError::UnknownRobot`], [`SimulationError::NoSuchPart`], and what [`Robot::validate`] says.
+    pub fn changed_robot(&self) -> Result<Robot, SimulationError> {
+        let mut robot = Robot::named(&self.robot)?.with_rotors(self.rotors.unwrap_or(Rotors::Geared));
+        let mut complaints = Complaints::default();
+        for change in &self.links {
+            complaints.link("`[[link]]`", change.index, &robot.name, robot.links.len());
+            let Some(link) = robot.links.get_mut(change.index) else { continue };
+            set(&mut link.mass_kg, change.mass_kg);
+            set(&mut link.com_m, change.com_m);
+            set(&mut link.inertia_at_com_kg_m2, change.inertia_at_com_kg_m2);
+        }
+        for change in &self.drives {
+            complaints.joint("`[[drive]]`", change.joint, &robot.name, robot.drives.len());
+            let Some(drive) = robot.drives.get_mut(change.joint) else { continue };
+            set(&mut drive.rotor_inertia_kg_m2, change.rotor_inertia_kg_m2);
+            set(&mut drive.torque_constant_nm_per_a, change.torque_constant_nm_per_a);
+            set(&mut drive.coulomb_nm, change.coulomb_nm);
+            set(&mut drive.viscous_nm_s, change.viscous_nm_s);
+            set(&mut drive.load_coefficient, change.load_coefficient);
+            set(&mut drive.home_rad, change.home_rad);
+            set(&mut drive.encoder_resolution_rad, change.encoder_resolution_rad);
+            set(&mut drive.encoder_noise_rad, change.encoder_noise_rad);
+            set(&mut drive.torque_noise_nm, change.torque_noise_nm);
+        }
+        complaints.finish()?;
+        robot.validate()?;
+        Ok(robot)
+    }
+
+    /// The scenario, planned and checked.
+    ///
+    /// # Errors
+    /// Everything about it that cannot be.
+    pub fn scenario(&self) -> Result<Scenario, SimulationError> {
+        let robot = self.changed_robot()?;
+        self.logger.validate()?;
+        self.controller.validate()?;
+        let trajectory = self.motion.plan(&robot, self.seed)?;
+        let mut scenario = Scenario::new(robot, trajectory, self.seed);
+        scenario.controller = self.controller;
+        scenario.logger = self.logger;
+        for effect in &self.effects {
+            let mut fields = serde_json::to_value(effect).unwrap_or_default();
+            let name = fields.as_object_mut().and_then(|fields| fields.remove("name"));
+            let Some(name) = name.as_ref().and_then(|name| name.as_str()) else {
+                return Err(SimulationError::Unreadable {
+                    path: "`[[effect]]`".into(),
+                    reason: "it needs a `name`, the identifier of an effect".into(),
+                });
+            };
+            let effect = read_effect(name, fields)?;
+            effect.validate(&scenario.robot)?;
+            scenario.effects.push(effect);
+        }
+        Ok(scenario)
+    }
+}
+
+fn set<T>(value: &mut T, changed: Option<T>) {
+    if let Some(changed) = changed {
+        *value = changed;
+    }
+}
