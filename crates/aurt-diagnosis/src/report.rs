@@ -118,7 +118,7 @@ fn independent_changes(investigation: &Investigation) -> usize {
 }
 
 /// Coefficients of the final model.
-fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
+pub fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
     let mut all = investigation.base_switches.clone();
     for switch in chosen.iter().flat_map(|c| &investigation.groups[c.group].switches) {
         if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
@@ -244,7 +244,7 @@ fn joint_residuals(
 }
 
 /// The rigid-body torque of the baseline at each row of a joint.
-fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, joint: usize) -> Vec<f64> {
+pub fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, joint: usize) -> Vec<f64> {
     let rigid = investigation.model.group(ColumnGroup::RigidBody);
     let mut load = vec![0.0; rows.rows()];
     for (k, column) in investigation.layout.rows[joint].iter().enumerate().filter(|(_, c)| rigid.contains(c))
