@@ -13,11 +13,18 @@ use aurt_traits::{
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Session, compile_rbd::Rows, compile_rd::build, data_options::ReadingOptions};
+use super::{
+    Session,
+    compile_rbd::Rows,
+    compile_rd::build,
+    data_options::ReadingOptions,
+    run::{drawn_text, written_text},
+};
 use crate::{
     arguments::{Gravity, parse_gravity, parse_positive},
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
+    output::OutputFolder,
     inspection::{
         excitation::{Excitation, Excited, judge},
         joints::{JointReport, tables},
@@ -26,6 +33,10 @@ use crate::{
         number::significant,
         terminal::{Emphasis, Report},
         text::wrapped,
+    },
+    reports::{
+        self, PlotOptions,
+        recording::{Checked, Excited as ExcitedNames},
     },
 };
 
@@ -43,7 +54,7 @@ const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 /// parameters its motion can determine. Exit status 1 if something should be heeded.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
-    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81")]
+    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check")]
 pub struct Check {
     /// The recording
     #[arg(value_name = "CSV")]
@@ -63,6 +74,11 @@ pub struct Check {
     /// Highest frequency of the robot's dynamics to look at; by default 10, less for slow recordings
     #[arg(long, value_name = "HZ", value_parser = parse_positive)]
     f_dyn_hz: Option<f64>,
+    /// Folder for report.html, the same with pictures; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    plots: PlotOptions,
     #[command(flatten)]
     reading: ReadingOptions,
 }
@@ -76,6 +92,8 @@ struct Judged {
 impl Check {
     /// Checks.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+        let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
+        let plots = self.plots.folder()?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
         let mut preprocessing = preprocessing(self.f_dyn_hz.unwrap_or(DEFAULT_F_DYN_HZ));
         let instrument = Instrument::default();
@@ -95,7 +113,33 @@ impl Check {
             None => None,
         };
         let findings = findings(&loaded, &prepared, &reports, judged.as_ref());
-        Ok(self.report(session, &loaded, &prepared, &reports, judged.as_ref(), findings))
+        let mut report = self.report(session, &loaded, &prepared, &reports, judged.as_ref(), &findings);
+        if folder.is_some() || plots.is_some() {
+            let mut notes = loaded.recording.report.notes();
+            notes.extend(prepared.report.notes());
+            let page = Checked {
+                name: &loaded.source.label,
+                recording: &loaded.recording,
+                prepared: &prepared,
+                joints: &reports,
+                excited: judged.as_ref().map(Judged::named),
+                findings: &findings,
+                notes: &notes,
+                document: &report.json,
+            }
+            .page();
+            let mut written = Vec::new();
+            if let Some(folder) = &folder {
+                folder.write(&[(reports::FILE.to_owned(), page.to_html().into_bytes())])?;
+                written.push(folder.path().join(reports::FILE));
+            }
+            let drawn = reports::write_plots(&page, plots.as_ref())?;
+            report.text.push_str(&written_text(&written));
+            report.text.push_str(&drawn_text(&drawn, plots.as_ref()));
+            written.extend(drawn);
+            report.json["outputs"] = json!(written);
+        }
+        Ok(report)
     }
 
     /// Which parameters of rigid bodies, Coulomb and viscous friction the motion determines.
@@ -126,7 +170,7 @@ impl Check {
         prepared: &Preprocessed,
         reports: &[JointReport],
         judged: Option<&Judged>,
-        findings: Vec<String>,
+        findings: &[String],
     ) -> Report {
         let unit = loaded.recording.unit;
         let title = |text: &str| session.terminal.emphasise(Emphasis::Title, text);
@@ -175,6 +219,20 @@ impl Check {
 }
 
 impl Judged {
+    /// The same by names.
+    fn named(&self) -> ExcitedNames<'_> {
+        let own = |(k, e): (usize, &Excitation)| match e {
+            Excitation::Own(share) => Some((self.model.parameters()[k].name.as_str(), *share)),
+            _ => None,
+        };
+        ExcitedNames {
+            determined: self.excited.coefficients.iter().enumerate().filter_map(own).collect(),
+            combined: self.combined(),
+            silent: self.silent(),
+            condition_number: self.excited.condition_number,
+        }
+    }
+
     /// The names of the parameters that `choose` takes.
     fn names(&self, choose: impl Fn(&Excitation) -> bool) -> Vec<&str> {
         let parameters = self.model.parameters().iter().zip(&self.excited.coefficients);

@@ -7,7 +7,7 @@ use std::{
 
 use aurt_diagnosis::{
     Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improved_experiment,
-    improvement, investigate, write_verdict,
+    improvement, investigate, series, write_verdict,
 };
 use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
@@ -16,11 +16,12 @@ use serde_json::json;
 use super::Session;
 use crate::{
     calibrated_file::CalibratedModel,
-    commands::run::{calibration_options, run_experiment, written_text},
+    commands::run::{calibration_options, drawn_text, fit_experiment, written_text},
     data::{Instrument, Pipeline, Preprocessing, Purpose, Source},
     failure::Failure,
     output::OutputFolder,
     proof::COMPARISON,
+    reports::{self, PlotOptions, diagnosis::Diagnosed},
     rendering::{
         json::pretty,
         terminal::{Emphasis, Report, Terminal},
@@ -39,7 +40,7 @@ pub struct Diagnose {
     /// Experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// Folder for verdict.json, improved.toml and rd_improved.json; created if it does not exist
+    /// Folder for report.html, verdict.json, improved.toml and rd_improved.json; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Take a calibrated model as given instead of recalibrating the experiment's structure
@@ -51,6 +52,8 @@ pub struct Diagnose {
     /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
     #[arg(long)]
     compare: bool,
+    #[command(flatten)]
+    plots: PlotOptions,
 }
 
 impl Diagnose {
@@ -59,6 +62,7 @@ impl Diagnose {
         let Session { terminal, registry } = session;
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;
+        let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let frozen = self.model.as_deref().map(|p| CalibratedModel::read(p, registry)).transpose()?;
         let progress = terminal.progress(24);
@@ -91,10 +95,23 @@ impl Diagnose {
         drop(progress);
 
         let improved = improved_model(&text, &self.experiment, registry)?;
+        let document = json!(verdict);
+        let page = Diagnosed {
+            verdict: &verdict,
+            series: &series(&question, &investigation),
+            unit,
+            improved: (&improved.model, &improved.calibration),
+            added: added_lines(&experiment.source_text, &text).into_iter().map(str::to_owned).collect(),
+            notes: &improvement.notes,
+            recording_notes: recordings.iter().map(notes_of).collect(),
+            document: &document,
+        }
+        .page();
         let mut files = vec![
-            ("verdict.json".to_owned(), pretty(&json!(verdict)).into_bytes()),
+            (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ("verdict.json".to_owned(), pretty(&document).into_bytes()),
             ("improved.toml".to_owned(), text.clone().into_bytes()),
-            ("rd_improved.json".to_owned(), improved),
+            ("rd_improved.json".to_owned(), improved.to_file()?),
         ];
         if self.compare {
             let methods: serde_json::Map<String, serde_json::Value> = Method::ALL
@@ -104,14 +121,17 @@ impl Diagnose {
             files.push((COMPARISON.to_owned(), pretty(&json!(methods)).into_bytes()));
         }
         folder.write(&files)?;
-        let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+        let drawn = reports::write_plots(&page, plots.as_ref())?;
+        let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
         let mut report = summary(&verdict, unit.symbol(), terminal);
         for note in &improvement.notes {
             let _ = writeln!(report, "note: {note}");
         }
         report.push_str(&difference(&experiment.source_text, &text));
         report.push_str(&written_text(&written));
-        let mut json = json!(verdict);
+        report.push_str(&drawn_text(&drawn, plots.as_ref()));
+        written.extend(drawn);
+        let mut json = document;
         json["command"] = json!("diagnose");
         json["outputs"] = json!(written);
         Ok(Report { text: report, json, findings: verdict.verdict != Answer::NoMismatch })
@@ -178,14 +198,16 @@ fn read(
 }
 
 /// Runs the improved experiment and gives its calibrated model.
-fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<Vec<u8>, Failure> {
+fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
     let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
-    let scratch =
-        tempfile::tempdir().map_err(|source| Failure::Write { path: std::env::temp_dir(), source })?;
-    let folder = OutputFolder::new("--out", scratch.path())?;
-    run_experiment(&experiment, &folder, &Terminal::new(false, true))?;
-    let file = scratch.path().join("rd_calibrated.json");
-    std::fs::read(&file).map_err(|source| Failure::Write { path: file, source })
+    Ok(fit_experiment(&experiment, &Terminal::new(false, true))?.calibrated)
+}
+
+/// What was found and done while a recording was read and preprocessed.
+fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
+    let mut notes = recording.raw.report.notes();
+    notes.extend(recording.data.data.report.notes());
+    notes
 }
 
 /// The improved experiment stands in another folder than its source: relative paths become absolute.
@@ -217,12 +239,7 @@ fn absolute_paths(text: &str, experiment: &Experiment) -> String {
 /// The verdict in a dozen lines.
 fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
     let mut text = String::new();
-    let headline = match verdict.verdict {
-        Answer::NoMismatch => "nothing is missing: what is left is noise",
-        Answer::Named => "the missing physics has a name",
-        Answer::Ambiguous => "one of a class of effects that these recordings cannot separate",
-        Answer::Unexplained => "something is missing that no known effect accounts for",
-    };
+    let headline = reports::diagnosis::headline(verdict.verdict);
     let _ = writeln!(text, "{}", terminal.emphasise(Emphasis::Title, headline));
     for (k, finding) in verdict.effects.iter().enumerate() {
         let _ = writeln!(text, "  {}. {} (score {:.0})", k + 1, finding.sentence, finding.evidence.score);
@@ -261,10 +278,15 @@ fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
     text
 }
 
+/// The lines that one text has and another has not.
+fn added_lines<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
+    let old: Vec<&str> = before.lines().collect();
+    after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect()
+}
+
 /// The lines that the improved experiment has and the original has not.
 fn difference(before: &str, after: &str) -> String {
-    let old: Vec<&str> = before.lines().collect();
-    let new: Vec<&str> = after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect();
+    let new = added_lines(before, after);
     if new.is_empty() {
         return String::new();
     }
