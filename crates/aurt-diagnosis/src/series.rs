@@ -62,9 +62,8 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
         .iter()
         .enumerate()
         .map(|(r, rows)| {
-            let left = |coefficients: &[f64]| {
-                residuals(rows, layout, &investigation.base_switches, coefficients)
-            };
+            let left =
+                |coefficients: &[f64]| residuals(rows, layout, &investigation.base_switches, coefficients);
             let (fitted, calibrated) = (left(&base), left(&investigation.baseline.coefficients));
             let after = residuals(rows, layout, &all, &full);
             let held_out = investigation.partition.held_out.iter().find(|part| part.0 == r);
@@ -113,7 +112,8 @@ fn measured(question: &Question<'_>, r: usize, rows: &RecordingRows) -> Option<V
     let segments = &question.recordings[r].data.data.segments;
     let joints = (0..rows.joints.len())
         .map(|j| {
-            let of_joint = |s: &aurt_recording::Segment| Some(s.measurement.as_ref()?[j][..s.rows()].to_vec());
+            let of_joint =
+                |s: &aurt_recording::Segment| Some(s.measurement.as_ref()?[j][..s.rows()].to_vec());
             Some(segments.iter().map(of_joint).collect::<Option<Vec<_>>>()?.concat())
         })
         .collect::<Option<Vec<Vec<f64>>>>()?;

@@ -14,7 +14,8 @@ mod page;
 mod table;
 
 pub use figure::{
-    Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means, subsample,
+    Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means,
+    subsample,
 };
 pub use page::{Block, Page, Section, Tone, Verdict};
 pub use table::{Cell, Table};

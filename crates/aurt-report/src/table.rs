@@ -51,12 +51,17 @@ impl Table {
     pub(crate) fn to_html(&self) -> String {
         let left = |k: usize| self.columns.get(k).is_some_and(|c| c.starts_with('<'));
         let class = |k: usize| if left(k) { " class=\"left\"" } else { "" };
-        let mut html = String::from("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"");
-        let name = if self.caption.is_empty() { "table" } else { &self.caption };
-        let _ = write!(html, "{}\"><table>", escape::text(name));
+        let mut html = String::new();
+        // Above the part that scrolls, so that it is read in full on a narrow screen.
         if !self.caption.is_empty() {
-            let _ = write!(html, "<caption>{}</caption>", escape::text(&self.caption));
+            let _ = writeln!(html, "<p class=\"caption\">{}</p>", escape::text(&self.caption));
         }
+        let name = if self.caption.is_empty() { "table" } else { &self.caption };
+        let _ = write!(
+            html,
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\"><table>",
+            escape::text(name)
+        );
         html.push_str("<thead><tr>");
         for (k, title) in self.columns.iter().enumerate() {
             let title = escape::text(title.strip_prefix('<').unwrap_or(title));

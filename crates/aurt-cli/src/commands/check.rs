@@ -24,11 +24,11 @@ use crate::{
     arguments::{Gravity, parse_gravity, parse_positive},
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
-    output::OutputFolder,
     inspection::{
         excitation::{Excitation, Excited, judge},
         joints::{JointReport, tables},
     },
+    output::OutputFolder,
     rendering::{
         number::significant,
         terminal::{Emphasis, Report},

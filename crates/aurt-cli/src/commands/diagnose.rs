@@ -21,11 +21,11 @@ use crate::{
     failure::Failure,
     output::OutputFolder,
     proof::COMPARISON,
-    reports::{self, PlotOptions, diagnosis::Diagnosed},
     rendering::{
         json::pretty,
         terminal::{Emphasis, Report, Terminal},
     },
+    reports::{self, PlotOptions, diagnosis::Diagnosed},
     simulated,
 };
 

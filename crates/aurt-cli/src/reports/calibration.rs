@@ -1,13 +1,11 @@
 //! The page of a calibrated model: `aurt run`, `aurt calibrate-validate`, `aurt demo`.
 
 use aurt_calibration::Comparison;
-use aurt_report::{
-    Axis, BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
-};
+use aurt_report::{Axis, BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use serde_json::Value;
 
 use super::{
-    figures::{Series, TimeFigure, points_per_series, residual_over, stem},
+    figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem},
     parts,
 };
 use crate::{
@@ -96,7 +94,9 @@ fn verdict(results: &Results<'_>) -> Verdict {
     }
     let tone = if sentences.is_empty() { Tone::Good } else { Tone::Attention };
     if sentences.is_empty() {
-        sentences.push("No warnings: parameters are excited, and no recording leaves what calibration covered.".into());
+        sentences.push(
+            "No warnings: parameters are excited, and no recording leaves what calibration covered.".into(),
+        );
     }
     Verdict { tone, headline, sentences }
 }
@@ -135,9 +135,10 @@ fn errors(results: &Results<'_>) -> Section {
     }
     Section {
         title: "Errors".into(),
-        introduction: "NMSE is the mean squared error over the mean of |measurement|, NRMS the root of squared error \
+        introduction:
+            "NMSE is the mean squared error over the mean of |measurement|, NRMS the root of squared error \
                        over squared measurement. Moving rows are those at which the joint itself moves."
-            .into(),
+                .into(),
         blocks,
     }
 }
@@ -147,7 +148,7 @@ fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
     let mut table = Table::new(
         format!(
             "{} ({}), {} rows; moving: |q̇| > {threshold} rad/s",
-            recording.label,
+            file_name(&recording.label),
             recording.role.name(),
             validation.samples
         ),
@@ -206,28 +207,25 @@ fn series(results: &Results<'_>) -> Section {
                             label("predicted", Style::Predicted, &joint.predicted),
                         ],
                     ),
-                    (
-                        Axis::new("residual", unit.symbol()),
-                        vec![label("residual", Style::Before, &residual)],
-                    ),
+                    (Axis::new("residual", unit.symbol()), vec![label("residual", Style::Before, &residual)]),
                 ],
                 windows: &[],
-                window_name: "",
                 link: format!("recording {k}"),
             };
             Block::Figure(figure.figure(points))
         });
         blocks.push(Block::Folded {
-            title: format!("{} ({})", recording.label, recording.role.name()),
+            title: format!("{} ({})", file_name(&recording.label), recording.role.name()),
             open: k == 0,
             blocks: figures.collect(),
         });
     }
     Section {
         title: "Measured and predicted".into(),
-        introduction: "Filtered and decimated as in the fit. Drag over a stretch to look closer, drag with Shift to \
+        introduction:
+            "Filtered and decimated as in the fit. Drag over a stretch to look closer, drag with Shift to \
                        move, double-click for all; + − ← → 0 do the same once a plot has the focus."
-            .into(),
+                .into(),
         blocks,
     }
 }
@@ -294,8 +292,7 @@ fn provenance(command: &str, results: &Results<'_>) -> Vec<(String, String)> {
         entries.push(parts::entry("Shape parameters that were searched", shapes.join("; ")));
     }
     for recording in results.recordings {
-        let window =
-            recording.window_s.map_or(String::new(), |[from, to]| format!(", {from} s to {to} s"));
+        let window = recording.window_s.map_or(String::new(), |[from, to]| format!(", {from} s to {to} s"));
         entries.push(parts::entry(
             format!("{} ({}{window})", recording.label, recording.role.name()),
             recording.notes.join("; "),

@@ -2,14 +2,12 @@
 
 use aurt_calibration::Calibration;
 use aurt_diagnosis::{Answer, Finding, RecordingSeries, Role, Verdict as Found};
-use aurt_report::{
-    Axis, BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
-};
+use aurt_report::{Axis, BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
 
 use super::{
-    figures::{Series, TimeFigure, points_per_series, residual_over, stem},
+    figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem},
     parts,
 };
 use crate::rendering::{json::pretty, number::significant};
@@ -132,7 +130,7 @@ impl Diagnosed<'_> {
         let bars = Bars {
             title: "held-out error, root mean square".into(),
             name: "held_out".into(),
-            caption: format!("Each joint on its own scale. Held out: {}.", held.recordings.join(", ")),
+            caption: format!("Each joint on its own scale. Held out: {}.", names(&held.recordings)),
             unit: unit.into(),
             series: vec![("before".into(), Style::Before), ("after".into(), Style::After)],
             level_name: "noise alone".into(),
@@ -141,7 +139,16 @@ impl Diagnosed<'_> {
         };
         let mut table = Table::new(
             format!("residual, root mean square in {unit}"),
-            ["joint", "before", "after", "noise", "held out: before", "after", "noise", "<what is left follows"],
+            [
+                "joint",
+                "before",
+                "after",
+                "noise",
+                "held out: before",
+                "after",
+                "noise",
+                "<what is left follows",
+            ],
         );
         for r in &self.verdict.residual {
             let of = |list: &[f64]| value(list, r.joint).map_or_else(|| "–".into(), |v| significant(v, 4));
@@ -186,20 +193,22 @@ impl Diagnosed<'_> {
             .collect();
         Section {
             title: "What was found".into(),
-            introduction: "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
+            introduction:
+                "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
                            confused with."
-                .into(),
+                    .into(),
             blocks,
         }
     }
 
     /// Windows that are set off in one joint's figure: those of findings, and those in which the rest stands out.
-    fn windows(&self, series: &RecordingSeries, joint: usize) -> Vec<[f64; 2]> {
+    fn windows(&self, series: &RecordingSeries, joint: usize) -> Vec<([f64; 2], &'static str)> {
         let located = self.verdict.effects.iter().filter(|f| {
             f.recording.as_deref() == Some(series.name.as_str())
                 && (f.joints.is_empty() || f.joints.contains(&joint))
         });
-        located.filter_map(|f| f.window_s).chain(series.joints[joint].windows_s.iter().copied()).collect()
+        let left = series.joints[joint].windows_s.iter().map(|w| (*w, "what is left stands out"));
+        located.filter_map(|f| Some((f.window_s?, "located"))).chain(left).collect()
     }
 
     fn over_time(&self) -> Section {
@@ -249,7 +258,6 @@ impl Diagnosed<'_> {
                     segment_starts: &series.segment_starts,
                     panels,
                     windows: &self.windows(series, j),
-                    window_name: "located",
                     link: format!("recording {k}"),
                 };
                 Block::Figure(figure.figure(points))
@@ -264,7 +272,7 @@ impl Diagnosed<'_> {
                 (of, false) => role(of).to_owned(),
             };
             blocks.push(Block::Folded {
-                title: format!("{} ({part})", series.name),
+                title: format!("{} ({part})", file_name(&series.name)),
                 open: k == 0,
                 blocks: figures.collect(),
             });
@@ -281,12 +289,18 @@ impl Diagnosed<'_> {
 
     fn over_coordinates(&self) -> Section {
         let unit = self.unit.symbol();
-        let judged: Vec<(&RecordingSeries, usize)> =
-            self.series.iter().map(|s| (s, s.held_out_from)).filter(|(s, from)| *from < s.time_s.len()).collect();
+        let judged: Vec<(&RecordingSeries, usize)> = self
+            .series
+            .iter()
+            .map(|s| (s, s.held_out_from))
+            .filter(|(s, from)| *from < s.time_s.len())
+            .collect();
         let joints = self.series.first().map_or(0, |s| s.joints.len());
-        let worst = self.verdict.residual.iter().max_by(|a, b| {
-            (a.baseline_rms / a.floor_rms).total_cmp(&(b.baseline_rms / b.floor_rms))
-        });
+        let worst = self
+            .verdict
+            .residual
+            .iter()
+            .max_by(|a, b| (a.baseline_rms / a.floor_rms).total_cmp(&(b.baseline_rms / b.floor_rms)));
         let blocks = (0..joints)
             .map(|j| {
                 type Pick = fn(&RecordingSeries, usize) -> &[f64];
@@ -346,9 +360,10 @@ impl Diagnosed<'_> {
         ));
         Section {
             title: "The improved model".into(),
-            introduction: "improved.toml is the experiment with what was found, rd_improved.json the model calibrated \
+            introduction:
+                "improved.toml is the experiment with what was found, rd_improved.json the model calibrated \
                            from it; run, predict and diagnose accept them."
-                .into(),
+                    .into(),
             blocks,
         }
     }
@@ -391,6 +406,10 @@ impl Diagnosed<'_> {
     }
 }
 
+fn names(recordings: &[String]) -> String {
+    recordings.iter().map(|r| file_name(r)).collect::<Vec<_>>().join(", ")
+}
+
 fn capital(sentence: &str) -> String {
     let mut rest = sentence.chars();
     rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
@@ -405,17 +424,16 @@ const fn role(role: Role) -> &'static str {
 }
 
 fn finding_blocks(finding: &Finding) -> Vec<Block> {
-    let mut table = Table::new("", ["<parameter", "<joint", "value", "± 1 σ"]);
-    let number = |value: &Value| value.as_f64().map_or_else(|| text(value), |v| significant(v, 4));
+    let mut table = Table::new("", ["<parameter", "<of", "value", "± 1 σ"]);
     for (name, parameter) in &finding.parameters {
         match (&parameter.value, &parameter.std) {
             (Value::Array(values), stds) => {
                 for (k, value) in values.iter().enumerate() {
-                    let joint = finding.joints.get(k).map_or_else(String::new, ToString::to_string);
-                    table.row([name.clone(), joint, number(value), number(stds.get(k).unwrap_or(&Value::Null))]);
+                    let of = component(finding, name, values.len(), k);
+                    table.row([name.clone(), of, text(value), text(stds.get(k).unwrap_or(&Value::Null))]);
                 }
             }
-            (value, std) => table.row([name.clone(), String::new(), number(value), number(std)]),
+            (value, std) => table.row([name.clone(), String::new(), text(value), text(std)]),
         }
     }
     let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
@@ -441,10 +459,25 @@ fn finding_blocks(finding: &Finding) -> Vec<Block> {
     blocks
 }
 
+/// What an entry of a list is of: a component of a vector or tensor, or a joint.
+fn component(finding: &Finding, parameter: &str, length: usize, entry: usize) -> String {
+    const VECTOR: [&str; 3] = ["x", "y", "z"];
+    const TENSOR: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
+    match (parameter, length) {
+        (_, 3) if parameter.starts_with("com_") || finding.effect == "base_tilt" => VECTOR[entry].into(),
+        (_, 6) if parameter.starts_with("inertia_") && finding.effect == "payload" => TENSOR[entry].into(),
+        _ if length == finding.joints.len() => format!("joint {}", finding.joints[entry]),
+        _ => (entry + 1).to_string(),
+    }
+}
+
+/// A parameter's value, whatever it is made of.
 fn text(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),
+        Value::Number(number) if number.is_f64() => significant(number.as_f64().unwrap_or(f64::NAN), 4),
         Value::String(text) => text.clone(),
+        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(", "),
         other => other.to_string(),
     }
 }

@@ -29,9 +29,7 @@ pub struct TimeFigure<'a> {
     /// What is shown, panel by panel: the name of the values, their unit, the series.
     pub panels: Vec<(Axis, Vec<Series<'a>>)>,
     /// Windows that are set off in all panels.
-    pub windows: &'a [[f64; 2]],
-    /// What the windows are.
-    pub window_name: &'a str,
+    pub windows: &'a [([f64; 2], &'a str)],
     /// Figures that show the same part of time.
     pub link: String,
 }
@@ -53,11 +51,8 @@ impl TimeFigure<'_> {
         let kept = decimated(&all, points / (2 + 2 * all.len()).max(1));
         // A line must not run across a gap: one value that is none stands before each stretch.
         let is_start = |k: usize| k > 0 && self.segment_starts.contains(&k);
-        let breaks: Vec<bool> = kept
-            .iter()
-            .enumerate()
-            .map(|(i, k)| i > 0 && (kept[i - 1] + 1..=*k).any(is_start))
-            .collect();
+        let breaks: Vec<bool> =
+            kept.iter().enumerate().map(|(i, k)| i > 0 && (kept[i - 1] + 1..=*k).any(is_start)).collect();
         let with_breaks = |values: &[f64], in_gap: Option<f64>| -> Vec<f64> {
             let mut out = Vec::with_capacity(kept.len());
             for (k, fresh) in kept.iter().zip(&breaks) {
@@ -90,7 +85,7 @@ impl TimeFigure<'_> {
                 windows: self
                     .windows
                     .iter()
-                    .map(|w| Window { x: *w, name: self.window_name.to_owned() })
+                    .map(|(x, name)| Window { x: *x, name: (*name).to_owned() })
                     .collect(),
             })
             .collect();
@@ -151,8 +146,13 @@ pub fn residual_over(
     })
 }
 
+/// The last part of a recording's name, for headings; the whole stands where it was computed from.
+pub fn file_name(recording: &str) -> &str {
+    recording.rsplit(['/', '\\']).next().unwrap_or(recording)
+}
+
 /// The stem of a recording's name, for titles and file names.
 pub fn stem(recording: &str) -> &str {
-    let file = recording.rsplit(['/', '\\']).next().unwrap_or(recording);
+    let file = file_name(recording);
     file.rsplit_once('.').map_or(file, |(stem, _)| stem)
 }

@@ -33,7 +33,7 @@ impl PlotOptions {
     /// # Errors
     /// [`Failure::Output`].
     pub fn folder(&self) -> Result<Option<OutputFolder>, Failure> {
-        self.plots.as_deref().map(|path| OutputFolder::new("--plots", path)).transpose()
+        self.plots.as_deref().map(|path| OutputFolder::nested("--plots", path)).transpose()
     }
 }
 

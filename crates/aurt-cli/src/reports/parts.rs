@@ -36,7 +36,8 @@ pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -
     let mut blocks = vec![Block::Table(table)];
     if parameters.iter().any(|p| p.relative_std_dev_percent.is_some_and(|r| r > 50.0)) {
         blocks.push(Block::Text(
-            "Bold: the standard deviation exceeds half the value; these motions hardly need the parameter.".into(),
+            "Bold: the standard deviation exceeds half the value; these motions hardly need the parameter."
+                .into(),
         ));
     }
     if !unexcited.is_empty() {

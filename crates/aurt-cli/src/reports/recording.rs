@@ -8,7 +8,7 @@ use aurt_report::{
 use serde_json::Value;
 
 use super::{
-    figures::{Series, TimeFigure, points_per_series},
+    figures::{Series, TimeFigure, file_name, points_per_series},
     parts,
 };
 use crate::{
@@ -58,7 +58,7 @@ impl Checked<'_> {
         let mut provenance = parts::program("check");
         provenance.extend(self.notes.iter().map(|n| parts::entry("Recording", n.as_str())));
         Page {
-            title: format!("Check of {}", self.name),
+            title: format!("Check of {}", file_name(self.name)),
             verdict: self.verdict(),
             sections,
             provenance,
@@ -110,7 +110,7 @@ impl Checked<'_> {
                 let (_, _, velocity) = self.on_grid(|k| motion(k).velocity_rad_s(j));
                 let series = |style, values| vec![Series { name: "", style, values }];
                 let mut panels = vec![
-                    (Axis::new("position", "rad"), series(Style::Measured, position.as_slice())),
+                    (Axis::new("position", "rad"), series(Style::After, position.as_slice())),
                     (Axis::new("velocity", "rad/s"), series(Style::After, velocity.as_slice())),
                 ];
                 let raw: Option<Vec<f64>> = self
@@ -124,7 +124,7 @@ impl Checked<'_> {
                 if let Some(raw) = &raw {
                     panels.push((
                         Axis::new(unit.quantity(), unit.symbol()),
-                        series(Style::Before, raw.as_slice()),
+                        series(Style::Measured, raw.as_slice()),
                     ));
                 }
                 let moves = if self.joints[j].moves() { "" } else { ", at rest" };
@@ -136,7 +136,6 @@ impl Checked<'_> {
                     segment_starts: &starts,
                     panels,
                     windows: &[],
-                    window_name: "",
                     link: "recording".into(),
                 };
                 Block::Folded {
@@ -148,9 +147,10 @@ impl Checked<'_> {
             .collect();
         Section {
             title: "Motion and measurement".into(),
-            introduction: "On the uniform grid; positions filtered, the measurement as it is. Drag over a stretch to \
+            introduction:
+                "On the uniform grid; positions filtered, the measurement as it is. Drag over a stretch to \
                            look closer, double-click for all."
-                .into(),
+                    .into(),
             blocks,
         }
     }
@@ -187,9 +187,10 @@ impl Checked<'_> {
             .collect();
         Section {
             title: "What the motion covers".into(),
-            introduction: "Velocity over position of every joint that moves. Friction models need both directions and \
+            introduction:
+                "Velocity over position of every joint that moves. Friction models need both directions and \
                            slow as well as fast motion; gravity needs different positions."
-                .into(),
+                    .into(),
             blocks: vec![Block::Figures(figures)],
         }
     }

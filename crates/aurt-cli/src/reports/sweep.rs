@@ -142,9 +142,10 @@ fn compared(ranking: &Ranking) -> Section {
     }
     Section {
         title: "Compared with the reference".into(),
-        introduction: "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
+        introduction:
+            "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
                        best."
-            .into(),
+                .into(),
         blocks: vec![Block::Figure(Figure::Bars(bars)), Block::Table(table)],
     }
 }

@@ -11,5 +11,6 @@ mod instruction_sets;
 mod machine_output;
 mod outputs;
 mod real_recordings;
+mod reports;
 mod support;
 mod words;

@@ -41,11 +41,8 @@ pub fn html(page: &Page) -> String {
     for (k, part) in page.sections.iter().enumerate() {
         section(&mut html, k, part);
     }
-    let _ = write!(
-        html,
-        "<section id=\"section-{}\"><h2>How it was computed</h2>\n<dl>\n",
-        page.sections.len()
-    );
+    let _ =
+        write!(html, "<section id=\"section-{}\"><h2>How it was computed</h2>\n<dl>\n", page.sections.len());
     for (name, value) in &page.provenance {
         let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escape::text(name), escape::text(value));
     }

@@ -115,12 +115,12 @@
 
     drawAxes(panel, last) {
       const { top, height, shown } = panel, bottom = top + height, right = this.left + this.areaWidth;
-      for (const [value, text] of ticks(shown[0], shown[1], Math.floor(height / 28))) {
+      for (const [value, text] of ticks(shown[0], shown[1], Math.floor(height / 22))) {
         const y = bottom - ((value - shown[0]) / (shown[1] - shown[0])) * height;
         make(this.axes, "path", { class: Math.abs(value) < 1e-300 ? "zero" : "grid", d: `M${this.left} ${y}H${right}` });
         make(this.axes, "text", { x: this.left - 6, y: y + 4, "text-anchor": "end", class: "tick" }, text);
       }
-      for (const [value, text] of ticks(this.view[0], this.view[1], Math.floor(this.areaWidth / 70))) {
+      for (const [value, text] of ticks(this.view[0], this.view[1], Math.floor(this.areaWidth / 56))) {
         const x = this.left + ((value - this.view[0]) / (this.view[1] - this.view[0])) * this.areaWidth;
         make(this.axes, "path", { class: "grid", d: `M${x} ${top}V${bottom}` });
         if (last) make(this.axes, "text", { x, y: bottom + 16, "text-anchor": "middle", class: "tick" }, text);

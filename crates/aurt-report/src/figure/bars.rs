@@ -113,6 +113,9 @@ fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
+    if value.fract() == 0.0 && value.abs() < 1000.0 {
+        return value.to_string();
+    }
     let magnitude = value.abs().log10().floor();
     if !(-4.0..6.0).contains(&magnitude) {
         return format!("{value:.2e}");

@@ -63,7 +63,10 @@ pub fn sample(sample: Sample) -> String {
 
 /// A text element; `anchor` is start, middle or end.
 pub fn text(x: f64, y: f64, anchor: &str, class: &str, words: &str) -> String {
-    format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" class=\"{class}\">{}</text>", escape::text(words))
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" class=\"{class}\">{}</text>",
+        escape::text(words)
+    )
 }
 
 /// Height of title and legend in a file.

@@ -185,7 +185,9 @@ impl Plot {
                  <g class=\"axes\">{axes}</g>\n{areas}<g class=\"cursor\"></g></svg>",
                 escape::text(&format!("{}: {}", self.title, self.x.title())),
                 escape::text(&self.x.title()),
-                self.link.as_ref().map_or_else(String::new, |l| format!(" data-link=\"{}\"", escape::text(l))),
+                self.link
+                    .as_ref()
+                    .map_or_else(String::new, |l| format!(" data-link=\"{}\"", escape::text(l))),
             ),
         }
     }
@@ -203,7 +205,7 @@ impl Plot {
         let mut svg = String::new();
         let bottom = top + panel.height;
         let right = LEFT + area;
-        for (value, label) in ticks(y_range, (panel.height / 28.0) as usize) {
+        for (value, label) in ticks(y_range, (panel.height / 22.0) as usize) {
             let y = bottom - (value - y_range[0]) / (y_range[1] - y_range[0]) * panel.height;
             let y = coordinate(y);
             let grid = if value == 0.0 { "zero" } else { "grid" };
@@ -211,7 +213,7 @@ impl Plot {
             let y = y.parse().unwrap_or(bottom) + 4.0;
             svg.push_str(&text(LEFT - 6.0, y, "end", "tick", &label));
         }
-        for (value, label) in ticks(x_range, (area / 70.0) as usize) {
+        for (value, label) in ticks(x_range, (area / 56.0) as usize) {
             let x = coordinate(LEFT + (value - x_range[0]) / (x_range[1] - x_range[0]) * area);
             let _ = write!(svg, "<path class=\"grid\" d=\"M{x} {top}V{bottom}\"/>");
             if last {
