@@ -26,7 +26,7 @@ use crate::{
     failure::Failure,
     inspection::{
         excitation::{Excitation, Excited, judge},
-        joints::{JointReport, tables},
+        joints::{JointReport, suitable_f_dyn_hz, tables},
     },
     output::OutputFolder,
     rendering::{
@@ -125,6 +125,7 @@ impl Check {
                 excited: judged.as_ref().map(Judged::named),
                 findings: &findings,
                 notes: &notes,
+                suitable_f_dyn_hz: suitable_f_dyn_hz(&reports, prepared.report.rate_hz),
                 document: &report.json,
             }
             .page();
@@ -192,6 +193,12 @@ impl Check {
         let [motion, sensors] = tables(reports, unit);
         text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
         text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
+        let suitable = suitable_f_dyn_hz(reports, prepared.report.rate_hz);
+        if let Some(f_dyn_hz) = suitable {
+            text.push_str(&wrapped(&format!(
+                "for an experiment on such motions: f_dyn_hz = {f_dyn_hz} under [preprocess]"
+            )));
+        }
         if let Some(judged) = judged {
             text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
         }
@@ -211,6 +218,7 @@ impl Check {
             "reading": loaded.recording.report,
             "preprocessing": prepared.report,
             "joints": reports,
+            "suitable_f_dyn_hz": suitable,
             "excitation": judged.map(Judged::to_json),
             "findings": findings,
         });

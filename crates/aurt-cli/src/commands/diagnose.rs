@@ -96,12 +96,14 @@ impl Diagnose {
 
         let improved = improved_model(&text, &self.experiment, registry)?;
         let document = json!(verdict);
+        // Paths that became absolute are no addition.
+        let asked = absolute_paths(&experiment.source_text, &experiment);
         let page = Diagnosed {
             verdict: &verdict,
             series: &series(&question, &investigation),
             unit,
             improved: (&improved.model, &improved.calibration),
-            added: added_lines(&experiment.source_text, &text).into_iter().map(str::to_owned).collect(),
+            added: added_lines(&asked, &text).into_iter().map(str::to_owned).collect(),
             notes: &improvement.notes,
             recording_notes: recordings.iter().map(notes_of).collect(),
             document: &document,
@@ -127,7 +129,7 @@ impl Diagnose {
         for note in &improvement.notes {
             let _ = writeln!(report, "note: {note}");
         }
-        report.push_str(&difference(&experiment.source_text, &text));
+        report.push_str(&difference(&asked, &text));
         report.push_str(&written_text(&written));
         report.push_str(&drawn_text(&drawn, plots.as_ref()));
         written.extend(drawn);

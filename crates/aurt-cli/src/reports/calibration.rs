@@ -194,7 +194,7 @@ fn series(results: &Results<'_>) -> Section {
                 joint.measured.iter().zip(&joint.predicted).map(|(y, p)| y - p).collect();
             let label = |name, style, values| Series { name, style, values };
             let figure = TimeFigure {
-                title: format!("joint {j}"),
+                title: format!("joint {j}, {}", stem(&recording.label)),
                 name: format!("{}_{}_joint_{j}", stem(&recording.label), recording.role.name()),
                 caption: String::new(),
                 time_s: &time,
@@ -252,7 +252,7 @@ fn residuals(results: &Results<'_>) -> Section {
             ];
             let figures = coordinates.into_iter().map(|(name, x_unit, x)| {
                 residual_over(
-                    format!("over {name}"),
+                    format!("joint {j} over {name}"),
                     format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
                     Axis::new(name, x_unit),
                     &x,

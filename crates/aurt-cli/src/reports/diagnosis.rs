@@ -251,7 +251,7 @@ impl Diagnosed<'_> {
                     ],
                 ));
                 let figure = TimeFigure {
-                    title: format!("joint {j}"),
+                    title: format!("joint {j}, {}", stem(&series.name)),
                     name: format!("{}_{}_joint_{j}", stem(&series.name), role(series.role)),
                     caption: String::new(),
                     time_s: &series.time_s,
@@ -318,7 +318,7 @@ impl Diagnosed<'_> {
                 ];
                 let figures = coordinates.map(|(name, x_unit, of)| {
                     residual_over(
-                        format!("over {name}"),
+                        format!("joint {j} over {name}"),
                         format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
                         Axis::new(name, x_unit),
                         &all(of),

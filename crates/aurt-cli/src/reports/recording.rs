@@ -44,6 +44,8 @@ pub struct Checked<'a> {
     pub findings: &'a [String],
     /// What was found while it was read and put on its grid.
     pub notes: &'a [String],
+    /// The f_dyn that suits such motions, Hz.
+    pub suitable_f_dyn_hz: Option<f64>,
     /// The same for programs.
     pub document: &'a Value,
 }
@@ -76,6 +78,9 @@ impl Checked<'_> {
         );
         let mut sentences: Vec<String> = self.findings.to_vec();
         sentences.push(facts);
+        sentences.extend(
+            self.suitable_f_dyn_hz.map(|f| format!("For an experiment on such motions: f_dyn_hz = {f}.")),
+        );
         if self.findings.is_empty() {
             let headline = "Nothing stands against calibrating on this recording".into();
             Verdict { tone: Tone::Good, headline, sentences }

@@ -105,7 +105,7 @@ fn joint_columns(ranking: &Ranking) -> impl Iterator<Item = String> {
 fn compared(ranking: &Ranking) -> Section {
     let score = |r: &Ranked| r.score.map(|s| 100.0 * s);
     let bars = Bars {
-        title: "held-out mean squared error, % of the reference's".into(),
+        title: "held-out MSE, % of the reference's".into(),
         name: "scores".into(),
         caption: "Geometric mean over the joints; shorter is better.".into(),
         unit: "%".into(),

@@ -75,6 +75,7 @@ impl Bars {
             svg.push_str(&text(4.0, top + 12.0, "start", "axis", &group.label));
             let first = top + LABEL;
             top = first;
+            let mark = group.level.filter(|l| l.is_finite()).map(|l| 4.0 + length * l / largest);
             for ((name, style), value) in self.series.iter().zip(&group.values) {
                 if let Some(value) = value.filter(|v| v.is_finite()) {
                     let width = (length * value.max(0.0) / largest).max(0.5);
@@ -88,12 +89,17 @@ impl Bars {
                         BAR - 2.0,
                         escape::text(&format!("{}, {name}: {number}", group.label)),
                     );
-                    svg.push_str(&text(8.0 + width, top + BAR - 4.5, "start", "tick", number.trim_end()));
+                    let mut behind = 8.0 + width;
+                    // A number stands behind the mark that would go through it.
+                    let end = behind + 7.0 * number.chars().count() as f64;
+                    if let Some(mark) = mark.filter(|m| (behind - 3.0..end).contains(m)) {
+                        behind = mark + 5.0;
+                    }
+                    svg.push_str(&text(behind, top + BAR - 4.5, "start", "tick", number.trim_end()));
                 }
                 top += BAR;
             }
-            if let Some(level) = group.level.filter(|l| l.is_finite()) {
-                let x = coordinate(4.0 + length * level / largest);
+            if let Some(x) = mark.map(coordinate) {
                 let _ = write!(svg, "<path class=\"mark\" d=\"M{x} {}V{}\"/>", first - 2.0, top);
             }
             top += SPACE;
