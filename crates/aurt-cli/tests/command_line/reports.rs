@@ -24,7 +24,7 @@ fn assert_self_contained(report: &str) {
     let places: Vec<&str> =
         report.split("http").skip(1).map(|rest| rest.split(['"', ' ', '<']).next().unwrap_or("")).collect();
     let namespace = |place: &&str| place.starts_with("://www.w3.org/2000/svg") || place.starts_with("-equiv");
-    assert!(places.iter().all(|p| namespace(&p)), "{places:?}");
+    assert!(places.iter().all(namespace), "{places:?}");
 }
 
 #[test]

@@ -16,8 +16,10 @@
     const decimals = Math.min(12, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
     const found = [];
     for (let k = Math.ceil(low / step); k <= Math.floor(high / step); k++) {
-      const text = (k * step).toFixed(decimals).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-      found.push([k * step, text]);
+      const value = k * step;
+      const plain = decimals > 5 && value !== 0 ? value.toExponential(1).replace("e-", "e−") : value.toFixed(Math.min(decimals, 5));
+      const text = plain.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+      found.push([value, text]);
     }
     return found;
   }

@@ -8,12 +8,18 @@ pub fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<[f64; 2]> 
     })
 }
 
+/// The least extent of a range, relative to its values: below it numbers on an axis would have too many digits.
+const LEAST_EXTENT: f64 = 1e-4;
+
 /// A range with room to both sides; a range without extent gets some.
 pub fn padded(range: Option<[f64; 2]>, share: f64) -> [f64; 2] {
     let [low, high] = range.unwrap_or([0.0, 1.0]);
-    let extent = high - low;
-    if extent > 1e-12 * low.abs().max(high.abs()) && extent > 0.0 {
+    let (extent, size) = (high - low, low.abs().max(high.abs()));
+    if extent > LEAST_EXTENT * size {
         [low - share * extent, high + share * extent]
+    } else if extent > 1e-12 * size {
+        let (middle, half) = (0.5 * (low + high), 0.5 * LEAST_EXTENT * size);
+        [middle - half, middle + half]
     } else {
         let room = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
         [low - room, high + room]
@@ -57,7 +63,11 @@ pub fn ticks([low, high]: [f64; 2], count: usize) -> Vec<(f64, String)> {
 
 /// A number with that many decimals and a true minus sign; zero has none.
 fn label(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
+    let text = if decimals > 5 && value != 0.0 {
+        format!("{value:.1e}").replace("e-", "e−")
+    } else {
+        format!("{value:.*}", decimals.min(5))
+    };
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
         Some(rest) => format!("−{rest}"),
@@ -90,12 +100,23 @@ mod tests {
         assert_eq!(padded(range(&[1.0, f64::NAN, 3.0]), 0.1), [0.8, 3.2]);
         assert_eq!(padded(range(&[2.0, 2.0]), 0.1), [1.0, 3.0]);
         assert_eq!(padded(None, 0.1), [-0.1, 1.1]);
+        let [low, high] = padded(Some([2.0, 2.000_001]), 0.1);
+        assert!((high - low - 2e-4).abs() < 1e-9, "{low} {high}");
+    }
+
+    #[test]
+    fn labels_are_short_however_small_the_range() {
+        for range in [[-3e-7, 2e-7], [0.0, 1e-12], [-1.870_85, -1.870_7], [1e-3, 2e-3], [-4e5, 3e5]] {
+            for (_, label) in ticks(padded(Some(range), 0.06), 5) {
+                assert!(label.chars().count() <= 8, "{label}");
+            }
+        }
     }
 
     #[test]
     fn coordinates_are_short() {
         assert_eq!(coordinate(12.0), "12");
         assert_eq!(coordinate(-0.001), "0");
-        assert_eq!(coordinate(2.718_28), "2.72");
+        assert_eq!(coordinate(4.567_8), "4.57");
     }
 }
