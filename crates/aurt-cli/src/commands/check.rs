@@ -7,11 +7,9 @@ use aurt_diagnosis::RecordingFaults;
 use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics};
 use aurt_rbd::MdhTable;
 use aurt_recording::{Preprocessed, Segment};
-use aurt_traits::{
-    CoulombModel, HysteresisModel, JointStack, LoadTorque, ModelError, Motion, RobotModel, ViscousBasis,
-};
+use aurt_traits::{CoulombModel, HysteresisModel, JointStack, LoadTorque, ModelError, Motion, ViscousBasis};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::{
     Session,
@@ -25,8 +23,9 @@ use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
     inspection::{
-        excitation::{Excitation, Excited, judge},
+        excitation::judge,
         joints::{JointReport, suitable_f_dyn_hz, tables},
+        judged::Judged,
     },
     output::OutputFolder,
     rendering::{
@@ -34,16 +33,11 @@ use crate::{
         terminal::{Emphasis, Report},
         text::wrapped,
     },
-    reports::{
-        self, PlotOptions,
-        recording::{Checked, Excited as ExcitedNames},
-    },
+    reports::{self, PlotOptions, recording::Checked},
 };
 
 /// A condition number above this means that some combination of parameters is nearly undetermined.
 const LARGE_CONDITION_NUMBER: f64 = 100.0;
-/// A parameter whose column is imitated by others up to this share of its own is hard to tell from them.
-const SMALL_OWN_SHARE: f64 = 0.02;
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
 const DEFAULT_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
@@ -81,12 +75,6 @@ pub struct Check {
     plots: PlotOptions,
     #[command(flatten)]
     reading: ReadingOptions,
-}
-
-/// The excitation of a model's parameters by a motion.
-struct Judged {
-    model: RobotModel,
-    excited: Excited,
 }
 
 impl Check {
@@ -223,85 +211,6 @@ impl Check {
             "findings": findings,
         });
         Report { text, findings: !findings.is_empty(), json }
-    }
-}
-
-impl Judged {
-    /// The same by names.
-    fn named(&self) -> ExcitedNames<'_> {
-        let own = |(k, e): (usize, &Excitation)| match e {
-            Excitation::Own(share) => Some((self.model.parameters()[k].name.as_str(), *share)),
-            _ => None,
-        };
-        ExcitedNames {
-            determined: self.excited.coefficients.iter().enumerate().filter_map(own).collect(),
-            combined: self.combined(),
-            silent: self.silent(),
-            condition_number: self.excited.condition_number,
-        }
-    }
-
-    /// The names of the parameters that `choose` takes.
-    fn names(&self, choose: impl Fn(&Excitation) -> bool) -> Vec<&str> {
-        let parameters = self.model.parameters().iter().zip(&self.excited.coefficients);
-        parameters.filter(|(_, e)| choose(e)).map(|(p, _)| p.name.as_str()).collect()
-    }
-
-    fn silent(&self) -> Vec<&str> {
-        self.names(|e| *e == Excitation::Silent)
-    }
-
-    fn combined(&self) -> Vec<&str> {
-        self.names(|e| matches!(e, Excitation::Combined(_)))
-    }
-
-    fn weak(&self) -> Vec<&str> {
-        self.names(|e| matches!(e, Excitation::Own(share) if *share < SMALL_OWN_SHARE))
-    }
-
-    fn to_text(&self) -> String {
-        let total = self.model.parameters().len();
-        let (silent, combined, weak) = (self.silent(), self.combined(), self.weak());
-        let mut text = wrapped(&format!(
-            "{total} parameters ({} base parameters, Coulomb and viscous friction of every joint): {} determined, {} \
-             only in combinations, {} out of reach",
-            self.model.base().len(),
-            total - combined.len() - silent.len(),
-            combined.len(),
-            silent.len()
-        ));
-        text.push_str(&wrapped(&format!(
-            "condition number of what is determined: {}",
-            significant(self.excited.condition_number, 3)
-        )));
-        for (what, names) in
-            [("out of reach", silent), ("only in combinations", combined), ("hard to tell apart", weak)]
-        {
-            if !names.is_empty() {
-                text.push_str(&wrapped(&format!("{what}: {}", names.join(", "))));
-            }
-        }
-        text
-    }
-
-    fn to_json(&self) -> Value {
-        let parameters = self.model.parameters();
-        let describe = |(k, excitation): (usize, &Excitation)| match excitation {
-            Excitation::Own(share) => {
-                json!({ "name": parameters[k].name, "is": "determined", "own_share": share })
-            }
-            Excitation::Combined(with) => {
-                let with: Vec<&str> = with.iter().map(|w| parameters[*w].name.as_str()).collect();
-                json!({ "name": parameters[k].name, "is": "combined", "with": with })
-            }
-            Excitation::Silent => json!({ "name": parameters[k].name, "is": "out_of_reach" }),
-        };
-        json!({
-            "base_parameters": self.model.base().len(),
-            "rank": self.excited.rank,
-            "condition_number": self.excited.condition_number,
-            "parameters": self.excited.coefficients.iter().enumerate().map(describe).collect::<Vec<_>>(),
-        })
     }
 }
 
