@@ -118,6 +118,12 @@ impl Browser {
 
     /// Opens a file from disk at a width and in a colour scheme, and waits until it is drawn.
     pub fn open(&mut self, file: &Path, width: u32, scheme: &str) {
+        self.load(file, width, scheme);
+        self.drawn();
+    }
+
+    /// The same without waiting for frames, which takes a script.
+    pub fn load(&mut self, file: &Path, width: u32, scheme: &str) {
         let metrics = json!({
             "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600,
         });
@@ -133,7 +139,6 @@ impl Browser {
             let event = self.read();
             self.events.push(event);
         }
-        self.drawn();
     }
 
     /// Waits for the next frames.

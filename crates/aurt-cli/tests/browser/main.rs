@@ -72,6 +72,7 @@ fn look(browser: &mut Browser, report: &Path, name: &str) {
         for width in [1280, 390] {
             browser.open(report, width, scheme);
             browser.value("document.querySelectorAll('details').forEach((d) => { d.open = true; }), 0");
+            browser.drawn();
             let faults = browser.value(FAULTS);
             assert_eq!(faults, serde_json::json!([]), "{name}, {width} pixels, {scheme}");
             assert_eq!(browser.complaints(), [""; 0], "{name}, {width} pixels, {scheme}");
@@ -194,7 +195,7 @@ fn without_a_script_everything_is_drawn() {
     let Some(mut browser) = browser() else { return };
     let (_folder, report) = demo();
     browser.call("Emulation.setScriptExecutionDisabled", serde_json::json!({ "value": true }));
-    browser.open(&report, 1280, "light");
+    browser.load(&report, 1280, "light");
     browser.call("Emulation.setScriptExecutionDisabled", serde_json::json!({ "value": false }));
     let labels = browser.value("document.querySelectorAll('svg.plot .tick').length").as_u64().unwrap();
     let buttons = browser.value("document.querySelectorAll('.tools').length");
