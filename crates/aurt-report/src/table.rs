@@ -24,6 +24,10 @@ pub struct Cell {
     pub strong: bool,
 }
 
+/// Text of more characters than this is broken into lines.
+const LONG: usize = 32;
+const LONG_CLASS: &str = " class=\"left long\"";
+
 impl From<String> for Cell {
     fn from(text: String) -> Self {
         Self { text, strong: false }
@@ -71,9 +75,11 @@ impl Table {
         for row in &self.rows {
             html.push_str("<tr>");
             for (k, cell) in row.iter().enumerate() {
+                // Only long text may be broken into lines; names and joints stay whole.
+                let class = if left(k) && cell.text.chars().count() > LONG { LONG_CLASS } else { class(k) };
                 let text = escape::text(&cell.text);
                 let text = if cell.strong { format!("<strong>{text}</strong>") } else { text };
-                let _ = write!(html, "<td{}>{text}</td>", class(k));
+                let _ = write!(html, "<td{class}>{text}</td>");
             }
             html.push_str("</tr>\n");
         }

@@ -111,7 +111,7 @@ pub struct Plot {
     pub small: bool,
 }
 
-const LEFT: f64 = 62.0;
+const LEFT: f64 = 70.0;
 const RIGHT: f64 = 12.0;
 /// Room above a panel for the name of its axis.
 const ABOVE: f64 = 22.0;
