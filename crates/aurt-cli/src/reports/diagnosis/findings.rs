@@ -84,7 +84,11 @@ fn component(finding: &Finding, parameter: &str, length: usize, entry: usize) ->
 fn text(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),
-        Value::Number(number) if number.is_f64() => significant(number.as_f64().unwrap_or(f64::NAN), 4),
+        Value::Number(number) => match number.as_f64() {
+            // Links, orders and joints are numbers of things.
+            Some(value) if value.fract() == 0.0 && value.abs() < 1e6 => value.to_string(),
+            value => significant(value.unwrap_or(f64::NAN), 4),
+        },
         Value::String(text) => text.clone(),
         Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(", "),
         other => other.to_string(),
