@@ -15,7 +15,14 @@ fn pages() -> Vec<PathBuf> {
     let root = Path::new(ROOT);
     let mut pages: Vec<PathBuf> =
         ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|p| root.join(p)).into();
-    for folder in ["docs", "docs/decisions"] {
+    for folder in [
+        "docs",
+        "docs/decisions",
+        "examples",
+        "examples/1-demo",
+        "examples/2-unknown-load",
+        "examples/3-friction-sweep",
+    ] {
         let entries = fs::read_dir(root.join(folder)).into_iter().flatten();
         pages.extend(entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "md")));
     }

@@ -9,6 +9,7 @@
 
 mod accumulate;
 mod calibrated;
+mod comparison;
 mod condition;
 mod dense;
 mod error;
@@ -28,6 +29,7 @@ pub use accumulate::{accumulate, accumulate_scoped};
 pub use calibrated::{
     CalibratedParameter, Calibration, CalibrationOptions, Estimator, JointRange, LoadTorqueChoice, Rest,
 };
+pub use comparison::{ComparedJoint, Comparison, compare};
 pub use dense::add_gram;
 pub use error::CalibrationError;
 pub use factor::JointFactor;

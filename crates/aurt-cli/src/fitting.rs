@@ -2,7 +2,7 @@
 
 use aurt_calibration::{
     Calibration, CalibrationError, CalibrationOptions, NamedRecording, ShapeOptions, TermScopes,
-    ValidatedRows, calibrate_shapes, predict, validate,
+    ValidatedRows, calibrate_shapes, compare, predict, validate,
 };
 use aurt_traits::RobotModel;
 
@@ -157,16 +157,14 @@ impl Job {
             }
             let mut notes = loaded.recording.report.notes();
             notes.extend(prepared.data.report.notes());
+            let rows = judged_rows(*role, self.preprocessing.trim_rest);
             results.push(RecordingResult {
                 label: loaded.source.label.clone(),
                 role: *role,
                 window_s: loaded.source.window_s,
-                validation: validate(
-                    &here.model,
-                    &here.calibration,
-                    prepared,
-                    judged_rows(*role, self.preprocessing.trim_rest),
-                )?,
+                validation: validate(&here.model, &here.calibration, prepared, rows)?,
+                comparison: compare(&here.model, &here.calibration, prepared, rows)?,
+                first_stamp_s: loaded.recording.time_s.first().copied().unwrap_or(0.0),
                 notes,
                 prediction: Some(name),
             });

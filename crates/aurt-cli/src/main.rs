@@ -14,6 +14,7 @@ mod inspection;
 mod output;
 mod proof;
 mod rendering;
+mod reports;
 mod results;
 mod simulated;
 mod sweeping;

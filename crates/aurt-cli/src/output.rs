@@ -112,6 +112,18 @@ impl OutputFolder {
         Ok(Self { path: path.to_owned() })
     }
 
+    /// The same for a folder whose own folder may have to be made, such as one within another output.
+    ///
+    /// # Errors
+    /// [`Failure::Output`].
+    pub fn nested(option: &'static str, path: &Path) -> Result<Self, Failure> {
+        let known = path.ancestors().find(|a| a.as_os_str().is_empty() || a.exists()).unwrap_or(path);
+        if path.as_os_str().is_empty() || known.is_file() {
+            return Self::new(option, known);
+        }
+        Ok(Self { path: path.to_owned() })
+    }
+
     /// The path.
     pub fn path(&self) -> &Path {
         &self.path
@@ -124,7 +136,7 @@ impl OutputFolder {
     pub fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
         let created = !self.path.exists();
         if created {
-            fs::create_dir(&self.path)
+            fs::create_dir_all(&self.path)
                 .map_err(|source| Failure::Write { path: self.path.clone(), source })?;
         }
         let staged: Result<Vec<Staged>, Failure> =

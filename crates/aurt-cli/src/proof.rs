@@ -134,7 +134,7 @@ fn diagnose(case: &Path, out: &Path, options: &[&str]) -> Result<Option<String>,
     let program = std::env::current_exe().map_err(fail)?;
     let out = std::path::absolute(out).map_err(fail)?;
     let done = Command::new(program)
-        .args(["diagnose", "experiment.toml", "--quiet", "--out"])
+        .args(["diagnose", "experiment.toml", "--quiet", "--verdict-only", "--out"])
         .arg(&out)
         .args(options)
         .current_dir(case)

@@ -25,6 +25,7 @@ mod question;
 mod report;
 mod rows;
 mod selection;
+mod series;
 mod simulated;
 mod verdict;
 mod wideband;
@@ -43,6 +44,7 @@ pub use question::{Question, QuestionedRecording, Spoilt};
 pub use report::verdict as write_verdict;
 pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
 pub use selection::{Chosen, Group, Selection, SelectionOptions};
+pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict,
 };

@@ -85,6 +85,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .notes
             .push("`confidence` is provisional: its rates have not been counted in a full proof yet".into());
     }
+    if question.unit == aurt_traits::MeasurementUnit::Ampere && !verdict.effects.is_empty() {
+        verdict.notes.push(
+            "measured in A: masses, inertias and torques of the effects are divided by the drives' torque constants; \
+             kg and Nm need torque_constants_nm_per_a in the experiment"
+                .into(),
+        );
+    }
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
         verdict.notes.push(
             "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),
@@ -118,7 +125,7 @@ fn independent_changes(investigation: &Investigation) -> usize {
 }
 
 /// Coefficients of the final model.
-fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
+pub fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
     let mut all = investigation.base_switches.clone();
     for switch in chosen.iter().flat_map(|c| &investigation.groups[c.group].switches) {
         if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
@@ -244,7 +251,7 @@ fn joint_residuals(
 }
 
 /// The rigid-body torque of the baseline at each row of a joint.
-fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, joint: usize) -> Vec<f64> {
+pub fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, joint: usize) -> Vec<f64> {
     let rigid = investigation.model.group(ColumnGroup::RigidBody);
     let mut load = vec![0.0; rows.rows()];
     for (k, column) in investigation.layout.rows[joint].iter().enumerate().filter(|(_, c)| rigid.contains(c))

@@ -1,7 +1,7 @@
 //! `aurt calibrate-validate`: calibrate on the first part of a recording, validate on the rest (paper, section
 //! II-C).
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_calibration::TermScopes;
 use clap::Args;
@@ -11,7 +11,7 @@ use super::{
     Session,
     calibrate::model_under_gravity,
     data_options::{FittingOptions, ReadingOptions},
-    run::written_text,
+    run::{drawn_text, written_text},
 };
 use crate::{
     arguments::{Gravity, parse_gravity, parse_share},
@@ -20,6 +20,7 @@ use crate::{
     fitting::{Assigned, Job},
     output::{OutputFile, distinct},
     rendering::terminal::Report,
+    reports::{self, PlotOptions},
     results::{
         metrics::{Results, Role},
         parameters,
@@ -55,6 +56,11 @@ pub struct CalibrateValidate {
     /// File for the prediction
     #[arg(long, value_name = "CSV")]
     out_prediction: PathBuf,
+    /// File for the report; by default report.html beside the calibrated model
+    #[arg(long, value_name = "HTML")]
+    out_report: Option<PathBuf>,
+    #[command(flatten)]
+    plots: PlotOptions,
     #[command(flatten)]
     reading: ReadingOptions,
     #[command(flatten)]
@@ -70,10 +76,15 @@ impl CalibrateValidate {
         let calibrated_model =
             OutputFile::new("--out-calibrated-model", &self.out_calibrated_model, &inputs)?;
         let prediction = OutputFile::new("--out-prediction", &self.out_prediction, &inputs)?;
+        let beside = || self.out_calibrated_model.with_file_name(reports::FILE);
+        let report_path = self.out_report.clone().unwrap_or_else(beside);
+        let report = OutputFile::new("--out-report", &report_path, &inputs)?;
+        let plots = self.plots.folder()?;
         distinct(&[
             ("--out-params", params.path()),
             ("--out-calibrated-model", calibrated_model.path()),
             ("--out-prediction", prediction.path()),
+            ("--out-report", report.path()),
         ])?;
 
         let (model, notes) = model_under_gravity(&session.registry, &self.model, self.gravity)?;
@@ -109,12 +120,18 @@ impl CalibrateValidate {
             notes: &notes,
             recordings: &outcome.recordings,
         };
-        let written = [params.path(), calibrated_model.path(), prediction.path()];
         let mut json = results.to_json();
+        let page = reports::calibration::page("calibrate-validate", &results, None, &json);
+        report.write(page.to_html().as_bytes())?;
+        let drawn = reports::write_plots(&page, plots.as_ref())?;
+        let outputs = [params.path(), calibrated_model.path(), prediction.path(), report.path()];
+        let mut written: Vec<PathBuf> = outputs.map(Path::to_path_buf).into();
         json["command"] = json!("calibrate-validate");
         json["calibration_data_rel"] = json!(self.calibration_data_rel);
+        let text = results.to_text(terminal) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
+        written.extend(drawn);
         json["outputs"] = json!(written);
-        Ok(Report { text: results.to_text(terminal) + &written_text(&written), json, findings: false })
+        Ok(Report { text, json, findings: false })
     }
 }
 

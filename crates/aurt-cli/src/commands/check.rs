@@ -7,32 +7,37 @@ use aurt_diagnosis::RecordingFaults;
 use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics};
 use aurt_rbd::MdhTable;
 use aurt_recording::{Preprocessed, Segment};
-use aurt_traits::{
-    CoulombModel, HysteresisModel, JointStack, LoadTorque, ModelError, Motion, RobotModel, ViscousBasis,
-};
+use aurt_traits::{CoulombModel, HysteresisModel, JointStack, LoadTorque, ModelError, Motion, ViscousBasis};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Session, compile_rbd::Rows, compile_rd::build, data_options::ReadingOptions};
+use super::{
+    Session,
+    compile_rbd::Rows,
+    compile_rd::build,
+    data_options::ReadingOptions,
+    run::{drawn_text, written_text},
+};
 use crate::{
     arguments::{Gravity, parse_gravity, parse_positive},
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
     inspection::{
-        excitation::{Excitation, Excited, judge},
-        joints::{JointReport, tables},
+        excitation::judge,
+        joints::{JointReport, suitable_f_dyn_hz, tables},
+        judged::Judged,
     },
+    output::OutputFolder,
     rendering::{
         number::significant,
         terminal::{Emphasis, Report},
         text::wrapped,
     },
+    reports::{self, PlotOptions, recording::Checked},
 };
 
 /// A condition number above this means that some combination of parameters is nearly undetermined.
 const LARGE_CONDITION_NUMBER: f64 = 100.0;
-/// A parameter whose column is imitated by others up to this share of its own is hard to tell from them.
-const SMALL_OWN_SHARE: f64 = 0.02;
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
 const DEFAULT_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
@@ -43,7 +48,7 @@ const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 /// parameters its motion can determine. Exit status 1 if something should be heeded.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
-    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81")]
+    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check")]
 pub struct Check {
     /// The recording
     #[arg(value_name = "CSV")]
@@ -63,19 +68,20 @@ pub struct Check {
     /// Highest frequency of the robot's dynamics to look at; by default 10, less for slow recordings
     #[arg(long, value_name = "HZ", value_parser = parse_positive)]
     f_dyn_hz: Option<f64>,
+    /// Folder for report.html, the same with pictures; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    plots: PlotOptions,
     #[command(flatten)]
     reading: ReadingOptions,
-}
-
-/// The excitation of a model's parameters by a motion.
-struct Judged {
-    model: RobotModel,
-    excited: Excited,
 }
 
 impl Check {
     /// Checks.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+        let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
+        let plots = self.plots.folder()?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
         let mut preprocessing = preprocessing(self.f_dyn_hz.unwrap_or(DEFAULT_F_DYN_HZ));
         let instrument = Instrument::default();
@@ -95,7 +101,34 @@ impl Check {
             None => None,
         };
         let findings = findings(&loaded, &prepared, &reports, judged.as_ref());
-        Ok(self.report(session, &loaded, &prepared, &reports, judged.as_ref(), findings))
+        let mut report = self.report(session, &loaded, &prepared, &reports, judged.as_ref(), &findings);
+        if folder.is_some() || plots.is_some() {
+            let mut notes = loaded.recording.report.notes();
+            notes.extend(prepared.report.notes());
+            let page = Checked {
+                name: &loaded.source.label,
+                recording: &loaded.recording,
+                prepared: &prepared,
+                joints: &reports,
+                excited: judged.as_ref().map(Judged::named),
+                findings: &findings,
+                notes: &notes,
+                suitable_f_dyn_hz: suitable_f_dyn_hz(&reports, prepared.report.rate_hz),
+                document: &report.json,
+            }
+            .page();
+            let mut written = Vec::new();
+            if let Some(folder) = &folder {
+                folder.write(&[(reports::FILE.to_owned(), page.to_html().into_bytes())])?;
+                written.push(folder.path().join(reports::FILE));
+            }
+            let drawn = reports::write_plots(&page, plots.as_ref())?;
+            report.text.push_str(&written_text(&written));
+            report.text.push_str(&drawn_text(&drawn, plots.as_ref()));
+            written.extend(drawn);
+            report.json["outputs"] = json!(written);
+        }
+        Ok(report)
     }
 
     /// Which parameters of rigid bodies, Coulomb and viscous friction the motion determines.
@@ -126,7 +159,7 @@ impl Check {
         prepared: &Preprocessed,
         reports: &[JointReport],
         judged: Option<&Judged>,
-        findings: Vec<String>,
+        findings: &[String],
     ) -> Report {
         let unit = loaded.recording.unit;
         let title = |text: &str| session.terminal.emphasise(Emphasis::Title, text);
@@ -148,6 +181,12 @@ impl Check {
         let [motion, sensors] = tables(reports, unit);
         text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
         text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
+        let suitable = suitable_f_dyn_hz(reports, prepared.report.rate_hz);
+        if let Some(f_dyn_hz) = suitable {
+            text.push_str(&wrapped(&format!(
+                "for an experiment on such motions: f_dyn_hz = {f_dyn_hz} under [preprocess]"
+            )));
+        }
         if let Some(judged) = judged {
             text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
         }
@@ -167,75 +206,11 @@ impl Check {
             "reading": loaded.recording.report,
             "preprocessing": prepared.report,
             "joints": reports,
+            "suitable_f_dyn_hz": suitable,
             "excitation": judged.map(Judged::to_json),
             "findings": findings,
         });
         Report { text, findings: !findings.is_empty(), json }
-    }
-}
-
-impl Judged {
-    /// The names of the parameters that `choose` takes.
-    fn names(&self, choose: impl Fn(&Excitation) -> bool) -> Vec<&str> {
-        let parameters = self.model.parameters().iter().zip(&self.excited.coefficients);
-        parameters.filter(|(_, e)| choose(e)).map(|(p, _)| p.name.as_str()).collect()
-    }
-
-    fn silent(&self) -> Vec<&str> {
-        self.names(|e| *e == Excitation::Silent)
-    }
-
-    fn combined(&self) -> Vec<&str> {
-        self.names(|e| matches!(e, Excitation::Combined(_)))
-    }
-
-    fn weak(&self) -> Vec<&str> {
-        self.names(|e| matches!(e, Excitation::Own(share) if *share < SMALL_OWN_SHARE))
-    }
-
-    fn to_text(&self) -> String {
-        let total = self.model.parameters().len();
-        let (silent, combined, weak) = (self.silent(), self.combined(), self.weak());
-        let mut text = wrapped(&format!(
-            "{total} parameters ({} base parameters, Coulomb and viscous friction of every joint): {} determined, {} \
-             only in combinations, {} out of reach",
-            self.model.base().len(),
-            total - combined.len() - silent.len(),
-            combined.len(),
-            silent.len()
-        ));
-        text.push_str(&wrapped(&format!(
-            "condition number of what is determined: {}",
-            significant(self.excited.condition_number, 3)
-        )));
-        for (what, names) in
-            [("out of reach", silent), ("only in combinations", combined), ("hard to tell apart", weak)]
-        {
-            if !names.is_empty() {
-                text.push_str(&wrapped(&format!("{what}: {}", names.join(", "))));
-            }
-        }
-        text
-    }
-
-    fn to_json(&self) -> Value {
-        let parameters = self.model.parameters();
-        let describe = |(k, excitation): (usize, &Excitation)| match excitation {
-            Excitation::Own(share) => {
-                json!({ "name": parameters[k].name, "is": "determined", "own_share": share })
-            }
-            Excitation::Combined(with) => {
-                let with: Vec<&str> = with.iter().map(|w| parameters[*w].name.as_str()).collect();
-                json!({ "name": parameters[k].name, "is": "combined", "with": with })
-            }
-            Excitation::Silent => json!({ "name": parameters[k].name, "is": "out_of_reach" }),
-        };
-        json!({
-            "base_parameters": self.model.base().len(),
-            "rank": self.excited.rank,
-            "condition_number": self.excited.condition_number,
-            "parameters": self.excited.coefficients.iter().enumerate().map(describe).collect::<Vec<_>>(),
-        })
     }
 }
 

@@ -50,7 +50,7 @@ impl Demo {
         let experiment = Experiment::read(folder.path().join("experiment.toml"), &mut session.registry)?;
         let outcome = fit_experiment(&experiment, session.terminal)?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
-        let mut report = write_results("demo", &experiment, outcome, &folder, session.terminal)?;
+        let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
         let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
         let table = table(&compared);
         let later = folder.path().join(demo::QUESTION_FILE);

@@ -7,7 +7,7 @@ use std::{
 
 use aurt_diagnosis::{
     Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improved_experiment,
-    improvement, investigate, write_verdict,
+    improvement, investigate, series, write_verdict,
 };
 use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
@@ -16,7 +16,7 @@ use serde_json::json;
 use super::Session;
 use crate::{
     calibrated_file::CalibratedModel,
-    commands::run::{calibration_options, run_experiment, written_text},
+    commands::run::{calibration_options, drawn_text, fit_experiment, written_text},
     data::{Instrument, Pipeline, Preprocessing, Purpose, Source},
     failure::Failure,
     output::OutputFolder,
@@ -25,6 +25,7 @@ use crate::{
         json::pretty,
         terminal::{Emphasis, Report, Terminal},
     },
+    reports::{self, PlotOptions, diagnosis::Diagnosed},
     simulated,
 };
 
@@ -39,7 +40,7 @@ pub struct Diagnose {
     /// Experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// Folder for verdict.json, improved.toml and rd_improved.json; created if it does not exist
+    /// Folder for report.html, verdict.json, improved.toml and rd_improved.json; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Take a calibrated model as given instead of recalibrating the experiment's structure
@@ -51,12 +52,25 @@ pub struct Diagnose {
     /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
     #[arg(long)]
     compare: bool,
+    /// Write the verdict alone: no report, no improved experiment, no improved model
+    #[arg(long, conflicts_with = "plots")]
+    verdict_only: bool,
+    #[command(flatten)]
+    plots: PlotOptions,
 }
 
 impl Diagnose {
     /// A diagnosis of an experiment with all effects, its outputs in `out`.
     pub const fn new(experiment: PathBuf, out: PathBuf) -> Self {
-        Self { experiment, out, model: None, without: Vec::new(), compare: false }
+        Self {
+            experiment,
+            out,
+            model: None,
+            without: Vec::new(),
+            compare: false,
+            verdict_only: false,
+            plots: PlotOptions::none(),
+        }
     }
 
     /// Diagnoses.
@@ -64,6 +78,7 @@ impl Diagnose {
         let Session { terminal, registry } = session;
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;
+        let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let frozen = self.model.as_deref().map(|p| CalibratedModel::read(p, registry)).transpose()?;
         let progress = terminal.progress(24);
@@ -87,6 +102,22 @@ impl Diagnose {
         };
         let investigation = investigate(&question, registry, |what| progress.step(what))?;
         let verdict = write_verdict(&question, &investigation);
+        let document = json!(verdict);
+        let mut files = vec![("verdict.json".to_owned(), pretty(&document).into_bytes())];
+        if self.compare {
+            let methods: serde_json::Map<String, serde_json::Value> = Method::ALL
+                .into_iter()
+                .map(|method| (method.name().to_owned(), json!(method.answer(&investigation))))
+                .collect();
+            files.push((COMPARISON.to_owned(), pretty(&json!(methods)).into_bytes()));
+        }
+        if self.verdict_only {
+            drop(progress);
+            folder.write(&files)?;
+            let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+            let text = summary(&verdict, unit.symbol(), terminal) + &written_text(&written);
+            return Ok(finished(text, document, &verdict, &written));
+        }
         let mut improvement = improvement(&question, &investigation);
         // A given model is improved by what is added to its own experiment's structure, fitted anew.
         improvement.calibrate_on_target |= question.recordings.iter().any(|r| r.role == Role::Target);
@@ -96,31 +127,43 @@ impl Diagnose {
         drop(progress);
 
         let improved = improved_model(&text, &self.experiment, registry)?;
-        let mut files = vec![
-            ("verdict.json".to_owned(), pretty(&json!(verdict)).into_bytes()),
-            ("improved.toml".to_owned(), text.clone().into_bytes()),
-            ("rd_improved.json".to_owned(), improved),
-        ];
-        if self.compare {
-            let methods: serde_json::Map<String, serde_json::Value> = Method::ALL
-                .into_iter()
-                .map(|method| (method.name().to_owned(), json!(method.answer(&investigation))))
-                .collect();
-            files.push((COMPARISON.to_owned(), pretty(&json!(methods)).into_bytes()));
+        // Paths that became absolute are no addition.
+        let asked = absolute_paths(&experiment.source_text, &experiment);
+        let page = Diagnosed {
+            verdict: &verdict,
+            series: &series(&question, &investigation),
+            unit,
+            improved: (&improved.model, &improved.calibration),
+            added: added_lines(&asked, &text).into_iter().map(str::to_owned).collect(),
+            notes: &improvement.notes,
+            recording_notes: recordings.iter().map(notes_of).collect(),
+            document: &document,
         }
+        .page();
+        files.extend([
+            (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ("improved.toml".to_owned(), text.clone().into_bytes()),
+            ("rd_improved.json".to_owned(), improved.to_file()?),
+        ]);
         folder.write(&files)?;
-        let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+        let drawn = reports::write_plots(&page, plots.as_ref())?;
+        let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
         let mut report = summary(&verdict, unit.symbol(), terminal);
         for note in &improvement.notes {
             let _ = writeln!(report, "note: {note}");
         }
-        report.push_str(&difference(&experiment.source_text, &text));
+        report.push_str(&difference(&asked, &text));
         report.push_str(&written_text(&written));
-        let mut json = json!(verdict);
-        json["command"] = json!("diagnose");
-        json["outputs"] = json!(written);
-        Ok(Report { text: report, json, findings: verdict.verdict != Answer::NoMismatch })
+        report.push_str(&drawn_text(&drawn, plots.as_ref()));
+        written.extend(drawn);
+        Ok(finished(report, document, &verdict, &written))
     }
+}
+
+fn finished(text: String, mut json: serde_json::Value, verdict: &Verdict, written: &[PathBuf]) -> Report {
+    json["command"] = json!("diagnose");
+    json["outputs"] = json!(written);
+    Report { text, json, findings: verdict.verdict != Answer::NoMismatch }
 }
 
 /// Reads and preprocesses the recordings of an experiment, each with its part.
@@ -183,14 +226,16 @@ fn read(
 }
 
 /// Runs the improved experiment and gives its calibrated model.
-fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<Vec<u8>, Failure> {
+fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
     let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
-    let scratch =
-        tempfile::tempdir().map_err(|source| Failure::Write { path: std::env::temp_dir(), source })?;
-    let folder = OutputFolder::new("--out", scratch.path())?;
-    run_experiment(&experiment, &folder, &Terminal::new(false, true))?;
-    let file = scratch.path().join("rd_calibrated.json");
-    std::fs::read(&file).map_err(|source| Failure::Write { path: file, source })
+    Ok(fit_experiment(&experiment, &Terminal::new(false, true))?.calibrated)
+}
+
+/// What was found and done while a recording was read and preprocessed.
+fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
+    let mut notes = recording.raw.report.notes();
+    notes.extend(recording.data.data.report.notes());
+    notes
 }
 
 /// The improved experiment stands in another folder than its source: relative paths become absolute.
@@ -222,12 +267,7 @@ fn absolute_paths(text: &str, experiment: &Experiment) -> String {
 /// The verdict in a dozen lines.
 fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
     let mut text = String::new();
-    let headline = match verdict.verdict {
-        Answer::NoMismatch => "nothing is missing: what is left is noise",
-        Answer::Named => "the missing physics has a name",
-        Answer::Ambiguous => "one of a class of effects that these recordings cannot separate",
-        Answer::Unexplained => "something is missing that no known effect accounts for",
-    };
+    let headline = reports::diagnosis::headline(verdict.verdict);
     let _ = writeln!(text, "{}", terminal.emphasise(Emphasis::Title, headline));
     for (k, finding) in verdict.effects.iter().enumerate() {
         let _ = writeln!(text, "  {}. {} (score {:.0})", k + 1, finding.sentence, finding.evidence.score);
@@ -266,10 +306,15 @@ fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
     text
 }
 
+/// The lines that one text has and another has not.
+fn added_lines<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
+    let old: Vec<&str> = before.lines().collect();
+    after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect()
+}
+
 /// The lines that the improved experiment has and the original has not.
 fn difference(before: &str, after: &str) -> String {
-    let old: Vec<&str> = before.lines().collect();
-    let new: Vec<&str> = after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect();
+    let new = added_lines(before, after);
     if new.is_empty() {
         return String::new();
     }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{Session, models::describe};
 use crate::{
     failure::Failure,
-    glossary::{self, TERMS},
+    glossary::{self, terms},
     rendering::{
         number::significant,
         table::Table,
@@ -66,7 +66,7 @@ impl Explain {
 fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
     let models = session.registry.models().map(|m| m.name.as_str());
     let effects = effects::all().into_iter().map(|e| e.id());
-    let known = models.chain(effects).chain(TERMS.iter().map(|t| t.name));
+    let known = models.chain(effects).chain(terms().into_iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
     Failure::Argument {
         option: "NAME",
@@ -80,7 +80,7 @@ fn listing(session: &Session<'_>) -> Report {
     let effects: Vec<&str> = effects::all().into_iter().map(|e| e.id()).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
     models.dedup();
-    let terms: Vec<&str> = TERMS.iter().map(|t| t.name).collect();
+    let terms: Vec<&str> = terms().into_iter().map(|t| t.name).collect();
     let section = |title: &str, names: &[&str]| {
         let title = session.terminal.emphasise(Emphasis::Title, title);
         format!("{title}\n{}\n", wrapped_at(&names.join("  "), WIDTH, "  "))

@@ -17,13 +17,14 @@ use crate::{
         json::pretty,
         terminal::{Report, Terminal},
     },
+    reports::{self, PlotOptions},
     results::{metrics::Results, parameters},
 };
 
 /// Calibrate and validate a model as an experiment file says.
 ///
 /// Reads the recordings, compiles the model, calibrates it, judges it on every recording and writes
-/// rd_calibrated.json, calibrated_parameters.csv, metrics.json and a prediction for every recording.
+/// rd_calibrated.json, calibrated_parameters.csv, metrics.json, report.html and a prediction for every recording.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt run experiment.toml --out results")]
 pub struct Run {
@@ -33,28 +34,19 @@ pub struct Run {
     /// Folder for the results; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    plots: PlotOptions,
 }
 
 impl Run {
     /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
+        let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
-        run_experiment(&experiment, &folder, session.terminal)
+        let outcome = fit_experiment(&experiment, session.terminal)?;
+        write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)
     }
-}
-
-/// Does what an experiment says and fills `folder`.
-///
-/// # Errors
-/// Why it could not be done; then the folder is as it was.
-pub fn run_experiment(
-    experiment: &Experiment,
-    folder: &OutputFolder,
-    terminal: &Terminal,
-) -> Result<Report, Failure> {
-    let outcome = fit_experiment(experiment, terminal)?;
-    write_results("run", experiment, outcome, folder, terminal)
 }
 
 /// Does what an experiment says, without writing anything.
@@ -90,6 +82,7 @@ pub fn write_results(
     experiment: &Experiment,
     outcome: Outcome,
     folder: &OutputFolder,
+    plots: Option<&OutputFolder>,
     terminal: &Terminal,
 ) -> Result<Report, Failure> {
     let calibrated = &outcome.calibrated;
@@ -101,17 +94,22 @@ pub fn write_results(
         recordings: &outcome.recordings,
     };
     let metrics = results.to_json();
+    let page = reports::calibration::page(command, &results, Some(&experiment.source_text), &metrics);
     let mut files = vec![
+        (reports::FILE.to_owned(), page.to_html().into_bytes()),
         ("rd_calibrated.json".to_owned(), calibrated.to_file()?),
         ("calibrated_parameters.csv".to_owned(), parameters::to_csv(&calibrated.calibration.parameters)),
         ("metrics.json".to_owned(), pretty(&metrics).into_bytes()),
     ];
     files.extend(outcome.predictions);
     folder.write(&files)?;
+    let drawn = reports::write_plots(&page, plots)?;
 
-    let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+    let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
     let mut text = results.to_text(terminal);
     text.push_str(&written_text(&written));
+    text.push_str(&drawn_text(&drawn, plots));
+    written.extend(drawn);
     let mut json = metrics;
     json["command"] = json!(command);
     json["outputs"] = json!(written);
@@ -122,6 +120,13 @@ pub fn write_results(
 pub fn written_text(files: &[impl AsRef<Path>]) -> String {
     let lines: Vec<String> = files.iter().map(|f| format!("  {}\n", f.as_ref().display())).collect();
     format!("\nwritten\n{}", lines.concat())
+}
+
+/// Where the figures are, for people.
+pub fn drawn_text(drawn: &[PathBuf], plots: Option<&OutputFolder>) -> String {
+    plots.map_or_else(String::new, |folder| {
+        format!("  {} figures in {}\n", drawn.len(), folder.path().display())
+    })
 }
 
 /// `[calibration]` and what of `[preprocess]` concerns it.

@@ -6,9 +6,16 @@ use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, run_point, sl
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
-use super::{Session, run::written_text};
+use super::{
+    Session,
+    run::{drawn_text, written_text},
+};
 use crate::{
-    failure::Failure, rendering::terminal::Report, results::sweep_table, sweeping::ExperimentLoader,
+    failure::Failure,
+    rendering::terminal::Report,
+    reports::{self, PlotOptions},
+    results::sweep_table,
+    sweeping::ExperimentLoader,
 };
 
 /// Try many variants of an experiment and rank them by their error on what they were not fitted to.
@@ -56,6 +63,8 @@ struct RunSweep {
     /// Argument for sbatch, such as --slurm-arg=--partition=short; can be given several times
     #[arg(long, value_name = "ARG", allow_hyphen_values = true)]
     slurm_arg: Vec<String>,
+    #[command(flatten)]
+    plots: PlotOptions,
 }
 
 /// Write the plan and one resolved experiment per point, and run nothing.
@@ -80,12 +89,14 @@ struct RunPoint {
     out: PathBuf,
 }
 
-/// Gather the results of all points into table.csv and table.json.
+/// Gather the results of all points into table.csv, table.json and report.html.
 #[derive(Debug, Args)]
 struct Collect {
     /// Folder of the sweep
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    plots: PlotOptions,
 }
 
 /// Rank the points that have a result.
@@ -115,12 +126,13 @@ impl Sweep {
             Action::Run(run) => run.run(session),
             Action::Plan(plan) => plan.run(session),
             Action::Point(point) => point.run(session),
-            Action::Collect(Collect { out }) => {
+            Action::Collect(Collect { out, plots }) => {
                 let folder = Folder::planned(out)?;
                 collected(
                     &folder,
                     &folder.plan()?,
                     session,
+                    plots,
                     String::new(),
                     json!({ "command": "sweep collect" }),
                 )
@@ -163,7 +175,7 @@ impl RunSweep {
         let summary = run(&sweep, &plan, &folder, &ExperimentLoader, &watch)?;
         drop(bar);
         let json = json!({ "command": "sweep run", "run": summary_json(&summary) });
-        collected(&folder, &plan, session, summary_text(&summary), json)
+        collected(&folder, &plan, session, &self.plots, summary_text(&summary), json)
     }
 
     fn submit(&self, folder: Folder, plan: &Plan, session: &Session<'_>) -> Result<Report, Failure> {
@@ -248,17 +260,25 @@ fn collected(
     folder: &Folder,
     plan: &Plan,
     session: &Session<'_>,
+    plots: &PlotOptions,
     mut text: String,
     mut json: Value,
 ) -> Result<Report, Failure> {
     let ranking = Ranking::of(folder, plan, Rows::All);
     let document = format!("{:#}\n", json!(ranking));
-    let written = [
+    let plots = plots.folder()?;
+    let definition = std::fs::read_to_string(folder.path().join("experiment.toml")).ok();
+    let page = reports::sweep::page(&ranking, plan, definition.as_deref());
+    let mut written = vec![
+        folder.write(reports::FILE, page.to_html().as_bytes())?,
         folder.write("table.csv", ranking.to_csv().as_bytes())?,
         folder.write("table.json", document.as_bytes())?,
     ];
+    let drawn = reports::write_plots(&page, plots.as_ref())?;
     text.push_str(&sweep_table::to_text(&ranking, session.terminal));
     text.push_str(&written_text(&written));
+    text.push_str(&drawn_text(&drawn, plots.as_ref()));
+    written.extend(drawn);
     json["ranking"] = json!(ranking);
     json["outputs"] = json!(written);
     Ok(Report { text, json, findings: !ranking.failed.is_empty() || !ranking.missing.is_empty() })

@@ -90,6 +90,20 @@ impl JointReport {
     }
 }
 
+/// Values of f_dyn that are offered, Hz.
+const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
+/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
+const ROOM: f64 = 3.0;
+
+/// The f_dyn that suits a recording: the lowest round one with room above the motion whose position filter, at
+/// 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
+pub fn suitable_f_dyn_hz(joints: &[JointReport], rate_hz: f64) -> Option<f64> {
+    let top_hz = joints.iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
+    let possible = |f: &f64| 10.0 * f < rate_hz;
+    let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
+    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)
+}
+
 fn range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
 }

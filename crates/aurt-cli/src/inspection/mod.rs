@@ -2,4 +2,5 @@
 
 pub mod excitation;
 pub mod joints;
+pub mod judged;
 pub mod series;

@@ -1,6 +1,6 @@
 //! `metrics.json`, and the same numbers as tables on the terminal.
 
-use aurt_calibration::{Calibration, Estimator, LoadTorqueChoice, Metrics, Rest, Validation};
+use aurt_calibration::{Calibration, Comparison, Estimator, LoadTorqueChoice, Metrics, Rest, Validation};
 use aurt_traits::RobotModel;
 use serde_json::{Map, Value, json};
 
@@ -42,6 +42,10 @@ pub struct RecordingResult {
     pub window_s: Option<[f64; 2]>,
     /// The errors.
     pub validation: Validation,
+    /// The rows that the errors are means over.
+    pub comparison: Comparison,
+    /// The first stamp of the file, s.
+    pub first_stamp_s: f64,
     /// What was found and done while it was read and preprocessed.
     pub notes: Vec<String>,
     /// Name of the file with its prediction.

@@ -42,6 +42,11 @@ fn every_command_answers_in_json() {
         "calibrate --json --model rd.json --data demo/exciting_motion.csv --out-params p.csv \
          --out-calibrated-model c.json --f-dyn-hz 5",
         "predict --json --model c.json --data demo/other_motion.csv --out predicted.csv",
+        "check --json demo/exciting_motion.csv",
+        "calibrate-validate --json --model rd.json --data demo/exciting_motion.csv --calibration-data-rel 0.7 \
+         --f-dyn-hz 5 --out-params p.csv --out-calibrated-model c.json --out-prediction y.csv",
+        "completions --json bash",
+        "man --json --out pages",
         "models --json",
         "explain --json square",
         "explain --json",

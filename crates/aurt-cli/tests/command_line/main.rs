@@ -12,6 +12,7 @@ mod machine_output;
 mod outputs;
 mod plugins;
 mod real_recordings;
+mod reports;
 mod simulation;
 mod support;
 mod sweeps;

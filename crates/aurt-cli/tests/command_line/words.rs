@@ -48,7 +48,9 @@ fn models_are_explained_and_unknown_ones_suggested() {
         assert!(payload.contains(word), "`{word}` is missing in\n{payload}");
     }
     let all = folder.aurt(["explain"]).succeeded().stdout();
-    for word in ["joint_elasticity", "maxwell_slip", "condition_number"] {
+    for word in
+        ["joint_elasticity", "maxwell_slip", "condition_number", "noise_floor", "out_of_reach", "unexplained"]
+    {
         assert!(all.contains(word), "`{word}` is missing in\n{all}");
     }
 }

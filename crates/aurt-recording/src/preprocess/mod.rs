@@ -189,7 +189,8 @@ pub(crate) fn filter(
         format!("{option} can be at most {highest_hz:.6} Hz")
     } else {
         format!(
-            "it is {multiple} f_dyn, so f_dyn_hz can be at most {largest_f_dyn_hz:.6}; or record faster, or set {option}"
+            "it is {multiple} f_dyn, so f_dyn_hz can be at most {largest_f_dyn_hz:.6}; three times the highest frequency of \
+             the motion is enough, and arms mostly move below 1 Hz; or record faster, or set {option}"
         )
     };
     if rate_hz < 5.0 {

@@ -1,18 +1,9 @@
-//! The terms of reports and files, in words: what `aurt explain` prints.
+//! Terms of models, calibration and validation.
 
-/// A term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Term {
-    /// What to ask for, snake_case.
-    pub name: &'static str,
-    /// Its full name.
-    pub title: &'static str,
-    /// What it means, when to heed it, what to do.
-    pub text: &'static str,
-}
+use super::Term;
 
-/// All terms, sorted by name.
-pub const TERMS: [Term; 16] = [
+/// The terms.
+pub const TERMS: &[Term] = &[
     Term {
         name: "badly_excited",
         title: "badly excited parameters",
@@ -133,20 +124,3 @@ pub const TERMS: [Term; 16] = [
             recording of any length fits in memory.",
     },
 ];
-
-/// The term of a name.
-pub fn term(name: &str) -> Option<&'static Term> {
-    TERMS.iter().find(|t| t.name == name || (t.name == "nrms" && name == "nrmse"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn terms_are_sorted_and_found() {
-        assert!(TERMS.is_sorted_by_key(|t| t.name));
-        assert_eq!(term("nrmse").unwrap().name, "nrms");
-        assert_eq!(term("absent"), None);
-    }
-}

@@ -1,0 +1,42 @@
+//! The terms of reports and files, in words: what `aurt explain` prints.
+
+mod calibration;
+mod diagnosis;
+mod recording;
+
+/// A term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Term {
+    /// What to ask for, snake_case.
+    pub name: &'static str,
+    /// Its full name.
+    pub title: &'static str,
+    /// What it means, when to heed it, what to do.
+    pub text: &'static str,
+}
+
+/// All terms, sorted by name.
+pub fn terms() -> Vec<&'static Term> {
+    let mut terms: Vec<&Term> =
+        [calibration::TERMS, diagnosis::TERMS, recording::TERMS].into_iter().flatten().collect();
+    terms.sort_by_key(|t| t.name);
+    terms
+}
+
+/// The term of a name.
+pub fn term(name: &str) -> Option<&'static Term> {
+    let name = if name == "nrmse" { "nrms" } else { name };
+    terms().into_iter().find(|t| t.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_have_one_meaning_and_are_found() {
+        assert!(terms().windows(2).all(|w| w[0].name < w[1].name));
+        assert_eq!(term("nrmse").unwrap().name, "nrms");
+        assert_eq!(term("absent"), None);
+    }
+}

@@ -1,0 +1,79 @@
+//! The rows that reports draw are those that a verdict's figures are means over.
+
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::path::{Path, PathBuf};
+
+use aurt_calibration::{CalibrationOptions, NamedRecording};
+use aurt_diagnosis::{
+    Question, QuestionedRecording, Role, SelectionOptions, investigate, series, write_verdict,
+};
+use aurt_plugins::{Experiment, Registry};
+use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
+use aurt_traits::MeasurementUnit;
+
+const F_DYN_HZ: f64 = 2.5;
+
+fn questioned(folder: &Path, name: &str, role: Role) -> QuestionedRecording {
+    let raw = read_recording(&folder.join(name), &ReadOptions::default()).unwrap();
+    let options = PreprocessOptions { trim_rest: true, ..PreprocessOptions::new(F_DYN_HZ) };
+    let data = NamedRecording { name: name.into(), data: preprocess(&raw, &options).unwrap() };
+    QuestionedRecording { role, raw, data, options, simulated: None, spoilt: None }
+}
+
+/// Root mean square of the rows that count.
+fn rms<'a>(rows: impl Iterator<Item = &'a f64>) -> f64 {
+    let (sum, count) =
+        rows.filter(|r| r.is_finite()).fold((0.0, 0.0), |(sum, count), r| (sum + r * r, count + 1.0));
+    f64::sqrt(sum / count)
+}
+
+fn assert_close(a: f64, b: f64, what: &str) {
+    assert!((a - b).abs() < 1e-9 * b.abs(), "{what}: {a} and {b}");
+}
+
+#[test]
+fn figures_of_a_verdict_can_be_had_from_its_rows() {
+    let folder = std::env::var_os("AURT_DATA").map(|f| PathBuf::from(f).join("ur10e"));
+    let Some(folder) = folder.filter(|f| f.is_dir()) else {
+        println!("skipped: AURT_DATA names no folder with recordings of a UR10e");
+        return;
+    };
+    let text = format!(
+        "schema = 1\n[robot]\nmdh = {:?}\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[preprocess]\nf_dyn_hz = 2.5\n\
+         [recordings]\ncalibration = [{:?}]\n",
+        folder.join("mdh.csv"),
+        folder.join("unloaded_50s.csv"),
+    );
+    let mut registry = Registry::linked().unwrap();
+    let experiment = Experiment::parse(&text, Path::new("experiment.toml"), &mut registry).unwrap();
+    let model = experiment.robot_model().unwrap();
+    let recordings = [
+        questioned(&folder, "unloaded_50s.csv", Role::Calibration),
+        questioned(&folder, "excitation_20s.csv", Role::Validation),
+    ];
+    let question = Question {
+        model: &model,
+        frozen: None,
+        recordings: &recordings,
+        unit: MeasurementUnit::Ampere,
+        f_dyn_hz: F_DYN_HZ,
+        calibration: CalibrationOptions::default(),
+        selection: SelectionOptions::default(),
+        without: &[],
+    };
+    let investigation = investigate(&question, &registry, |_| ()).unwrap();
+    let verdict = write_verdict(&question, &investigation);
+    let series = series(&question, &investigation);
+    let [fitted, held_out] = &series[..] else { panic!("{} recordings", series.len()) };
+    assert_eq!((held_out.held_out_from, fitted.held_out_from), (0, fitted.time_s.len()));
+    for j in 0..6 {
+        let residual = &verdict.residual[j];
+        assert_close(rms(fitted.joints[j].before.iter()), residual.baseline_rms, "before");
+        assert_close(rms(fitted.joints[j].after.iter()), residual.unexplained_rms, "after");
+        assert_close(rms(held_out.joints[j].before.iter()), verdict.held_out.rms_before[j], "held out");
+        assert_close(rms(held_out.joints[j].after.iter()), verdict.held_out.rms_after[j], "held out, after");
+        let measured = held_out.joints[j].measured.as_ref().unwrap();
+        assert_eq!(measured.len(), held_out.time_s.len());
+    }
+}

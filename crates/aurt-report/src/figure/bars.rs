@@ -1,0 +1,131 @@
+//! Bars in groups, each group on a scale of its own, with the noise floor marked.
+
+use std::fmt::Write;
+
+use super::{
+    Style, Target,
+    drawing::{self, Sample, class, text},
+    scale::coordinate,
+};
+use crate::escape;
+
+/// Bars that are compared with each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BarGroup {
+    /// What they are of.
+    pub label: String,
+    /// The values, in the order of [`Bars::series`]; absent ones are not drawn.
+    pub values: Vec<Option<f64>>,
+    /// A level to be marked, such as what noise alone leaves.
+    pub level: Option<f64>,
+}
+
+/// Bars in groups.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bars {
+    /// Title.
+    pub title: String,
+    /// Stem of the file name.
+    pub name: String,
+    /// What stands below; may be empty.
+    pub caption: String,
+    /// Unit of the values.
+    pub unit: String,
+    /// What the bars of each group are.
+    pub series: Vec<(String, Style)>,
+    /// What the marked level is; empty if there is none.
+    pub level_name: String,
+    /// Whether all groups share one scale; else the largest bar of each fills the width.
+    pub one_scale: bool,
+    /// The groups.
+    pub groups: Vec<BarGroup>,
+}
+
+const WIDTH: f64 = 360.0;
+const BAR: f64 = 15.0;
+const SPACE: f64 = 12.0;
+/// Room for the numbers behind the bars.
+const NUMBERS: f64 = 86.0;
+/// Room above a group for its label.
+const LABEL: f64 = 17.0;
+
+impl Bars {
+    pub(crate) fn legend(&self) -> Vec<(String, Sample)> {
+        let mut entries: Vec<(String, Sample)> =
+            self.series.iter().map(|(name, style)| (name.clone(), Sample::Bar(class(*style)))).collect();
+        if self.groups.iter().any(|g| g.level.is_some()) {
+            entries.push((self.level_name.clone(), Sample::Mark));
+        }
+        entries
+    }
+
+    fn largest(groups: &[BarGroup]) -> f64 {
+        let values = groups.iter().flat_map(|g| g.values.iter().flatten().chain(&g.level));
+        values.copied().filter(|v| v.is_finite()).fold(0.0, f64::max)
+    }
+
+    pub(crate) fn draw(&self, target: Target) -> String {
+        let length = WIDTH - NUMBERS - 4.0;
+        let all = Self::largest(&self.groups);
+        let mut svg = String::new();
+        let mut top = 0.0;
+        for group in &self.groups {
+            let largest =
+                if self.one_scale { all } else { Self::largest(std::slice::from_ref(group)) }.max(1e-300);
+            svg.push_str(&text(4.0, top + 12.0, "start", "axis", &group.label));
+            let first = top + LABEL;
+            top = first;
+            let mark = group.level.filter(|l| l.is_finite()).map(|l| 4.0 + length * l / largest);
+            for ((name, style), value) in self.series.iter().zip(&group.values) {
+                if let Some(value) = value.filter(|v| v.is_finite()) {
+                    let width = (length * value.max(0.0) / largest).max(0.5);
+                    let number = format!("{} {}", significant(value), self.unit);
+                    let _ = write!(
+                        svg,
+                        "<rect class=\"bar {}\" x=\"4\" y=\"{top}\" width=\"{}\" height=\"{}\">\
+                         <title>{}</title></rect>",
+                        class(*style),
+                        coordinate(width),
+                        BAR - 2.0,
+                        escape::text(&format!("{}, {name}: {number}", group.label)),
+                    );
+                    let mut behind = 8.0 + width;
+                    // A number stands behind the mark that would go through it.
+                    let end = behind + 7.0 * number.chars().count() as f64;
+                    if let Some(mark) = mark.filter(|m| (behind - 3.0..end).contains(m)) {
+                        behind = mark + 5.0;
+                    }
+                    svg.push_str(&text(behind, top + BAR - 4.5, "start", "tick", number.trim_end()));
+                }
+                top += BAR;
+            }
+            if let Some(x) = mark.map(coordinate) {
+                let _ = write!(svg, "<path class=\"mark\" d=\"M{x} {}V{}\"/>", first - 2.0, top);
+            }
+            top += SPACE;
+        }
+        match target {
+            Target::File => drawing::file(WIDTH, top, &self.title, &self.legend(), &svg),
+            Target::Page => format!(
+                "<svg viewBox=\"0 0 {WIDTH} {top}\" role=\"img\" aria-label=\"{}\">{svg}</svg>",
+                escape::text(&self.title)
+            ),
+        }
+    }
+}
+
+/// Three significant digits.
+fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if value.fract() == 0.0 && value.abs() < 1000.0 {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&magnitude) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - magnitude).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}

@@ -1,0 +1,119 @@
+//! What a report says, before it is drawn.
+
+use crate::{Figure, Table, document};
+
+/// A report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page {
+    /// What it is about, in the browser's title and at the top.
+    pub title: String,
+    /// The answer, in words.
+    pub verdict: Verdict,
+    /// What supports it, most important first.
+    pub sections: Vec<Section>,
+    /// How it was computed: data, filters, versions, seeds; name and value.
+    pub provenance: Vec<(String, String)>,
+    /// The same results for programs, a JSON document; embedded, so that a report alone is enough to check it.
+    pub results_json: String,
+}
+
+/// How good the news is; shown by a sign and a word as well as by colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// All is well.
+    Good,
+    /// Something was found.
+    Found,
+    /// Something needs attention.
+    Attention,
+}
+
+/// The answer, in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// How good the news is.
+    pub tone: Tone,
+    /// One sentence.
+    pub headline: String,
+    /// What belongs to it, a sentence each.
+    pub sentences: Vec<String>,
+}
+
+/// A part of a report under a heading.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// The heading.
+    pub title: String,
+    /// How to read what follows; may be empty.
+    pub introduction: String,
+    /// What follows.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// Sentences, each for itself.
+    List(Vec<String>),
+    /// Text to be shown as it is written.
+    Code(String),
+    /// A table.
+    Table(Table),
+    /// A figure.
+    Figure(Figure),
+    /// Figures side by side as far as there is room.
+    Figures(Vec<Figure>),
+    /// Blocks that can be folded away under a title, open or not at first.
+    Folded {
+        /// The title.
+        title: String,
+        /// Whether they are shown at first.
+        open: bool,
+        /// The blocks.
+        blocks: Vec<Block>,
+    },
+}
+
+impl Page {
+    /// The page as one HTML document that needs nothing else.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        document::html(self)
+    }
+
+    /// All figures in their order, each with a file name that no other has.
+    #[must_use]
+    pub fn figures(&self) -> Vec<(String, &Figure)> {
+        let mut figures = Vec::new();
+        for section in &self.sections {
+            section.blocks.iter().for_each(|b| b.collect(&mut figures));
+        }
+        let mut taken = std::collections::BTreeSet::new();
+        figures
+            .into_iter()
+            .map(|figure| {
+                let stem = figure.name();
+                let mut name = format!("{stem}.svg");
+                let mut number = 2;
+                while !taken.insert(name.clone()) {
+                    name = format!("{stem}_{number}.svg");
+                    number += 1;
+                }
+                (name, figure)
+            })
+            .collect()
+    }
+}
+
+impl Block {
+    fn collect<'p>(&'p self, found: &mut Vec<&'p Figure>) {
+        match self {
+            Self::Figure(figure) => found.push(figure),
+            Self::Figures(figures) => found.extend(figures),
+            Self::Folded { blocks, .. } => blocks.iter().for_each(|b| b.collect(found)),
+            Self::Text(_) | Self::List(_) | Self::Code(_) | Self::Table(_) => {}
+        }
+    }
+}
