@@ -104,7 +104,7 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
             present_in: vec![kind.to_owned()],
             recording: Some(recording.data.name.clone()),
             window_s: Some(contact.window_s),
-            confidence: confidence(contact.score),
+            confidence: confidence(contact.score, false),
             parameters: BTreeMap::from([
                 ("link".to_owned(), number(json!(contact.link))),
                 ("force_n".to_owned(), number(json!(contact.force_n))),
@@ -137,7 +137,7 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
         present_in: present_in(question, investigation, delay.target_only),
         recording: None,
         window_s: None,
-        confidence: confidence(delay.score),
+        confidence: confidence(delay.score, false),
         parameters: BTreeMap::from([(
             "delay_s".to_owned(),
             ParameterValue { value: json!(delay.delay_s), std: json!(delay.std_s) },
@@ -187,7 +187,7 @@ pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investig
             present_in: kinds.iter().filter(|(_, is)| *is).map(|(kind, _)| (*kind).to_owned()).collect(),
             recording: None,
             window_s: None,
-            confidence: confidence(shaking.score),
+            confidence: confidence(shaking.score, false),
             parameters,
             alternatives: Vec::new(),
             evidence: Evidence { score: shaking.score, threshold: question.selection.score },
@@ -222,6 +222,7 @@ pub(crate) fn findings(
             (true, false) => concerned(one),
             _ => group.joints.clone(),
         };
+        let alternatives = alternatives(investigation, chosen, one, all, weights);
         let finding = Finding {
             effect: group.effect.to_owned(),
             family: effect.family(),
@@ -229,12 +230,12 @@ pub(crate) fn findings(
             present_in: present_in(question, investigation, group.target_only()),
             recording: None,
             window_s: None,
-            confidence: confidence(one.score),
+            confidence: confidence(one.score, !alternatives.is_empty()),
             parameters: parameters
                 .into_iter()
                 .map(|(name, (value, std))| (name, ParameterValue { value, std }))
                 .collect(),
-            alternatives: alternatives(investigation, chosen, one, all, weights),
+            alternatives,
             evidence: Evidence { score: one.score, threshold: question.selection.score },
             sentence: String::new(),
         };
@@ -284,7 +285,7 @@ fn merge(first: &mut Finding, other: Finding, parts: usize) {
     }
     first.joints.extend(other.joints);
     first.evidence.score = first.evidence.score.max(other.evidence.score);
-    first.confidence = first.confidence.max(other.confidence);
+    first.confidence = first.confidence.min(other.confidence);
     for alternative in other.alternatives {
         if first.alternatives.len() < ALTERNATIVES
             && !first.alternatives.iter().any(|a| a.effect == alternative.effect)

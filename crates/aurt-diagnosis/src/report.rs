@@ -80,18 +80,6 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .filter(|f| !f.suffices)
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
-    if !verdict.effects.is_empty() {
-        verdict
-            .notes
-            .push("`confidence` is provisional: its rates have not been counted in a full proof yet".into());
-    }
-    if question.unit == aurt_traits::MeasurementUnit::Ampere && !verdict.effects.is_empty() {
-        verdict.notes.push(
-            "measured in A: masses, inertias and torques of the effects are divided by the drives' torque constants; \
-             kg and Nm need torque_constants_nm_per_a in the experiment"
-                .into(),
-        );
-    }
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
         verdict.notes.push(
             "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),

@@ -53,7 +53,7 @@ pub struct Finding {
     pub recording: Option<String>,
     /// Its window in that recording, s from the first stamp.
     pub window_s: Option<[f64; 2]>,
-    /// Hit rate at this score; provisional until a full proof has counted it.
+    /// Share of findings of such a score that were right in proofs on simulated robots.
     pub confidence: f64,
     /// Parameters under their canonical names; lists run along `joints`.
     pub parameters: BTreeMap<String, ParameterValue>,
