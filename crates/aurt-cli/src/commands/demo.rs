@@ -20,6 +20,7 @@ use crate::{
         number::significant,
         table::Table,
         terminal::{Emphasis, Report},
+        text::wrapped,
     },
 };
 
@@ -64,7 +65,7 @@ impl Demo {
             inputs.concat(),
             report.text,
             table.render(),
-            diagnosis.text,
+            what_was_found(&diagnosis.json).trim_end(),
             demo::CONCEALED
         );
         report.json["diagnosis"] = diagnosis.json;
@@ -92,6 +93,25 @@ fn refuse_foreign_experiment(folder: &Path) -> Result<(), Failure> {
         }),
         _ => Ok(()),
     }
+}
+
+/// What a diagnosis found, and what it is worth on the recording that took no part, for a terminal.
+fn what_was_found(verdict: &Value) -> String {
+    let effects = verdict["effects"].as_array().map_or(&[][..], Vec::as_slice);
+    let mut text = String::new();
+    if effects.is_empty() {
+        text.push_str("nothing was found\n");
+    }
+    for sentence in effects.iter().filter_map(|effect| effect["sentence"].as_str()) {
+        text.push_str(&wrapped(&format!("found: {sentence}")));
+    }
+    let held_out = |key: &str| verdict["held_out"][key].as_array().cloned().unwrap_or_default();
+    let mut table = Table::new(["joint", "error held out, Nm", "with what was found"]);
+    for (joint, (before, after)) in held_out("rms_before").iter().zip(held_out("rms_after")).enumerate() {
+        let number = |value: &Value| significant(value.as_f64().unwrap_or(f64::NAN), 3);
+        table.row([joint.to_string(), number(before), number(&after)]);
+    }
+    text + "\n" + &table.render()
 }
 
 /// A parameter with its true value.
