@@ -55,22 +55,32 @@ pub struct JointSeriesRows {
 pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<RecordingSeries> {
     let all = all_switches(investigation, &investigation.selection.chosen);
     let fit = |switches| weighted_fit(&investigation.problem, switches, &investigation.floor).0.coefficients;
-    let (full, base) = (fit(&all), fit(&investigation.base_switches));
+    let full = fit(&all);
     let layout = &investigation.layout;
+    // Before is before a delay was undone, too.
+    let first = investigation.late.as_ref().map_or(investigation, |late| &late.before);
+    let base = weighted_fit(&first.problem, &first.base_switches, &first.floor).0.coefficients;
     investigation
         .rows
         .iter()
         .enumerate()
         .map(|(r, rows)| {
+            let same_rows = first.rows[r].rows() == rows.rows();
+            let before = if same_rows { &first.rows[r] } else { rows };
             let left =
-                |coefficients: &[f64]| residuals(rows, layout, &investigation.base_switches, coefficients);
-            let (fitted, calibrated) = (left(&base), left(&investigation.baseline.coefficients));
+                |coefficients: &[f64]| residuals(before, &first.layout, &first.base_switches, coefficients);
+            let (fitted, calibrated) = (left(&base), left(&first.baseline.coefficients));
             let after = residuals(rows, layout, &all, &full);
             let held_out = investigation.partition.held_out.iter().find(|part| part.0 == r);
             let held_out_from = held_out.map_or(rows.rows(), |part| part.1);
             let raw = &question.recordings[r].raw;
             let origin_s = raw.time_s.first().copied().unwrap_or(0.0);
-            let measured = measured(question, r, rows);
+            let measured = match &investigation.late {
+                None => measured(question, r, rows),
+                // As shifted: the recording itself is late.
+                Some(_) if investigation.baseline.frozen => None,
+                Some(_) => Some(rows.joints.iter().map(|j| j.measurement.clone()).collect()),
+            };
             let joints = (0..rows.joints.len())
                 .map(|j| {
                     let joint = &rows.joints[j];

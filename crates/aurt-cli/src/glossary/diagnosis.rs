@@ -21,8 +21,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "confidence",
         title: "confidence of a finding",
-        text: "How often findings of such a score are right. It rises with the score, but its figures are \
-            provisional until a full proof has counted them; the score is what selection used.",
+        text: "How often findings of such a score were right in proofs on simulated robots; the first label of a \
+            class that the data cannot separate is right about every other time. On a real robot, whose noise is \
+            not white and whose model lacks several things at once, it is an upper bound.",
     },
     Term {
         name: "follows",

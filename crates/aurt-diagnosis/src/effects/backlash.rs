@@ -4,12 +4,13 @@
 //! Motor and link are not in touch while |θ − q| < b: whenever the load changes its sign, the motor crosses the
 //! gap 2b free of load and strikes the other flank.
 //!
-//! - `gap_rad`: 2b, the full play at the joint, arc minutes (3·10⁻⁴ rad each).
+//! - `load_reversals`: how often the load changed its sign; `energy_ratio`: how much louder it was there.
 //!
 //! # How it shows
 //! Short bursts of residual, an impact and some ringing, each time the transmitted torque changes sign, and
 //! nothing in between. They lie above the cut-off of the filters, so they are looked for in the raw recording:
-//! their kurtosis is high and their variance is locked to the sign changes of the load.
+//! the energy along the joint's column of the inertia matrix is higher where its load changes sign than beside it.
+//! The gap itself is not estimated.
 //!
 //! # Easily confused with
 //! - `joint_elasticity`: rings as well, but after every jolt, not at changes of the load's sign.

@@ -5,7 +5,8 @@
 //! motor and the two of them ring. Well below the resonance, the torque of the rigid model is only off by a
 //! multiple of its second derivative, τ̈.
 //!
-//! - `stiffness_nm_rad`: K, 10³–10⁵ Nm/rad; `damping_nm_s`: D;
+//! - `stiffness_nm_rad`: K, 10³–10⁵ Nm/rad, from the frequency of the ringing (`frequency_hz`) and the inertia of
+//!   the joint, where the recording rings;
 //! - what a slow motion determines is the ratio of the inertia that swings to the stiffness,
 //!   `inertia_over_stiffness_s2`: 1/ω² of the resonance ω.
 //!
