@@ -112,7 +112,12 @@ fn prove_case(
     if !missing(&verdict) && blind.as_ref().is_none_or(|(folder, _)| !missing(folder)) {
         return Ok(None);
     }
-    plan.make(seed, index)?.write(&place.cases(), &place.sealed())?;
+    // A case that cannot be made is no case; it is named, and the others go on.
+    let case = match plan.make(seed, index) {
+        Ok(case) => case,
+        Err(error) => return Ok(Some(format!("could not be made: {error}"))),
+    };
+    case.write(&place.cases(), &place.sealed())?;
     let folder = place.cases().join(&name);
     let mut complaint = None;
     if missing(&verdict) {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, RecordingRows, Role,
-    Shift, Verdict,
+    Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
+    RecordingRows, Role, Shift, Verdict,
     baseline::weighted_fit,
     diagnose::residuals,
     effects::{self, Presence},
@@ -12,6 +12,7 @@ use crate::{
     localise,
     problem::{Switch, TotalFit},
     selection::{Chosen, is_friction},
+    wideband::LEAST_RATE_HZ,
 };
 use aurt_traits::ColumnGroup;
 
@@ -80,6 +81,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .filter(|f| !f.suffices)
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
+    let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
+    if question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow) {
+        verdict.notes.push(format!(
+            "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
+             {LEAST_RATE_HZ:.0} samples per second or more"
+        ));
+    }
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
         verdict.notes.push(
             "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),

@@ -82,7 +82,7 @@ impl Prove {
         }
         text.push_str(&comparison(&board, &methods));
         for (case, complaint) in &failed {
-            let _ = writeln!(text, "\n{case} could not be diagnosed: {complaint}");
+            let _ = writeln!(text, "\n{case}: {complaint}");
         }
         let json = json!({
             "command": "prove", "seed": self.seed, "failed": failed, "board": board, "methods": methods,

@@ -52,7 +52,10 @@ pub(crate) struct Piece {
     pub full: FullRate,
 }
 
-/// Looks for play and ringing in all recordings that are not for validation.
+/// Recordings of fewer samples per second do not resolve impacts: what is high in them is the upper end of the motion.
+pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
+
+/// Looks for play and ringing in all recordings that are not for validation and have at least 200 samples per second.
 ///
 /// # Errors
 /// What the model and the filters report.
@@ -67,7 +70,7 @@ pub fn find_shaking(
         if questioned.role == Role::Validation || questioned.simulated.is_some() {
             continue;
         }
-        for segment in &questioned.data.data.segments {
+        for segment in questioned.data.data.segments.iter().filter(|s| s.rate_hz >= LEAST_RATE_HZ) {
             if let Some(full) = FullRate::evaluate(segment, fit, inertial)? {
                 pieces.push(Piece { recording, target: questioned.role == Role::Target, full });
             }

@@ -40,18 +40,17 @@ pub fn conceal(
     progress: &(dyn Fn(Progress<'_>) + Sync),
 ) -> Result<Concealed, SimulationError> {
     let (cases, sealed) = (cases.as_ref(), sealed.as_ref());
-    let requests = plan.requests(seed)?;
+    let all = plan.requests(seed)?.len();
     for folder in [cases, sealed] {
         std::fs::create_dir_all(folder)
             .map_err(|source| SimulationError::Io { path: folder.into(), source })?;
     }
-    let (all, done) = (requests.len(), AtomicUsize::new(0));
-    let truths = requests
-        .par_iter()
-        .enumerate()
-        .map(|(index, request)| {
+    let done = AtomicUsize::new(0);
+    let truths = (0..all)
+        .into_par_iter()
+        .map(|index| {
             let name = Plan::case_name(index);
-            let case = make_case(&name, request, &plan.recordings, case_seed(seed, index))?;
+            let case = plan.make(seed, index)?;
             case.write(cases, sealed)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(Progress { done, all, last: &name });
@@ -73,7 +72,8 @@ impl Plan {
         let settings = self.recordings;
         Ok(self.requests(seed)?.into_iter().enumerate().map(move |(index, request)| {
             let name = Self::case_name(index);
-            let case = make_case(&name, &request, &settings, case_seed(seed, index));
+            let make = |attempt| make_case(&name, &request, &settings, case_seed(seed, index, attempt));
+            let case = again(make);
             (name, case)
         }))
     }
@@ -88,7 +88,9 @@ impl Plan {
             path: "plan".into(),
             reason: format!("has {} cases, number {} was asked for", requests.len(), index + 1),
         })?;
-        make_case(&Self::case_name(index), request, &self.recordings, case_seed(seed, index))
+        again(|attempt| {
+            make_case(&Self::case_name(index), request, &self.recordings, case_seed(seed, index, attempt))
+        })
     }
 
     /// The name of a case; `index` counts from 0.
@@ -98,8 +100,24 @@ impl Plan {
     }
 }
 
-fn case_seed(seed: u64, index: usize) -> u64 {
-    crate::Random::labelled(seed, &format!("case {index}")).bits()
+/// Draws after which a case is given up: now and then an effect is stronger than the robot's controller can bear.
+const MOST_DRAWS: usize = 4;
+
+/// The first draw that can be made, or why the last one could not.
+fn again(make: impl Fn(usize) -> Result<Case, SimulationError>) -> Result<Case, SimulationError> {
+    let mut draw = make(0);
+    for attempt in 1..MOST_DRAWS {
+        if draw.is_ok() {
+            break;
+        }
+        draw = make(attempt);
+    }
+    draw
+}
+
+fn case_seed(seed: u64, index: usize, attempt: usize) -> u64 {
+    let label = if attempt == 0 { format!("case {index}") } else { format!("case {index} again {attempt}") };
+    crate::Random::labelled(seed, &label).bits()
 }
 
 impl Case {
