@@ -123,7 +123,8 @@ fn what_is_killed_goes_on_to_the_same_bytes() {
     assert_eq!(run["run"]["run"], MANY_POINTS - there);
     folder.aurt(words("sweep run experiment.toml --out undisturbed")).succeeded();
     let (killed, undisturbed) = (contents(&folder.path("killed")), contents(&folder.path("undisturbed")));
-    assert_eq!(undisturbed.len(), 2 * MANY_POINTS + 4);
+    // A point and a result each, and five files about the whole sweep, the report among them.
+    assert_eq!(undisturbed.len(), 2 * MANY_POINTS + 5);
     assert!(killed == undisturbed, "the folders differ");
 }
 
