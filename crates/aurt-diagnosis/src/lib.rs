@@ -4,6 +4,7 @@
 //! cross-validation over blocks of time) → [`Verdict`].
 
 mod baseline;
+mod candidates;
 mod comparison;
 mod confidence;
 mod contact;
@@ -23,6 +24,7 @@ mod periodogram;
 mod problem;
 mod question;
 mod report;
+mod residuals;
 mod rows;
 mod selection;
 mod series;
@@ -31,9 +33,10 @@ mod verdict;
 mod wideband;
 
 pub use baseline::Baseline;
+pub use candidates::Candidate;
 pub use comparison::{Method, MethodFinding, MethodVerdict};
 pub use contact::{Contact, ContactOptions, ContactRows, ForceColumns, find_contacts, force_columns};
-pub use diagnose::{Candidate, Investigation, investigate};
+pub use diagnose::{Investigation, investigate};
 pub use error::DiagnosisError;
 pub use faults::{Fault, RecordingFaults};
 pub use improve::{Improvement, improved_experiment, improvement};

@@ -6,11 +6,11 @@ use crate::{
     Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
     RecordingRows, Role, Shift, Verdict,
     baseline::weighted_fit,
-    diagnose::residuals,
     effects::{self, Presence},
     findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
+    residuals::residuals,
     selection::{Chosen, is_friction},
     wideband::LEAST_RATE_HZ,
 };

@@ -3,9 +3,9 @@
 use crate::{
     Investigation, Question, RecordingRows, Role,
     baseline::weighted_fit,
-    diagnose::residuals,
     localise,
     report::{all_switches, rigid_body_load},
+    residuals::residuals,
 };
 
 /// One recording of an investigation, row by row.

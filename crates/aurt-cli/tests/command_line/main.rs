@@ -11,6 +11,7 @@ mod instruction_sets;
 mod machine_output;
 mod outputs;
 mod plugins;
+mod proof;
 mod real_recordings;
 mod reports;
 mod simulation;
