@@ -408,7 +408,7 @@ fn sentence(finding: &Finding) -> String {
         .filter_map(|(name, p)| {
             let value = p.value.as_f64()?;
             Some(match p.std.as_f64() {
-                Some(std) => format!("{name} = {value:.4} ± {std:.2e}"),
+                Some(std) => format!("{name} = {}", with_deviation(value, std)),
                 None => format!("{name} = {value}"),
             })
         })
@@ -418,6 +418,28 @@ fn sentence(finding: &Finding) -> String {
     format!("{title} {plural} {joints}{when}{key}")
 }
 
+/// A value with its deviation, both to two digits of the latter.
+fn with_deviation(value: f64, std: f64) -> String {
+    if !(std.is_finite() && std > 0.0) {
+        return format!("{value:.4}");
+    }
+    let digits = (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$} ± {std:.digits$}")
+}
+
 fn list(joints: &[usize]) -> String {
     joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_deviation;
+
+    #[test]
+    fn values_have_the_digits_that_their_deviation_allows() {
+        assert_eq!(with_deviation(2.764_27, 0.029_43), "2.764 ± 0.029");
+        assert_eq!(with_deviation(15.809, 1.41), "15.8 ± 1.4");
+        assert_eq!(with_deviation(1234.5, 21.0), "1234 ± 21");
+        assert_eq!(with_deviation(0.5, f64::INFINITY), "0.5000");
+    }
 }
