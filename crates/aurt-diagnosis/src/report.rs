@@ -81,6 +81,9 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .filter(|f| !f.suffices)
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
+    if let Some(note) = worse_on_held_out(&verdict) {
+        verdict.notes.push(note);
+    }
     let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
     if question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow) {
         verdict.notes.push(format!(
@@ -98,6 +101,30 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .push("the model in question was taken as given; its coefficients were not refitted".into());
     }
     verdict
+}
+
+/// A joint is predicted worse if its held-out error grows by this share.
+const WORSE: f64 = 0.1;
+
+/// A warning where what was found makes held-out data worse on half of the joints: as a rule these are of another robot
+/// than the target.
+fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
+    let held = &verdict.held_out;
+    let grows = |(before, after): (&f64, &f64)| after / before;
+    let ratios: Vec<f64> = held.rms_before.iter().zip(&held.rms_after).map(grows).collect();
+    let worse = ratios.iter().filter(|r| **r > 1.0 + WORSE).count();
+    let worst = (0..ratios.len()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]))?;
+    (2 * worse >= ratios.len() && !verdict.effects.is_empty()).then(|| {
+        format!(
+            "WARNING: {} is predicted worse with what was found on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} \
+             after). Validation recordings are taken to be of the robot as it is in the targets; one from before a change \
+             belongs under `calibration`, and without `validation` the last quarter of each target is held out",
+            held.recordings.join(", "),
+            ratios.len(),
+            held.rms_before[worst],
+            held.rms_after[worst],
+        )
+    })
 }
 
 /// Whether something was found whose name may not be used: structure that has no name.

@@ -90,9 +90,10 @@ impl Diagnosed<'_> {
         let most =
             (0..joints).filter(|j| ratio(*j).is_finite()).min_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
         if let Some(j) = most.filter(|_| !self.verdict.effects.is_empty()) {
+            let lower = (0..joints).filter(|j| ratio(*j) < 1.0).count();
             sentences.push(format!(
-                "On data that took no part the error of joint {j} falls from {} {unit} to {} {unit}; noise alone leaves \
-                 {} {unit}.",
+                "On data that took no part the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
+                 goes from {} {unit} to {} {unit}, and noise alone leaves {} {unit}.",
                 significant(held.rms_before[j], 3),
                 significant(held.rms_after[j], 3),
                 significant(held.rms_floor.get(j).copied().unwrap_or(f64::NAN), 3),
