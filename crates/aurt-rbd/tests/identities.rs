@@ -130,7 +130,9 @@ proptest! {
             .chunks_exact(standard.len())
             .flat_map(|row| base.columns.iter().map(|c| row[*c]))
             .collect();
-        close(&times(&kept, &values), &times(&regressor, &standard), 1e-10, 1.0)?;
+        // Columns that depend on others but for 1e-9 count as dependent: on a robot whose axes nearly meet, the identity
+        // holds to what that leaves, summed over the columns.
+        close(&times(&kept, &values), &times(&regressor, &standard), 1e-8, 1.0)?;
         for column in 0..standard.len() {
             if (0..q.len()).all(|joint| !chain.loads(column, joint)) {
                 prop_assert!(!base.columns.contains(&column));
