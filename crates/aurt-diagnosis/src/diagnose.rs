@@ -62,6 +62,19 @@ pub struct Investigation {
     pub mean_independent_share: f64,
 }
 
+impl Investigation {
+    /// Coefficients of the final model: the baseline's and those of what was selected.
+    pub(crate) fn switches(&self) -> Vec<Switch> {
+        let mut all = self.base_switches.clone();
+        for switch in self.selection.chosen.iter().flat_map(|c| &self.groups[c.group].switches) {
+            if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
+                all.push(*switch);
+            }
+        }
+        all
+    }
+}
+
 /// Investigates a question: baseline, candidates, selection. Where the measurement turns out to be late, it is
 /// shifted back and everything investigated again, so that the delay distorts no other finding.
 ///

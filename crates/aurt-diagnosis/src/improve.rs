@@ -26,14 +26,7 @@ pub struct Improvement {
 #[must_use]
 pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Improvement {
     let joints = question.model.joints();
-    let mut all = investigation.base_switches.clone();
-    all.extend(
-        investigation
-            .selection
-            .chosen
-            .iter()
-            .flat_map(|c| investigation.groups[c.group].switches.iter().copied()),
-    );
+    let all = investigation.switches();
     let (fit, _) = weighted_fit(&investigation.problem, &all, &investigation.floor);
     let value = |column: usize, target_only: bool| {
         all.iter()

@@ -70,12 +70,7 @@ impl Delay {
             return Found::FewJoints;
         }
         let target_only = investigation.groups[one.group].target_only();
-        let mut all = investigation.base_switches.clone();
-        for switch in chosen.iter().flat_map(|c| &investigation.groups[c.group].switches) {
-            if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
-                all.push(*switch);
-            }
-        }
+        let mut all = investigation.switches();
         let place = |all: &[Switch], which: Instrument| {
             let column = investigation.layout.instrument(0, which);
             all.iter().position(|s| s.column == column && s.target_only == target_only)

@@ -11,7 +11,7 @@ use crate::{
     localise,
     problem::{Switch, TotalFit},
     residuals::residuals,
-    selection::{Chosen, is_friction},
+    selection::is_friction,
     wideband::LEAST_RATE_HZ,
 };
 use aurt_traits::ColumnGroup;
@@ -23,7 +23,7 @@ pub const STRUCTURE: f64 = 1.5;
 #[must_use]
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
     let chosen = &investigation.selection.chosen;
-    let all = all_switches(investigation, chosen);
+    let all = investigation.switches();
     let (fit, weights) = weighted_fit(&investigation.problem, &all, &investigation.floor);
     let baseline = (
         &investigation.base_switches,
@@ -145,17 +145,6 @@ fn independent_changes(investigation: &Investigation) -> usize {
         return 0;
     }
     groups.filter(|g| g.target_only() && g.joints.len() == 1 && !is_friction(g.effect)).count()
-}
-
-/// Coefficients of the final model.
-pub fn all_switches(investigation: &Investigation, chosen: &[Chosen]) -> Vec<Switch> {
-    let mut all = investigation.base_switches.clone();
-    for switch in chosen.iter().flat_map(|c| &investigation.groups[c.group].switches) {
-        if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
-            all.push(*switch);
-        }
-    }
-    all
 }
 
 /// Named effects must account for this share of the excess power over the noise floor, over all joints; else what they

@@ -1,10 +1,7 @@
 //! Residuals row by row, before and after what was found: what the figures of a verdict are means over.
 
 use crate::{
-    Investigation, Question, RecordingRows, Role,
-    baseline::weighted_fit,
-    localise,
-    report::{all_switches, rigid_body_load},
+    Investigation, Question, RecordingRows, Role, baseline::weighted_fit, localise, report::rigid_body_load,
     residuals::residuals,
 };
 
@@ -53,7 +50,7 @@ pub struct JointSeriesRows {
 /// The rows behind a verdict.
 #[must_use]
 pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<RecordingSeries> {
-    let all = all_switches(investigation, &investigation.selection.chosen);
+    let all = investigation.switches();
     let fit = |switches| weighted_fit(&investigation.problem, switches, &investigation.floor).0.coefficients;
     let full = fit(&all);
     let layout = &investigation.layout;

@@ -52,6 +52,9 @@ pub(crate) struct Piece {
     pub full: FullRate,
 }
 
+/// A stretch between gaps that is shorter than this says nothing of rare bursts, and filters may not fit into it, s.
+const SHORTEST_S: f64 = 2.0;
+
 /// Recordings of fewer samples per second do not resolve impacts: what is high in them is the upper end of the motion.
 pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
 
@@ -71,6 +74,9 @@ pub fn find_shaking(
             continue;
         }
         for segment in questioned.data.data.segments.iter().filter(|s| s.rate_hz >= LEAST_RATE_HZ) {
+            if (segment.motion.samples() as f64) < SHORTEST_S * segment.rate_hz {
+                continue;
+            }
             if let Some(full) = FullRate::evaluate(segment, fit, inertial)? {
                 pieces.push(Piece { recording, target: questioned.role == Role::Target, full });
             }

@@ -1,18 +1,18 @@
 //! Play between the teeth: bursts where the transmitted torque changes its sign.
 //!
 //! For each joint j the energy D_j along M e_j ([`Along`]) of the high-passed residual is compared between the
-//! samples near a change of sign of the load of joint j and all others. For a χ² variable whose scale differs
-//! between the two, the gain in log-likelihood is ½ [N ln m − N₁ ln m₁ − N₂ ln m₂] with the means m, m₁, m₂.
+//! samples near a change of sign of the load of joint j and those beside it. For a χ² variable whose scale differs
+//! between the two, the gain in log-likelihood is ½ [N ln m − N₁ ln m₁ − N₂ ln m₂] with the means m, m₁, m₂. Of several
+//! joints that show it, the one with the largest gain over all other samples is named first.
 
 use aurt_recording::ZeroPhase;
 
 use super::{Piece, Shaking, pattern::Along, windows};
 use crate::DiagnosisError;
 
-/// Least gain in log-likelihood over all recordings of a kind. Rigid arms in simulation stay below 20, elastic ones
-/// below 30.
+/// Least gain in log-likelihood over all recordings of a kind, set between rigid and playing gears of tuning cases.
 const LEAST_GAIN: f64 = 45.0;
-/// Least ratio of the energies near changes of sign and elsewhere.
+/// Least ratio of the energies near changes of sign and beside them.
 const LEAST_RATIO: f64 = 1.5;
 /// Play is a defect of single gears: where more than this share of the joints show impacts, it is the arm's way of
 /// moving, and not named.

@@ -73,11 +73,7 @@ impl Truth {
     /// # Errors
     /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
-        serde_json::from_str(&text)
-            .map_err(|error| SimulationError::Unreadable { path: path.into(), reason: error.to_string() })
+        crate::json_file::read(path.as_ref())
     }
 
     /// The truth as the text of its file.

@@ -1,0 +1,16 @@
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use crate::SimulationError;
+
+/// Reads a JSON file.
+///
+/// # Errors
+/// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
+pub(crate) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, SimulationError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|source| SimulationError::Io { path: path.into(), source })?;
+    serde_json::from_str(&text)
+        .map_err(|error| SimulationError::Unreadable { path: path.into(), reason: error.to_string() })
+}
