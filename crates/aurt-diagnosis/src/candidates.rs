@@ -148,12 +148,15 @@ pub(crate) fn groups(
             if free[index][usize::from(target_only)] < question.selection.free_share {
                 continue;
             }
-            let switches: Vec<Switch> =
-                switches.into_iter().zip(&share).filter(|(_, s)| **s > ABSORBED).map(|(s, _)| s).collect();
+            let named_for = |k: usize| effects::find(candidate.effect).is_none_or(|e| e.is_essential(k));
+            let free_ones = switches.into_iter().zip(&share).enumerate().filter(|(_, (_, s))| **s > ABSORBED);
+            let (essential, switches): (Vec<bool>, Vec<Switch>) =
+                free_ones.map(|(k, (switch, _))| (named_for(k), switch)).unzip();
             groups.push(Group {
                 effect: candidate.effect,
                 joints: candidate.proposal.joints.clone(),
                 candidate: index,
+                accessory: essential.iter().zip(&switches).filter(|(e, _)| !**e).map(|(_, s)| *s).collect(),
                 switches,
             });
         }

@@ -10,6 +10,7 @@ use crate::{
     effects::Context,
     floor::noise_floor,
     gram::BlockMoments,
+    instrument_filter::is_common_filter,
     late::{Delay, Found, Late},
     partition::Partition,
     problem::{Problem, Switch},
@@ -44,6 +45,8 @@ pub struct Investigation {
     pub floors: Vec<Vec<f64>>,
     /// Noise floor over the fitted rows, joint by joint.
     pub floor: Vec<f64>,
+    /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
+    pub misfit: Vec<f64>,
     /// Faults of the recordings.
     pub faults: Vec<Fault>,
     /// Whether their repair improves the fit of the model in question.
@@ -227,7 +230,7 @@ fn investigate_as_it_is(
         }
         selected = parts.select(&rows, progress);
     }
-    let Selected { problem, groups, free, selection, mean_independent_share, .. } = selected;
+    let Selected { problem, groups, free, selection, mean_independent_share, misfit, .. } = selected;
     Ok(Investigation {
         model,
         baseline,
@@ -240,6 +243,7 @@ fn investigate_as_it_is(
         base_switches,
         floors,
         floor,
+        misfit,
         faults,
         faults_matter,
         late: None,
@@ -307,34 +311,42 @@ struct Selected {
     switches: Vec<Switch>,
     coefficients: Vec<f64>,
     mean_independent_share: f64,
+    misfit: Vec<f64>,
 }
 
 impl Parts<'_> {
     fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
-        let (groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
         let shares = |switches: &[Switch], coefficients: &[f64]| {
             shares(rows, self.partition, self.layout, switches, coefficients)
         };
         let misfit = misfit(&problem, self.base, &weights, self.floor);
-        let selector = Selector {
-            problem: &problem,
-            baseline: self.base,
-            groups: &groups,
-            floor: self.floor,
-            misfit: &misfit,
-            independent_share: &shares,
-            options: &self.question.selection,
+        let mut select = |groups: &[Group]| {
+            let selector = Selector {
+                problem: &problem,
+                baseline: self.base,
+                groups,
+                floor: self.floor,
+                misfit: &misfit,
+                independent_share: &shares,
+                options: &self.question.selection,
+            };
+            let selection = selector.run(&mut *progress);
+            let switches = selector.final_switches(&selection);
+            let (fit, _) = weighted_fit(&problem, &switches, self.floor);
+            (selection, switches, fit.coefficients)
         };
-        let selection = selector.run(progress);
-        let switches = selector.final_switches(&selection);
-        let (fit, _) = weighted_fit(&problem, &switches, self.floor);
-        let final_shares = shares(&switches, &fit.coefficients);
+        let (mut selection, mut switches, mut coefficients) = select(&groups);
+        if is_common_filter(&groups, &selection, &switches, &coefficients) {
+            groups.retain(|g| g.effect != "joint_elasticity");
+            (selection, switches, coefficients) = select(&groups);
+        }
+        let final_shares = shares(&switches, &coefficients);
         let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
-        let coefficients = fit.coefficients;
-        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share }
+        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
     }
 
     /// Contacts in the recordings that are not for validation, after all that was selected.

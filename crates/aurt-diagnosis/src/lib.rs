@@ -3,6 +3,7 @@
 //! Data flow: [`Question`] → [`investigate`] (baseline, candidates of all [`effects`], selection by
 //! cross-validation over blocks of time) → [`Verdict`].
 
+mod answer;
 mod baseline;
 mod candidates;
 mod comparison;
@@ -16,6 +17,7 @@ mod findings;
 mod floor;
 mod gram;
 mod improve;
+mod instrument_filter;
 mod late;
 mod linear;
 mod localise;

@@ -3,21 +3,18 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
+    Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
     RecordingRows, Role, Shift, Verdict,
+    answer::{Found, STRUCTURE},
     baseline::weighted_fit,
     effects::{self, Presence},
     findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
     residuals::residuals,
-    selection::is_friction,
     wideband::LEAST_RATE_HZ,
 };
 use aurt_traits::ColumnGroup;
-
-/// A joint whose residual exceeds the noise floor by this factor (root mean square) shows structure.
-pub const STRUCTURE: f64 = 1.5;
 
 /// The verdict of an investigation.
 #[must_use]
@@ -49,18 +46,14 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
     let shaking = shaking_findings(question, investigation);
-    let nameless = nameless(question, investigation);
-    let changes = independent_changes(investigation);
-    let by_physics = match answer(&effects, &residual) {
-        Answer::Named | Answer::Ambiguous if changes > MOST_CHANGES => Answer::Unexplained,
-        other => other,
+    let found = Found {
+        physics: &effects,
+        residual: &residual,
+        contacts: !touched.is_empty(),
+        shaking: !shaking.is_empty(),
+        faults: !faults.is_empty(),
     };
-    let verdict = match (shaking.is_empty() && touched.is_empty(), faults.is_empty()) {
-        (false, _) => Answer::Named,
-        (true, _) if nameless => Answer::Unexplained,
-        (true, false) if investigation.faults_matter || by_physics == Answer::NoMismatch => Answer::Named,
-        (true, _) => by_physics,
-    };
+    let verdict = found.answer(question, investigation);
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
@@ -125,51 +118,6 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
             held.rms_after[worst],
         )
     })
-}
-
-/// Whether something was found whose name may not be used: structure that has no name.
-fn nameless(question: &Question<'_>, investigation: &Investigation) -> bool {
-    let barred = |effect: &str| question.without.iter().any(|w| w == effect);
-    investigation.shaking.iter().any(|s| barred(s.effect))
-        || investigation.faults.iter().any(|f| f.suffices && barred(f.effect))
-        || !investigation.contacts.is_empty() && barred("external_contact")
-}
-
-/// More things than this do not change at once, each for itself. Friction does, from day to day.
-const MOST_CHANGES: usize = 3;
-
-/// Changes from calibration to target that are not friction, each on a single joint.
-fn independent_changes(investigation: &Investigation) -> usize {
-    let groups = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
-    if !investigation.problem.has_reference() {
-        return 0;
-    }
-    groups.filter(|g| g.target_only() && g.joints.len() == 1 && !is_friction(g.effect)).count()
-}
-
-/// Named effects must account for this share of the excess power over the noise floor, over all joints; else what they
-/// describe is not what is missing.
-const ACCOUNTED: f64 = 0.7;
-
-fn answer(effects: &[Finding], residual: &[JointResidual]) -> Answer {
-    let structure_left = residual.iter().any(|r| r.structure_left);
-    let Some(first) = effects.first() else {
-        return if structure_left { Answer::Unexplained } else { Answer::NoMismatch };
-    };
-    let excess = |rms: f64, floor: f64| (rms * rms - floor * floor).max(0.0);
-    // In units of the noise, so that no joint counts for more than another.
-    let sum = |of: fn(&JointResidual) -> f64| -> f64 {
-        residual.iter().map(|r| excess(of(r), r.floor_rms) / r.floor_rms.powi(2).max(f64::MIN_POSITIVE)).sum()
-    };
-    let before = sum(|r| r.baseline_rms);
-    let accounted = if before > 0.0 { 1.0 - sum(|r| r.unexplained_rms) / before } else { 1.0 };
-    if structure_left && accounted < ACCOUNTED {
-        Answer::Unexplained
-    } else if first.alternatives.is_empty() {
-        Answer::Named
-    } else {
-        Answer::Ambiguous
-    }
 }
 
 /// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.

@@ -17,9 +17,16 @@ pub struct Group {
     pub candidate: usize,
     /// Its coefficients.
     pub switches: Vec<Switch>,
+    /// Those of them that are not what the effect is named for.
+    pub accessory: Vec<Switch>,
 }
 
 impl Group {
+    /// Whether it ties two joints together, and is not of the whole arm.
+    fn is_tie(&self) -> bool {
+        self.joints.len() == 2 && !find(self.effect).is_some_and(|e| e.whole_arm())
+    }
+
     /// Whether the effect is taken to act in the target recordings only.
     #[must_use]
     pub fn target_only(&self) -> bool {
@@ -216,12 +223,29 @@ impl Selector<'_> {
 
     /// Σ_j ½ n_eff log(before / after), both not below the floor.
     fn score(&self, fit: &Weighed, before: &[f64], after: &[f64]) -> f64 {
-        (0..self.problem.joints())
-            .map(|j| {
-                let effective = fit.shares[j] * self.problem.rows(j, false);
-                0.5 * effective * self.log_ratio(j, before[j], after[j])
-            })
-            .sum()
+        (0..self.problem.joints()).map(|j| self.score_on(j, fit, before, after)).sum()
+    }
+
+    /// A joint's part of the score.
+    fn score_on(&self, joint: usize, fit: &Weighed, before: &[f64], after: &[f64]) -> f64 {
+        let effective = fit.shares[joint] * self.problem.rows(joint, false);
+        0.5 * effective * self.log_ratio(joint, before[joint], after[joint])
+    }
+
+    /// Whether a group shows what it is named for: what sets it apart from simpler effects brings something by itself,
+    /// and what ties two joints shows on both.
+    fn is_itself(&self, group: usize, fit: &Weighed, before: &[f64], after: &[f64], score: f64) -> bool {
+        let own = &self.groups[group];
+        if own.is_tie()
+            && own.joints.iter().any(|j| self.score_on(*j, fit, before, after) < self.options.score)
+        {
+            return false;
+        }
+        if own.accessory.is_empty() {
+            return true;
+        }
+        let accessory = self.score(fit, before, &self.mse(fit, &own.accessory));
+        score - accessory > self.options.score + self.options.share * accessory.max(0.0)
     }
 
     fn log_ratio(&self, joint: usize, before: f64, after: f64) -> f64 {
@@ -233,8 +257,12 @@ impl Selector<'_> {
         let mut ranked: Vec<(usize, f64)> = (0..self.groups.len())
             .into_par_iter()
             .filter(|g| eligible(*g))
-            .map(|g| (g, self.score(fit, now, &self.mse(fit, &self.groups[g].switches))))
-            .filter(|(_, score)| score.is_finite() && *score > self.options.score)
+            .filter_map(|g| {
+                let after = self.mse(fit, &self.groups[g].switches);
+                let score = self.score(fit, now, &after);
+                let counts = score.is_finite() && score > self.options.score;
+                (counts && self.is_itself(g, fit, now, &after, score)).then_some((g, score))
+            })
             .collect();
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         ranked
@@ -301,7 +329,7 @@ impl Selector<'_> {
         let mut i = 0;
         while i < chosen.len() {
             let tie = &self.groups[chosen[i]];
-            if tie.joints.len() != 2 || find(tie.effect).is_some_and(|e| e.whole_arm()) {
+            if !tie.is_tie() {
                 i += 1;
                 continue;
             }

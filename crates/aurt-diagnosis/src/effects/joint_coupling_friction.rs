@@ -58,6 +58,11 @@ impl Effect for JointCouplingFriction {
         include_str!("joint_coupling_friction.rs")
     }
 
+    /// The motor's inertia alone is a `rotor_inertia` beside links that turn about parallel axes.
+    fn is_essential(&self, coefficient: usize) -> bool {
+        coefficient > 0
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let pairs = (0..context.joints).flat_map(|j| (j + 1..context.joints).map(move |k| (j, k)));
         pairs.flat_map(|(joint, partner)| RATIOS.map(|ratio| coupling(joint, partner, ratio))).collect()

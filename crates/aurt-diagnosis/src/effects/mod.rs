@@ -161,6 +161,13 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether a coefficient of its proposals, counted from 0, is what the effect is named for. Without what these bring
+    /// by themselves the rest is another effect: a motor's inertia is no coupling *friction*, a constant no spring.
+    fn is_essential(&self, coefficient: usize) -> bool {
+        let _ = coefficient;
+        true
+    }
+
     /// Terms that would describe the effect on this robot; none where it is found by other means than columns
     /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;

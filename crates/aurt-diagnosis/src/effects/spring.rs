@@ -52,6 +52,11 @@ impl Effect for Spring {
         include_str!("spring.rs")
     }
 
+    /// The moment k q₀ alone is a constant.
+    fn is_essential(&self, coefficient: usize) -> bool {
+        coefficient == 0
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
             .map(|j| Proposal::on_joint(j, json!({"model": "spring", "joints": [j]}), vec![true, false]))

@@ -60,6 +60,11 @@ impl Effect for Stribeck {
         include_str!("stribeck.rs")
     }
 
+    /// The level alone is `coulomb`.
+    fn is_essential(&self, coefficient: usize) -> bool {
+        coefficient > 0
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let proposal = |j: usize, velocity: f64| {
             let level = json!({"model": "stribeck", "stribeck_velocity_rad_s": velocity});
