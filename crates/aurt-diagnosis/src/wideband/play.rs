@@ -19,8 +19,10 @@ const LEAST_RATIO: f64 = 1.5;
 const MOST_JOINTS: f64 = 0.34;
 /// Changes of sign are known to this time, s: the load is that of a fitted model.
 const REACH_S: f64 = 0.08;
+/// A load presses a flank from this share of its root mean square on.
+const WELL: f64 = 0.1;
 /// Changes of sign that are too many to be told from everything else: share of the samples near one.
-const MOST_COVERED: f64 = 0.45;
+const MOST_COVERED: f64 = 0.65;
 /// Least number of changes of sign.
 const FEWEST: usize = 6;
 /// What is elsewhere is taken from this far away, s: hum and rattle go with the speed, which is much the same there.
@@ -134,10 +136,25 @@ fn high_pass(piece: &Piece, f_dyn_hz: f64) -> Result<Vec<Vec<f64>>, DiagnosisErr
     Ok(residual.iter().zip(&slow).map(|(e, s)| e.iter().zip(s).map(|(a, b)| a - b).collect()).collect())
 }
 
-/// Samples at which the load of a joint has just changed its sign.
+/// Samples at which the load of a joint has just changed its sign. It counts where the load goes from well below zero to
+/// well above or back: one that hovers about zero, as on a vertical axis at constant speed, does not press a flank.
 fn sign_changes(piece: &Piece, joint: usize) -> Vec<usize> {
     let load = &piece.full.load[joint];
-    (1..load.len()).filter(|k| load[*k] * load[k - 1] < 0.0).collect()
+    let rms = (load.iter().map(|l| l * l).sum::<f64>() / load.len().max(1) as f64).sqrt();
+    let mut changes = Vec::new();
+    let (mut side, mut crossed) = (0.0, None);
+    for (k, value) in load.iter().enumerate() {
+        if k > 0 && value * load[k - 1] < 0.0 {
+            crossed = Some(k);
+        }
+        if value.abs() > WELL * rms {
+            if value.signum() != side && side != 0.0 {
+                changes.extend(crossed);
+            }
+            side = value.signum();
+        }
+    }
+    changes
 }
 
 fn add(evidence: &mut Evidence, piece: &Piece, band: &[Vec<f64>], f_dyn_hz: f64, joint: usize) {
