@@ -139,7 +139,10 @@ fn high_pass(piece: &Piece, f_dyn_hz: f64) -> Result<Vec<Vec<f64>>, DiagnosisErr
 /// Samples at which the load of a joint has just changed its sign. It counts where the load goes from well below zero to
 /// well above or back: one that hovers about zero, as on a vertical axis at constant speed, does not press a flank.
 fn sign_changes(piece: &Piece, joint: usize) -> Vec<usize> {
-    let load = &piece.full.load[joint];
+    flank_changes(&piece.full.load[joint])
+}
+
+fn flank_changes(load: &[f64]) -> Vec<usize> {
     let rms = (load.iter().map(|l| l * l).sum::<f64>() / load.len().max(1) as f64).sqrt();
     let mut changes = Vec::new();
     let (mut side, mut crossed) = (0.0, None);
@@ -204,5 +207,31 @@ fn add(evidence: &mut Evidence, piece: &Piece, band: &[Vec<f64>], f_dyn_hz: f64,
             evidence.beside[0] += beside[0];
             evidence.beside[1] += beside[1];
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::flank_changes;
+
+    #[test]
+    fn a_load_that_goes_through_zero_changes_the_flank_once() {
+        assert_eq!(flank_changes(&[1.0, 0.5, -0.5, -1.0, -0.5, 0.5, 1.0]), [2, 5]);
+    }
+
+    #[test]
+    fn a_load_that_hovers_about_zero_stays_on_its_flank() {
+        let mut load = vec![1.0, 1.0];
+        load.extend([0.01, -0.01, 0.01, -0.01]);
+        load.extend([1.0, 1.0]);
+        assert!(flank_changes(&load).is_empty());
+        load.extend([0.01, -0.01, 0.01, -0.01, -1.0]);
+        assert_eq!(flank_changes(&load), [11], "the last change before the other flank is pressed");
+    }
+
+    #[test]
+    fn no_load_changes_no_flank() {
+        assert!(flank_changes(&[]).is_empty());
+        assert!(flank_changes(&[0.0; 5]).is_empty());
     }
 }
