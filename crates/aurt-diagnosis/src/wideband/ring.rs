@@ -26,6 +26,10 @@ const EDGE: f64 = 1.07;
 const ASIDE: usize = 4;
 /// Least energy over noise or over the bands aside, whichever is more.
 const LEAST_CONTRAST: f64 = 2.2;
+/// Where the bands aside are this far above the noise, something else shakes the arm, and its spectrum has peaks, too.
+const QUIET: f64 = 100.0;
+/// Least contrast there.
+const LEAST_CONTRAST_IN_NOISE: f64 = 6.0;
 /// Least share of the arm's energy in the band.
 const LEAST_SHARE: f64 = 0.7;
 /// Least ⟨D²⟩/⟨D⟩².
@@ -148,6 +152,8 @@ fn peak(spectra: &Spectra, band: usize, joint: usize) -> Option<f64> {
     let Energy { mean: own, kurtosis, share } = spectra.bands[band][joint];
     let below = energy(band.saturating_sub(ASIDE));
     let above = if band + ASIDE < spectra.bands.len() { energy(band + ASIDE) } else { 0.0 };
-    let contrast = own / below.max(above).max(1.0);
-    (contrast >= LEAST_CONTRAST && share >= LEAST_SHARE && kurtosis >= LEAST_KURTOSIS).then_some(contrast)
+    let aside = below.max(above).max(1.0);
+    let contrast = own / aside;
+    let least = if aside > QUIET { LEAST_CONTRAST_IN_NOISE } else { LEAST_CONTRAST };
+    (contrast >= least && share >= LEAST_SHARE && kurtosis >= LEAST_KURTOSIS).then_some(contrast)
 }
