@@ -1,3 +1,7 @@
+use aurt_traits::Dispatch;
+
+use crate::dense::bidiagonal;
+
 /// Halvings of the interval on a logarithmic scale; enough for a singular value to some 1e-12 of itself.
 const HALVINGS: usize = 60;
 
@@ -9,12 +13,13 @@ const SMALLEST: f64 = 1e-30;
 ///
 /// Reflections from both sides leave a bidiagonal matrix B (Golub and Kahan, 1965). Its singular values are the
 /// positive eigenvalues of a tridiagonal matrix with zero diagonal and the entries of B beside it, counted by
-/// Sturm sequences. Everything is done in one order, so that the same matrix gives the same bits everywhere.
+/// Sturm sequences. Everything is done in one order, so that the same matrix gives the same bits at the baseline.
 pub(crate) fn condition_number(matrix: &[f64], n: usize) -> f64 {
     if n == 0 {
         return f64::NAN;
     }
-    let beside = bidiagonal(matrix.to_vec(), n);
+    let mut beside = vec![0.0; 2 * n - 1];
+    bidiagonal(Dispatch::active(), &mut matrix.to_vec(), n, &mut beside);
     // No eigenvalue is larger than the largest row sum of magnitudes (Gershgorin).
     let before = std::iter::once(&0.0).chain(&beside);
     let after = beside.iter().chain(std::iter::once(&0.0));
@@ -23,82 +28,41 @@ pub(crate) fn condition_number(matrix: &[f64], n: usize) -> f64 {
         return f64::INFINITY;
     }
     // Every singular value is an eigenvalue of either sign; below a positive x all n negative ones lie.
-    let below = |x: f64| count_below(&beside, x, bound).saturating_sub(n);
-    if below(SMALLEST * bound) > 0 {
+    if counts_below(&beside, [SMALLEST * bound], bound)[0] > n {
         return f64::INFINITY;
     }
-    let search = |wanted: usize| {
-        let (mut low, mut high) = (SMALLEST * bound, 2.0 * bound);
-        for _ in 0..HALVINGS {
-            let middle = (low * high).sqrt();
-            if below(middle) >= wanted { high = middle } else { low = middle }
-        }
-        (low * high).sqrt()
-    };
-    search(n) / search(1)
-}
-
-/// The entries of the bidiagonal matrix that reflections from both sides leave: d_0, e_0, d_1, e_1, …, d_{n−1}.
-fn bidiagonal(mut a: Vec<f64>, n: usize) -> Vec<f64> {
-    let mut entries = Vec::with_capacity(2 * n - 1);
-    let mut row = vec![0.0; n];
-    let mut along = vec![0.0; n];
-    for k in 0..n {
-        let (left, right) = a.split_at_mut((k + 1) * n);
-        let column = &mut left[k * n + k..];
-        let (diagonal, tau) = reflector(column);
-        entries.push(diagonal);
-        for other in right.chunks_exact_mut(n) {
-            let other = &mut other[k..];
-            let projection = tau * column.iter().zip(&*other).map(|(v, o)| v * o).sum::<f64>();
-            other.iter_mut().zip(&*column).for_each(|(o, v)| *o -= projection * v);
-        }
-        if k + 1 == n {
-            break;
-        }
-        let row = &mut row[k + 1..];
-        row.iter_mut().zip(right.chunks_exact(n)).for_each(|(r, column)| *r = column[k]);
-        let (beside, tau) = reflector(row);
-        entries.push(beside);
-        let along = &mut along[k + 1..];
-        along.fill(0.0);
-        for (v, column) in row.iter().zip(right.chunks_exact(n)) {
-            along.iter_mut().zip(&column[k + 1..]).for_each(|(s, c)| *s += tau * v * c);
-        }
-        for (v, column) in row.iter().zip(right.chunks_exact_mut(n)) {
-            column[k + 1..].iter_mut().zip(&*along).for_each(|(c, s)| *c -= v * s);
+    // The smallest and the largest are searched side by side: each step waits for its divisions, and two chains of them
+    // take no longer than one.
+    let mut ranges = [(SMALLEST * bound, 2.0 * bound); 2];
+    for _ in 0..HALVINGS {
+        let middles = ranges.map(|(low, high)| (low * high).sqrt());
+        let counts = counts_below(&beside, middles, bound);
+        for (((low, high), middle), (count, wanted)) in
+            ranges.iter_mut().zip(middles).zip(counts.into_iter().zip([1, n]))
+        {
+            *(if count.saturating_sub(n) >= wanted { high } else { low }) = middle;
         }
     }
-    entries
+    let [smallest, largest] = ranges.map(|(low, high)| (low * high).sqrt());
+    largest / smallest
 }
 
-/// Turns x into the v of the reflection I − τ v vᵀ that leaves of x its first component, and returns that and τ.
-fn reflector(x: &mut [f64]) -> (f64, f64) {
-    let length = x.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let Some(first) = x.first_mut() else { return (0.0, 0.0) };
-    if length == 0.0 {
-        return (0.0, 0.0);
-    }
-    let alpha = *first;
-    let beta = -length.copysign(alpha);
-    *first = 1.0;
-    x[1..].iter_mut().for_each(|v| *v /= alpha - beta);
-    (beta, (beta - alpha) / beta)
-}
-
-/// Eigenvalues below x of the symmetric tridiagonal matrix with zero diagonal and `beside` next to it.
-fn count_below(beside: &[f64], x: f64, bound: f64) -> usize {
+/// For each x the eigenvalues below it of the symmetric tridiagonal matrix with zero diagonal and `beside` next to it.
+fn counts_below<const N: usize>(beside: &[f64], x: [f64; N], bound: f64) -> [usize; N] {
     let least = f64::MIN_POSITIVE * bound.max(1.0) / f64::EPSILON;
-    let mut pivot = -x;
-    let mut count = usize::from(pivot < 0.0);
+    let mut pivots = x.map(|x| -x);
+    let mut counts = pivots.map(|pivot| usize::from(pivot < 0.0));
     for b in beside {
-        if pivot.abs() < least {
-            pivot = -least;
+        let square = b * b;
+        for k in 0..N {
+            if pivots[k].abs() < least {
+                pivots[k] = -least;
+            }
+            pivots[k] = -x[k] - square / pivots[k];
+            counts[k] += usize::from(pivots[k] < 0.0);
         }
-        pivot = -x - b * b / pivot;
-        count += usize::from(pivot < 0.0);
     }
-    count
+    counts
 }
 
 #[cfg(test)]

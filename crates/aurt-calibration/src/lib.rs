@@ -13,9 +13,11 @@ mod comparison;
 mod condition;
 mod dense;
 mod error;
+mod excitation;
 mod factor;
 mod long;
 mod metrics;
+mod physical;
 mod row_cache;
 mod scope;
 mod stream;
@@ -32,8 +34,9 @@ pub use calibrated::{
 pub use comparison::{ComparedJoint, Comparison, compare};
 pub use dense::add_gram;
 pub use error::CalibrationError;
+pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;
-pub use long::calibrate_long;
+pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
@@ -42,6 +45,6 @@ pub use system::{Solution, System};
 pub use uncertainty::noise_bandwidth_factor;
 pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};
 pub use variable_projection::{
-    FittedShape, ShapeOptions, ShapeReport, calibrate_shapes, calibrate_shapes_rows,
+    FittedShape, ShapeOptions, ShapeReport, calibrate_shapes, calibrate_shapes_rows, shapes_of,
 };
 pub use wls::{Estimate, NamedRecording, calibrate, calibrate_scoped, estimate};

@@ -1,11 +1,15 @@
-//! Calibration on recordings longer than memory.
+//! Calibration and validation on recordings longer than memory.
 
 use aurt_recording::{LongPrepared, LongSegment, Stretch};
-use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
+use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel, RobotState, RobotTile};
 
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice,
+    Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice,
+    Validation,
     accumulate::{Accumulated, Folding, Measured},
+    noise_bandwidth_factor,
+    stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
+    validate::beyond,
     wls::{Setting, estimate, finished},
 };
 
@@ -25,16 +29,7 @@ pub fn calibrate_long(
     options: &CalibrationOptions,
 ) -> Result<Calibration, CalibrationError> {
     let first = recordings.first().ok_or(CalibrationError::NothingToCalibrateOn)?;
-    for recording in recordings {
-        let file = || recording.name().into();
-        if recording.joints() != model.joints() {
-            let (expected, found) = (model.joints(), recording.joints());
-            return Err(CalibrationError::Joints { file: file(), expected, found });
-        }
-        if !recording.is_measured() {
-            return Err(CalibrationError::NoMeasurement { file: file() });
-        }
-    }
+    recordings.iter().try_for_each(|recording| check(model, recording))?;
     let load = match options.load_torque {
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
@@ -56,8 +51,88 @@ pub fn calibrate_long(
         .collect();
     let names = recordings.iter().map(LongPrepared::name).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
-    let filter = Some((first.parallel_filter(), first.decimation()));
-    Ok(finished(&setting, &found.system, estimate, filter, &load, ranges, names))
+    let bandwidth = noise_bandwidth_factor(first.parallel_filter(), first.decimation());
+    Ok(finished(&setting, &found.system, estimate, bandwidth, &load, ranges, names))
+}
+
+/// As [`validate`](crate::validate()) over all rows, on a recording longer than memory.
+///
+/// # Errors
+/// As [`validate`](crate::validate()), and [`RecordingError::Spill`](aurt_recording::RecordingError::Spill).
+pub fn validate_long(
+    model: &RobotModel,
+    calibration: &Calibration,
+    recording: &LongPrepared,
+) -> Result<Validation, CalibrationError> {
+    check(model, recording)?;
+    let joints = model.joints();
+    let coefficients = calibration.coefficients();
+    let rest_velocity_rad_s = calibration.options.rest_velocity_rad_s;
+    let (mut all, mut moving) =
+        (vec![JointMetrics::default(); joints], vec![JointMetrics::default(); joints]);
+    let (mut fastest, mut heaviest) = (vec![0.0_f64; joints], vec![0.0_f64; joints]);
+    let mut samples = 0;
+    let mut predicted = vec![0.0; joints * TILE_SAMPLES];
+    for segment in recording.segments() {
+        samples += segment.rows();
+        let filter = (recording.parallel_filter(), recording.decimation());
+        let mut rows = FilteredRows::new(filter, joints, segment.rows());
+        let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
+        let mut waiting = Waiting::new(joints);
+        let mut judge = |block: &RowBlock<'_>, waiting: &Waiting| {
+            for joint in 0..joints {
+                let first = block.first_row - waiting.first_row;
+                let measured = waiting.measurement[joint][first..].iter().zip(&waiting.speed[joint][first..]);
+                for (predicted, (y, speed)) in block.column(joint).iter().zip(measured) {
+                    all[joint].add(*y, *predicted);
+                    if *speed > rest_velocity_rad_s {
+                        moving[joint].add(*y, *predicted);
+                    }
+                }
+            }
+        };
+        recording.for_each_stretch::<CalibrationError>(segment, |stretch| {
+            let motion = stretch.motion.view();
+            widen(&mut fastest, |joint| motion.velocity_rad_s(joint));
+            waiting.forget(rows.delivered());
+            waiting.add(stretch, recording.decimation());
+            for first in (0..motion.samples()).step_by(TILE_SAMPLES) {
+                let end = (first + TILE_SAMPLES).min(motion.samples());
+                model.evaluate(motion.slice(first..end), &calibration.load, &mut state, &mut tile)?;
+                widen(&mut heaviest, |joint| tile.load_torque(joint));
+                predict_tile(model, &tile, &coefficients, TILE_SAMPLES, &mut predicted);
+                rows.push(&predicted, TILE_SAMPLES, tile.samples(), &mut |block| judge(&block, &waiting));
+            }
+            Ok(())
+        })?;
+        rows.finish(&mut |block| judge(&block, &waiting))?;
+    }
+    Ok(Validation {
+        samples,
+        all: all.into_iter().collect(),
+        moving: moving.into_iter().collect(),
+        warnings: beyond(calibration, &fastest, &heaviest),
+    })
+}
+
+/// Refuses a recording without a measurement or of another robot.
+fn check(model: &RobotModel, recording: &LongPrepared) -> Result<(), CalibrationError> {
+    let file = || recording.name().into();
+    if recording.joints() != model.joints() {
+        let (expected, found) = (model.joints(), recording.joints());
+        return Err(CalibrationError::Joints { file: file(), expected, found });
+    }
+    if !recording.is_measured() {
+        return Err(CalibrationError::NoMeasurement { file: file() });
+    }
+    Ok(())
+}
+
+/// Raises each joint's value to the largest magnitude of its series.
+fn widen<'a>(largest: &mut [f64], series: impl Fn(usize) -> &'a [f64]) {
+    for (joint, largest) in largest.iter_mut().enumerate() {
+        *largest = series(joint).iter().fold(*largest, |a, v| a.max(v.abs()));
+    }
 }
 
 /// The triangles over all recordings, merged in their order, and the highest speed of each joint.
@@ -99,10 +174,7 @@ fn accumulate_segment(
     let mut folding = Folding::new(model, filter, segment.rows(), &acting, load, options);
     let mut waiting = Waiting::new(model.joints());
     recording.for_each_stretch::<CalibrationError>(segment, |stretch| {
-        for (joint, fastest) in fastest.iter_mut().enumerate() {
-            let speeds = stretch.motion.view().velocity_rad_s(joint);
-            *fastest = speeds.iter().fold(*fastest, |a, v| a.max(v.abs()));
-        }
+        widen(fastest, |joint| stretch.motion.view().velocity_rad_s(joint));
         waiting.forget(folding.delivered());
         waiting.add(stretch, recording.decimation());
         waiting.with(|measured| folding.push(stretch.motion.view(), measured))

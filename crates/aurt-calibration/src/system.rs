@@ -1,8 +1,6 @@
-use crate::{CalibrationError, JointFactor, condition::condition_number, factor::dot};
+use aurt_traits::Dispatch;
 
-/// A column whose part independent of the columns before it is smaller than this share of its length is
-/// taken as not excited.
-const DEPENDENCE_TOLERANCE: f64 = 1e-9;
+use crate::{CalibrationError, JointFactor, condition::condition_number, dense, factor::dot};
 
 /// The least-squares problem of a whole robot: one [`JointFactor`] per joint over common coefficients.
 ///
@@ -230,38 +228,7 @@ pub(crate) fn triangularise(matrix: &mut [f64], rows: usize, columns: usize) -> 
 /// [`triangularise`] of columns of which the k-th is zero below its first `heights[k]` rows; heights ascend.
 fn triangularise_below(matrix: &mut [f64], rows: usize, heights: &[usize]) -> Vec<Option<usize>> {
     let mut pivots = vec![None; heights.len()];
-    let mut next = 0;
-    for (c, height) in heights.iter().copied().enumerate() {
-        if next >= height {
-            continue;
-        }
-        let (left, right) = matrix.split_at_mut((c + 1) * rows);
-        let column = &mut left[c * rows..c * rows + height];
-        let length = dot(column, column).sqrt();
-        let rest = dot(&column[next..], &column[next..]).sqrt();
-        if rest <= DEPENDENCE_TOLERANCE * length.max(f64::MIN_POSITIVE) {
-            continue;
-        }
-        let alpha = column[next];
-        let beta = -rest.copysign(if alpha == 0.0 { 1.0 } else { alpha });
-        let tau = (beta - alpha) / beta;
-        let scale = 1.0 / (alpha - beta);
-        column[next + 1..].iter_mut().for_each(|v| *v *= scale);
-        let reflector = &column[next + 1..];
-        for other in right.chunks_exact_mut(rows) {
-            let other = &mut other[next..height];
-            let Some((top, below)) = other.split_first_mut() else { continue };
-            let projection = tau * (*top + dot(below, reflector));
-            *top -= projection;
-            for (o, v) in below.iter_mut().zip(reflector) {
-                *o -= projection * v;
-            }
-        }
-        column[next] = beta;
-        column[next + 1..].fill(0.0);
-        pivots[c] = Some(next);
-        next += 1;
-    }
+    dense::triangularise_below(Dispatch::active(), matrix, rows, heights, &mut pivots);
     pivots
 }
 

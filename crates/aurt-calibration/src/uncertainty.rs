@@ -7,9 +7,6 @@ use crate::{calibrated::CalibratedParameter, system::Solution};
 /// in the third digit at most.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// A relative standard deviation above this is worth a warning: the interval then includes zero.
-const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;
-
 /// By how much the variance of low-frequency estimates exceeds what independent rows would give.
 ///
 /// Measurement noise that is white at the recording's rate leaves the zero-phase filter |H|² with the power
@@ -62,28 +59,4 @@ pub(crate) fn calibrated_parameters(
             }
         })
         .collect()
-}
-
-/// Warnings about parameters that the recordings determine badly or not at all.
-pub(crate) fn warnings(parameters: &[CalibratedParameter]) -> Vec<String> {
-    let names = |choose: &dyn Fn(&CalibratedParameter) -> bool| -> Vec<&str> {
-        parameters.iter().filter(|p| choose(p)).map(|p| p.name.as_str()).collect()
-    };
-    let mut warnings = Vec::new();
-    let silent = names(&|p| !p.excited);
-    if !silent.is_empty() {
-        warnings.push(format!(
-            "not excited by the calibration recordings and set to zero: {}; the model cannot be trusted for \
-             motions that need them",
-            silent.join(", ")
-        ));
-    }
-    let vague = names(&|p| p.relative_std_dev_percent.is_some_and(|r| r > LARGE_RELATIVE_STD_DEV_PERCENT));
-    if !vague.is_empty() {
-        warnings.push(format!(
-            "badly excited (standard deviation above {LARGE_RELATIVE_STD_DEV_PERCENT} % of the value): {}",
-            vague.join(", ")
-        ));
-    }
-    warnings
 }

@@ -146,7 +146,6 @@ pub fn extrapolations(
     calibration: &Calibration,
     recording: &NamedRecording,
 ) -> Result<Vec<String>, CalibrationError> {
-    let mut warnings = Vec::new();
     let mut load = vec![0.0_f64; model.joints()];
     let mut velocity = vec![0.0_f64; model.joints()];
     for segment in &recording.data.segments {
@@ -160,6 +159,12 @@ pub fn extrapolations(
             }
         })?;
     }
+    Ok(beyond(calibration, &velocity, &load))
+}
+
+/// Warnings for joints whose largest speeds, rad/s, and load torques lie beyond what calibration covered.
+pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) -> Vec<String> {
+    let mut warnings = Vec::new();
     for (joint, range) in calibration.ranges.iter().enumerate() {
         if velocity[joint] > RANGE_MARGIN * range.velocity_rad_s {
             warnings.push(format!(
@@ -179,5 +184,5 @@ pub fn extrapolations(
             ));
         }
     }
-    Ok(warnings)
+    warnings
 }

@@ -1,12 +1,14 @@
-use aurt_recording::{Preprocessed, Segment, ZeroPhase};
+use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
     CalibrationError, JointFactor, JointRange, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice},
+    excitation::warnings,
+    physical,
     system::Solution,
-    uncertainty::{calibrated_parameters, noise_bandwidth_factor, warnings},
+    uncertainty::{calibrated_parameters, noise_bandwidth_factor},
 };
 
 /// A preprocessed recording with the name under which reports mention it.
@@ -69,12 +71,13 @@ pub fn calibrate_scoped(
     };
     let Accumulated { system, load_torque } = accumulate_ranged(model, recordings, scopes, &load, options)?;
     let estimate = estimate(&system, options.estimator)?;
-    let filter = first.data.segments.first().map(|s| (&s.parallel_filter, s.decimation));
+    let bandwidth =
+        first.data.segments.first().map_or(1.0, |s| noise_bandwidth_factor(&s.parallel_filter, s.decimation));
     let load_torque = matches!(load, LoadTorque::Fitted(_)).then_some(load_torque);
     let ranges = ranges(recordings, load_torque.as_deref(), model.joints());
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
-    Ok(finished(&setting, &system, estimate, filter, &load, ranges, names))
+    Ok(finished(&setting, &system, estimate, bandwidth, &load, ranges, names))
 }
 
 /// What a calibration is about.
@@ -86,24 +89,33 @@ pub(crate) struct Setting<'a> {
     pub options: &'a CalibrationOptions,
 }
 
-/// A calibration from its solution; `filter` is the one that rows passed, with their decimation.
+/// A calibration from its solution; `bandwidth` is the [`noise_bandwidth_factor`] of the filter that rows passed.
 pub(crate) fn finished(
     setting: &Setting<'_>,
     system: &System,
     estimate: Estimate,
-    filter: Option<(&ZeroPhase, usize)>,
+    bandwidth: f64,
     load: &LoadTorque,
     ranges: Vec<JointRange>,
     recordings: Vec<String>,
 ) -> Calibration {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
-    let bandwidth = filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation));
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
+    let mut warnings = warnings(&parameters, estimate.solution.condition_number);
+    warnings.extend(physical::warnings(&physical::Fitted {
+        model,
+        parameters: &parameters,
+        covariance: &estimate.solution.covariance,
+        bandwidth,
+        ranges: &ranges,
+        options,
+        unit_of_measurement: unit,
+    }));
     Calibration {
         unit,
         options: *options,
         f_dyn_hz,
-        warnings: warnings(&parameters),
+        warnings,
         parameters,
         sigma: estimate.sigma,
         samples_per_joint: system.factors().iter().map(JointFactor::rows).collect(),

@@ -5,7 +5,8 @@
 mod workload;
 
 use aurt_calibration::{
-    CalibrationError, CalibrationOptions, LoadTorqueChoice, NamedRecording, Rest, calibrate, calibrate_long,
+    CalibrationError, CalibrationOptions, LoadTorqueChoice, NamedRecording, Rest, ValidatedRows, calibrate,
+    calibrate_long, validate, validate_long,
 };
 use aurt_recording::{LongRecording, PreprocessOptions, preprocess};
 use aurt_traits::MeasurementUnit;
@@ -53,6 +54,19 @@ fn long_recordings_give_the_calibration_of_whole_ones() {
             for (a, b) in ours.ranges.iter().zip(&expected.ranges) {
                 assert!((a.velocity_rad_s - b.velocity_rad_s).abs() < 1e-9 * b.velocity_rad_s);
                 assert_eq!(a.load_torque.is_some(), b.load_torque.is_some());
+            }
+            for (long, whole) in long.iter().zip(&whole) {
+                let ours = validate_long(&model, &expected, long).unwrap();
+                let theirs = validate(&model, &expected, whole, ValidatedRows::All).unwrap();
+                assert_eq!((ours.samples, &ours.warnings), (theirs.samples, &theirs.warnings));
+                for (ours, theirs) in [(&ours.all, &theirs.all), (&ours.moving, &theirs.moving)] {
+                    assert_eq!(ours.samples, theirs.samples);
+                    for (a, b) in
+                        ours.mse.iter().chain(&ours.nrmse).zip(theirs.mse.iter().chain(&theirs.nrmse))
+                    {
+                        assert!((a - b).abs() <= 1e-9 * b, "{a} {b}");
+                    }
+                }
             }
         }
     }

@@ -79,7 +79,7 @@ impl Instrument {
     }
 
     /// The unit of a measurement of unit `unit` once this is undone: torque constants turn currents into torques.
-    const fn unit(&self, unit: MeasurementUnit) -> MeasurementUnit {
+    pub const fn unit(&self, unit: MeasurementUnit) -> MeasurementUnit {
         if self.torque_constants_nm_per_a.is_some() { MeasurementUnit::NewtonMetre } else { unit }
     }
 
@@ -122,6 +122,19 @@ impl From<&RecordingSource> for Source {
     }
 }
 
+impl Source {
+    /// How it is read, for a robot with that many joints or, without, with as many as it has positions.
+    pub fn read_options(&self, joints: Option<usize>, purpose: Purpose) -> ReadOptions {
+        ReadOptions {
+            columns: self.columns.as_ref().map(selection).unwrap_or_default(),
+            unit: self.unit,
+            joints,
+            needs_measurement: purpose != Purpose::Prediction,
+            ..ReadOptions::default()
+        }
+    }
+}
+
 /// What recordings are read and preprocessed for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
@@ -159,14 +172,7 @@ impl Loaded {
     /// # Errors
     /// What is wrong with the file, and where.
     pub fn read(source: Source, joints: Option<usize>, purpose: Purpose) -> Result<Self, Failure> {
-        let options = ReadOptions {
-            columns: source.columns.as_ref().map(selection).unwrap_or_default(),
-            unit: source.unit,
-            joints,
-            needs_measurement: purpose != Purpose::Prediction,
-            ..ReadOptions::default()
-        };
-        let recording = read_recording(&source.file, &options)?;
+        let recording = read_recording(&source.file, &source.read_options(joints, purpose))?;
         Ok(Self { source, recording })
     }
 
@@ -249,8 +255,8 @@ impl Pipeline<'_> {
         Ok(first.map(|(unit, _)| unit))
     }
 
-    /// How a recording is preprocessed.
-    pub fn options(&self, loaded: &Loaded, purpose: Purpose) -> PreprocessOptions {
+    /// How a recording whose measurement is in `unit` is preprocessed.
+    pub fn options(&self, unit: MeasurementUnit, purpose: Purpose) -> PreprocessOptions {
         let Preprocessing {
             f_dyn_hz,
             sample_rate_hz,
@@ -268,7 +274,7 @@ impl Pipeline<'_> {
             trim_rest: trim_rest && purpose == Purpose::Calibration,
             rest_velocity_rad_s,
             max_gap_s,
-            gains: self.instrument.factors(loaded.recording.unit),
+            gains: self.instrument.factors(unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),
         }
@@ -279,7 +285,7 @@ impl Pipeline<'_> {
     /// # Errors
     /// What makes it unfit.
     pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Failure> {
-        let options = self.options(loaded, purpose);
+        let options = self.options(loaded.recording.unit, purpose);
         let data = match loaded.source.window_s.filter(|_| purpose != Purpose::Prediction) {
             Some(window) => preprocess(&loaded.recording.window(window)?, &options)?,
             None => preprocess(&loaded.recording, &options)?,

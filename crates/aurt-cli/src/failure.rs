@@ -101,6 +101,16 @@ pub enum Failure {
         /// Its unit.
         other_unit: MeasurementUnit,
     },
+    /// Something needs whole recordings, but they are read in stretches.
+    #[error("{reason}; {remedy}")]
+    Stretches {
+        /// The recording, if it is one.
+        path: Option<PathBuf>,
+        /// What is wrong, and why they are not read whole.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
     /// A sweep.
     #[error(transparent)]
     Sweep(SweepError),

@@ -1,7 +1,7 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, NamedRecording, ShapeOptions, TermScopes,
+    Calibration, CalibrationError, CalibrationOptions, Comparison, NamedRecording, ShapeOptions, TermScopes,
     ValidatedRows, calibrate_shapes, compare, predict, validate,
 };
 use aurt_traits::RobotModel;
@@ -30,6 +30,15 @@ pub struct Job {
     pub options: CalibrationOptions,
     /// In which recordings each arm term acts.
     pub scopes: TermScopes,
+}
+
+/// What is to be known of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// The model and its errors.
+    Errors,
+    /// Also the prediction for every file and its comparison with the measurement, row by row.
+    RowByRow,
 }
 
 /// A recording with what it is for.
@@ -71,7 +80,8 @@ pub const fn judged_rows(role: Role, trim_rest: bool) -> ValidatedRows {
 }
 
 impl Job {
-    fn pipeline(&self) -> Pipeline<'_> {
+    /// How recordings are read and preprocessed.
+    pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
             joints: self.model.joints(),
             preprocessing: &self.preprocessing,
@@ -106,7 +116,12 @@ impl Job {
     ///
     /// # Errors
     /// What makes a recording unfit or the fit impossible.
-    pub fn fit(&self, recordings: &[Assigned], progress: &Progress) -> Result<Outcome, Failure> {
+    pub fn fit(
+        &self,
+        recordings: &[Assigned],
+        detail: Detail,
+        progress: &Progress,
+    ) -> Result<Outcome, Failure> {
         let pipeline = self.pipeline();
         for Assigned { loaded, .. } in recordings {
             if loaded.recording.measurement.is_none() {
@@ -147,26 +162,31 @@ impl Job {
         let mut predictions = Vec::new();
         for (prepared, Assigned { loaded, role }) in prepared.iter().zip(recordings) {
             progress.step(format!("validating on {}", loaded.source.label));
-            let (name, is_new) = names.name(&loaded.source.file);
             let here = CalibratedModel {
                 calibration: self.acting(&calibrated.calibration, &loaded.source.label),
                 ..calibrated.clone()
             };
-            if is_new {
-                predictions.push((name.clone(), here.predict(loaded)?));
+            let rows = judged_rows(*role, self.preprocessing.trim_rest);
+            let (mut comparison, mut prediction) = (Comparison::default(), None);
+            if detail == Detail::RowByRow {
+                let (name, is_new) = names.name(&loaded.source.file);
+                if is_new {
+                    predictions.push((name.clone(), here.predict(loaded)?));
+                }
+                prediction = Some(name);
+                comparison = compare(&here.model, &here.calibration, prepared, rows)?;
             }
             let mut notes = loaded.recording.report.notes();
             notes.extend(prepared.data.report.notes());
-            let rows = judged_rows(*role, self.preprocessing.trim_rest);
             results.push(RecordingResult {
                 label: loaded.source.label.clone(),
                 role: *role,
                 window_s: loaded.source.window_s,
                 validation: validate(&here.model, &here.calibration, prepared, rows)?,
-                comparison: compare(&here.model, &here.calibration, prepared, rows)?,
+                comparison,
                 first_stamp_s: loaded.recording.time_s.first().copied().unwrap_or(0.0),
                 notes,
-                prediction: Some(name),
+                prediction,
             });
         }
         Ok(Outcome { calibrated, recordings: results, predictions })

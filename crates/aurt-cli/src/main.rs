@@ -17,6 +17,7 @@ mod rendering;
 mod reports;
 mod results;
 mod simulated;
+mod streaming;
 mod sweeping;
 
 use std::process::ExitCode;

@@ -87,7 +87,7 @@ impl Found<'_> {
     }
 
     /// Whether what was found accounts for the excess over the noise floor.
-    fn accounts(&self) -> bool {
+    pub(crate) fn accounts(&self) -> bool {
         let excess = |rms: f64, floor: f64| (rms * rms - floor * floor).max(0.0);
         // In units of the noise, so that no joint counts for more than another.
         let sum = |of: fn(&JointResidual) -> f64| -> f64 {

@@ -11,14 +11,17 @@ use crate::{
     baseline::Baseline,
     effects::{self, Addition, Context, Effect, Presence, Proposal},
     problem::{Problem, Switch},
+    registered::{Proposed, REGISTERED, RegisteredModel},
     selection::Group,
 };
 
 /// A proposal of an effect, with its place among the columns.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// Identifier of the effect.
+    /// Identifier of the effect; `registered_model` for one that is of none.
     pub effect: &'static str,
+    /// The registered model that it is, if it is of no effect.
+    pub registered: Option<RegisteredModel>,
     /// What it proposes.
     pub proposal: Proposal,
     /// Its columns.
@@ -43,17 +46,18 @@ pub(crate) fn extended_load(
     }
 }
 
-/// Asks every effect for proposals and adds their terms to the model.
+/// Asks every effect for proposals and adds their terms to the model; registered models come last.
 pub(crate) fn candidates(
     question: &Question<'_>,
     registry: &Registry,
     context: &Context<'_>,
     friction_may_be_late: bool,
     unasked: impl Fn(&str) -> bool,
+    registered: Vec<Proposed>,
 ) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
     let own = question.model;
     let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
-    let mut proposed: Vec<(&'static str, Proposal, Option<usize>)> = Vec::new();
+    let mut proposed: Vec<(&'static str, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
     for effect in effects::all().into_iter().filter(|e| !unasked(e.id())) {
         for proposal in effect.proposals(context) {
             if !friction_may_be_late
@@ -69,8 +73,12 @@ pub(crate) fn candidates(
                 }
                 Addition::Instrument(..) => None,
             };
-            proposed.push((effect.id(), proposal, term));
+            proposed.push((effect.id(), None, proposal, term));
         }
+    }
+    for Proposed { model, proposal, term } in registered {
+        terms.push(term);
+        proposed.push((REGISTERED, Some(model), proposal, Some(terms.len() - 1)));
     }
     let model =
         RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
@@ -81,7 +89,7 @@ pub(crate) fn candidates(
     let layout = Layout::new(&model);
     let candidates = proposed
         .into_iter()
-        .map(|(effect, proposal, term)| {
+        .map(|(effect, registered, proposal, term)| {
             let (columns, names) = match (&proposal.addition, term) {
                 (Addition::Instrument(joint, which), _) => {
                     (vec![layout.instrument(*joint, *which)], vec![String::new()])
@@ -94,7 +102,7 @@ pub(crate) fn candidates(
                 }
                 (Addition::Term(_), None) => (Vec::new(), Vec::new()),
             };
-            Candidate { effect, proposal, columns, names }
+            Candidate { effect, registered, proposal, columns, names }
         })
         .collect();
     Ok((model, candidates))

@@ -14,6 +14,7 @@ use crate::{
     late::{Delay, Found, Late},
     partition::Partition,
     problem::{Problem, Switch},
+    registered,
     residuals::{residuals, shares},
     rows::Fit,
     selection::{Group, Selection, Selector},
@@ -59,6 +60,8 @@ pub struct Investigation {
     pub contacts: Vec<Contact>,
     /// What selection found.
     pub selection: Selection,
+    /// Registered models that could not be tried, and why.
+    pub untried: Vec<String>,
     /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
     pub free: Vec<[f64; 2]>,
     /// Share of independent rows of the final residual, mean over joints.
@@ -187,7 +190,9 @@ fn investigate_as_it_is(
     let rings = shaking.iter().any(|s| s.effect == "joint_elasticity");
     let unasked =
         |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
-    let (model, candidates) = candidates(question, registry, &context, friction_may_be_late, unasked)?;
+    let (proposed, untried) = registered::proposals(question, registry);
+    let (model, candidates) =
+        candidates(question, registry, &context, friction_may_be_late, unasked, proposed)?;
     drop(context_rows);
 
     progress("evaluating candidates");
@@ -250,6 +255,7 @@ fn investigate_as_it_is(
         shaking,
         contacts,
         selection,
+        untried,
         free,
         mean_independent_share,
     })
@@ -334,7 +340,7 @@ impl Parts<'_> {
                 independent_share: &shares,
                 options: &self.question.selection,
             };
-            let selection = selector.run(&mut *progress);
+            let selection = registered::choose(&selector, groups, &mut *progress);
             let switches = selector.final_switches(&selection);
             let (fit, _) = weighted_fit(&problem, &switches, self.floor);
             (selection, switches, fit.coefficients)

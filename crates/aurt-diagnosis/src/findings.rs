@@ -9,6 +9,7 @@ use crate::{
     confidence::confidence,
     effects::{self, OwnFriction, ParameterValue},
     problem::{Switch, TotalFit},
+    registered::REGISTERED,
     selection::Chosen,
     wideband::Shaking,
 };
@@ -328,7 +329,11 @@ fn concerned(chosen: &Chosen) -> Vec<usize> {
     (0..chosen.joint_loss.len()).filter(|j| chosen.joint_loss[*j] > CONCERNED * largest).collect()
 }
 
-fn present_in(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Vec<String> {
+pub(crate) fn present_in(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    target_only: bool,
+) -> Vec<String> {
     let targets = question.recordings.iter().any(|r| r.role == Role::Target);
     let mut kinds = Vec::new();
     if !targets || (!target_only && investigation.problem.has_reference()) {
@@ -341,7 +346,7 @@ fn present_in(question: &Question<'_>, investigation: &Investigation, target_onl
 }
 
 /// (name, value, standard deviation) of a candidate's coefficients; those that the baseline absorbs are zero.
-fn fitted_coefficients(
+pub(crate) fn fitted_coefficients(
     investigation: &Investigation,
     candidate: &Candidate,
     target_only: bool,
@@ -373,6 +378,10 @@ fn alternatives(
     let mut found: Vec<Alternative> = Vec::new();
     for (rival, score) in &one.rivals {
         let group = &investigation.groups[*rival];
+        // What the vocabulary has a word for keeps it.
+        if group.effect == REGISTERED {
+            continue;
+        }
         if chosen.iter().any(|c| c.group == *rival) || found.iter().any(|a| a.effect == group.effect) {
             continue;
         }
@@ -409,13 +418,22 @@ fn sentence(finding: &Finding) -> String {
             let value = p.value.as_f64()?;
             Some(match p.std.as_f64() {
                 Some(std) => format!("{name} = {}", with_deviation(value, std)),
-                None => format!("{name} = {value}"),
+                None => format!("{name} = {}", short(value)),
             })
         })
         .take(4)
         .collect();
     let key = if key.is_empty() { String::new() } else { format!(" ({})", key.join(", ")) };
     format!("{title} {plural} {joints}{when}{key}")
+}
+
+/// A value of which no deviation is known: numbers of things as they are, others to four digits.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
 }
 
 /// A value with its deviation, both to two digits of the latter.
@@ -433,7 +451,7 @@ fn list(joints: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::with_deviation;
+    use super::{short, with_deviation};
 
     #[test]
     fn values_have_the_digits_that_their_deviation_allows() {
@@ -441,5 +459,6 @@ mod tests {
         assert_eq!(with_deviation(15.809, 1.41), "15.8 ± 1.4");
         assert_eq!(with_deviation(1234.5, 21.0), "1234 ± 21");
         assert_eq!(with_deviation(0.5, f64::INFINITY), "0.5000");
+        assert_eq!([short(5.0), short(0.593_439_36), short(-1234.56)], ["5", "0.5934", "-1235"]);
     }
 }

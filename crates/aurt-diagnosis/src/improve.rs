@@ -1,5 +1,8 @@
 //! The experiment that has the named physics.
 
+use std::path::PathBuf;
+
+use aurt_plugins::Origin;
 use serde_json::Value;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
@@ -18,6 +21,8 @@ pub struct Improvement {
     pub delay_s: Option<Vec<f64>>,
     /// Whether target recordings join the calibration ones.
     pub calibrate_on_target: bool,
+    /// Libraries that the terms' models are from.
+    pub libraries: Vec<PathBuf>,
     /// What could not be put into the experiment, and why.
     pub notes: Vec<String>,
 }
@@ -59,6 +64,11 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
     for chosen in &investigation.selection.chosen {
         let group = &investigation.groups[chosen.group];
         let candidate = &investigation.candidates[group.candidate];
+        if let Some(Origin::Library(library)) = candidate.registered.as_ref().map(|r| &r.origin)
+            && !improvement.libraries.contains(&library.path)
+        {
+            improvement.libraries.push(library.path.clone());
+        }
         let scope = (group.target_only() && investigation.problem.has_reference()).then(|| targets.clone());
         match &candidate.proposal.addition {
             Addition::Term(configuration) => add_term(&mut improvement.terms, configuration, scope),
@@ -143,6 +153,16 @@ pub fn improved_experiment(source: &str, improvement: &Improvement) -> Result<St
                 calibration.push(target);
             }
         }
+    }
+    if !improvement.libraries.is_empty() {
+        let plugins = document.entry("plugins").or_insert_with(|| Item::Table(Table::new()));
+        let list = plugins
+            .as_table_like_mut()
+            .map(|table| table.entry("libraries").or_insert_with(|| Item::Value(Array::new().into())));
+        let Some(list) = list.and_then(Item::as_array_mut) else {
+            return Err(refuse("`libraries` of `plugins` is not a list".into()));
+        };
+        list.extend(improvement.libraries.iter().map(|path| path.to_string_lossy().into_owned()));
     }
     for (configuration, scope) in &improvement.terms {
         let mut table = Table::new();

@@ -22,9 +22,11 @@ mod late;
 mod linear;
 mod localise;
 mod partition;
+mod paths;
 mod periodogram;
 mod problem;
 mod question;
+mod registered;
 mod report;
 mod residuals;
 mod rows;
@@ -44,13 +46,16 @@ pub use faults::{Fault, RecordingFaults};
 pub use improve::{Improvement, improved_experiment, improvement};
 pub use late::{Delay, Late};
 pub use partition::Partition;
+pub use paths::{from_folder, with_file_names};
 pub use problem::{Problem, Switch};
 pub use question::{Question, QuestionedRecording, Spoilt};
+pub use registered::RegisteredModel;
 pub use report::verdict as write_verdict;
 pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
 pub use selection::{Chosen, Group, Selection, SelectionOptions};
 pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, RegisteredFinding, Shift,
+    Verdict,
 };
 pub use wideband::{FullRate, InertiaColumns, Shaking, find_shaking};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
+    Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
     RecordingRows, Role, Shift, Verdict,
     answer::{Found, STRUCTURE},
     baseline::weighted_fit,
@@ -11,6 +11,7 @@ use crate::{
     findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
     localise,
     problem::{Switch, TotalFit},
+    registered,
     residuals::residuals,
     wideband::LEAST_RATE_HZ,
 };
@@ -46,14 +47,28 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
     let shaking = shaking_findings(question, investigation);
+    let registered_models = registered::findings(question, investigation, &all, &fit);
+    // Registered models account for nothing that has a name.
+    let of_names = (!registered_models.is_empty()).then(|| {
+        let named = registered::names_only(investigation);
+        let fit = weighted_fit(&investigation.problem, &named, &investigation.floor).0;
+        let mut of_names = joint_residuals(investigation, &named, &fit, baseline.0, &baseline.1);
+        for (name, whole) in of_names.iter_mut().zip(&residual) {
+            name.baseline_rms = whole.baseline_rms;
+        }
+        of_names
+    });
     let found = Found {
         physics: &effects,
-        residual: &residual,
+        residual: of_names.as_ref().unwrap_or(&residual),
         contacts: !touched.is_empty(),
         shaking: !shaking.is_empty(),
         faults: !faults.is_empty(),
     };
-    let verdict = found.answer(question, investigation);
+    let verdict = match found.answer(question, investigation) {
+        Answer::NoMismatch if !registered_models.is_empty() => Answer::Unexplained,
+        answer => answer,
+    };
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
@@ -61,6 +76,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let mut verdict = Verdict {
         verdict,
         effects,
+        registered_models,
         not_decidable: not_decidable(question, investigation),
         residual,
         held_out,
@@ -74,6 +90,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .filter(|f| !f.suffices)
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
+    verdict.notes.extend(investigation.untried.iter().cloned());
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
     }
@@ -107,7 +124,8 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let ratios: Vec<f64> = held.rms_before.iter().zip(&held.rms_after).map(grows).collect();
     let worse = ratios.iter().filter(|r| **r > 1.0 + WORSE).count();
     let worst = (0..ratios.len()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]))?;
-    (2 * worse >= ratios.len() && !verdict.effects.is_empty()).then(|| {
+    let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
+    (2 * worse >= ratios.len() && found).then(|| {
         format!(
             "WARNING: {} is predicted worse with what was found on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} \
              after). Validation recordings are taken to be of the robot as it is in the targets; one from before a change \
@@ -125,7 +143,8 @@ fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<
     let mut absorbed: BTreeMap<&'static str, BTreeMap<usize, f64>> = BTreeMap::new();
     let target = investigation.problem.has_target();
     for (candidate, free) in investigation.candidates.iter().zip(&investigation.free) {
-        if candidate.proposal.joints.len() > 1 && candidate.effect == "joint_coupling_friction" {
+        let coupling = candidate.proposal.joints.len() > 1 && candidate.effect == "joint_coupling_friction";
+        if coupling || candidate.registered.is_some() {
             continue;
         }
         let share = match candidate.proposal.presence {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     effects::find,
     problem::{NestedFit, Problem, Switch},
+    registered::REGISTERED,
 };
 
 /// A hypothesis: coefficients that enter or leave the model together.
@@ -276,7 +277,8 @@ impl Selector<'_> {
         let choice = ranked
             .iter()
             .filter(|(_, score)| *score >= near)
-            .min_by_key(|(g, _)| self.groups[*g].switches.len())
+            // The vocabulary wins ties.
+            .min_by_key(|(g, _)| (self.groups[*g].effect == REGISTERED, self.groups[*g].switches.len()))
             .map_or(first, |(g, _)| *g);
         let own = &self.groups[choice];
         if own.target_only() && !is_friction(own.effect) && own.joints.len() == 1 {
@@ -468,7 +470,8 @@ fn kind(effect: &str) -> &'static str {
         | "viscous"
         | "viscous_nonlinear"
         | "viscous_asymmetry"
-        | "temperature_dependent_friction" => "friction",
+        | "temperature_dependent_friction"
+        | REGISTERED => "friction",
         "load_dependent_friction" | "drive_efficiency" | "torque_constant" => "load",
         "rotor_inertia" | "joint_elasticity" | "time_delay" => "acceleration",
         "spring" | "torque_ripple" | "base_tilt" => "position",

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use aurt_traits::Slot;
 use serde::{Deserialize, Serialize};
 
 use crate::effects::{Family, ParameterValue};
@@ -25,6 +26,10 @@ pub struct Verdict {
     pub verdict: Answer,
     /// The effects, strongest first.
     pub effects: Vec<Finding>,
+    /// Registered friction models that predict what no named effect does, strongest first. They have no word of the
+    /// vocabulary: where they alone explain the mismatch, the answer is `unexplained`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub registered_models: Vec<RegisteredFinding>,
     /// Effects that these recordings can neither show nor exclude.
     pub not_decidable: Vec<NotDecidable>,
     /// What is left, joint by joint.
@@ -62,6 +67,30 @@ pub struct Finding {
     /// Why it was accepted.
     pub evidence: Evidence,
     /// The effect in a sentence.
+    pub sentence: String,
+}
+
+/// A registered friction model that predicts what no named effect does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RegisteredFinding {
+    /// Its name in experiments.
+    pub model: String,
+    /// Its slot.
+    pub slot: Slot,
+    /// Who registered it.
+    pub origin: String,
+    /// The joint whose friction it would be.
+    pub joints: Vec<usize>,
+    /// Kinds of recordings that have it: `calibration`, `target`.
+    pub present_in: Vec<String>,
+    /// Share of the joint's squared error without the model, with all else that was found, that the model predicts on
+    /// blocks of time that were not fitted.
+    pub predicted_share: f64,
+    /// Shape parameters as they were tried, and fitted coefficients.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// Why it was accepted.
+    pub evidence: Evidence,
+    /// The model in a sentence.
     pub sentence: String,
 }
 
@@ -107,7 +136,7 @@ pub struct JointResidual {
     pub joint: usize,
     /// Root mean square of the baseline's residual, in the measurement's unit.
     pub baseline_rms: f64,
-    /// Root mean square of what the named effects leave.
+    /// Root mean square of what the named effects and registered models leave.
     pub unexplained_rms: f64,
     /// Root mean square that noise alone leaves.
     pub floor_rms: f64,

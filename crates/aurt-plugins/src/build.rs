@@ -2,7 +2,9 @@
 
 use std::{cell::RefCell, sync::Arc};
 
-use aurt_traits::{ArmTerm, CoulombModel, HysteresisModel, JointModel, ModelError, Slot, ViscousBasis};
+use aurt_traits::{
+    ArmTerm, CoulombModel, HysteresisModel, InnerModels, JointModel, ModelError, Slot, ViscousBasis,
+};
 use serde::{Deserialize, de::value::Error as SerdeError};
 use serde_json::{Map, Value};
 
@@ -11,6 +13,7 @@ use crate::{
     configuration::NodeKind,
     dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryListing, LibraryModel},
     error::BuildError,
+    inner::{self, Form, Inner},
     place::{self, Place, Tracked},
 };
 
@@ -20,7 +23,7 @@ pub(crate) const PLUGIN_KEY: &str = "plugin";
 mod sealed {
     use std::sync::Arc;
 
-    use aurt_traits::ModelError;
+    use aurt_traits::{InnerModels, ModelError};
     use serde::de::value::Error;
     use serde_json::{Map, Value};
 
@@ -37,6 +40,9 @@ mod sealed {
         /// A model of a library, from its keys.
         fn from_library(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Box<Self>, Fault>;
 
+        /// The models that it is made of, if it is made of such.
+        fn inner_models(&mut self) -> Option<InnerModels<'_>>;
+
         /// What the model's own validation says, without a robot.
         fn complaints(&self) -> Vec<ModelError>;
     }
@@ -50,7 +56,7 @@ pub trait SlotModel: sealed::Construct {
 }
 
 macro_rules! slot_model {
-    ($model:ty, $slot:ident, $adapter:ident, $complaints:expr) => {
+    ($model:ty, $slot:ident, $adapter:ident, $inner:expr, $complaints:expr) => {
         impl SlotModel for $model {
             const SLOT: Slot = Slot::$slot;
         }
@@ -67,6 +73,11 @@ macro_rules! slot_model {
                 Ok(Box::new($adapter::create(model, config)?))
             }
 
+            fn inner_models(&mut self) -> Option<InnerModels<'_>> {
+                let inner: fn(&mut Self) -> Option<InnerModels<'_>> = $inner;
+                inner(self)
+            }
+
             fn complaints(&self) -> Vec<ModelError> {
                 let complaints: fn(&Self) -> Vec<ModelError> = $complaints;
                 complaints(self)
@@ -75,21 +86,22 @@ macro_rules! slot_model {
     };
 }
 
-slot_model!(dyn CoulombModel, Coulomb, LibraryJointModel, |m| JointModel::validate(m)
+slot_model!(dyn CoulombModel, Coulomb, LibraryJointModel, |_| None, |m| JointModel::validate(m)
     .err()
     .unwrap_or_default());
-slot_model!(dyn HysteresisModel, Hysteresis, LibraryJointModel, |m| JointModel::validate(m)
+slot_model!(dyn HysteresisModel, Hysteresis, LibraryJointModel, |_| None, |m| JointModel::validate(m)
     .err()
     .unwrap_or_default());
-slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |m| JointModel::validate(m)
+slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |_| None, |m| JointModel::validate(m)
     .err()
     .unwrap_or_default());
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
-slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |_| Vec::new());
+slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |m| m.inner_models(), |_| Vec::new());
 
 pub(crate) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     table: &Node,
+    form: Form,
 ) -> Result<Box<M>, Vec<BuildError>> {
     let slot = M::SLOT;
     let NodeKind::Table(_) = table.kind else {
@@ -134,9 +146,25 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
             })?
         }
         None => {
-            let place = RefCell::new(place::whole(table));
-            M::from_linked(Tracked::new(table, &place))
-                .map_err(|e| vec![refuse(place.take(), in_terms_of_keys(&e.to_string()))])?
+            let linked = |table: &Node| {
+                let place = RefCell::new(place::whole(table));
+                M::from_linked(Tracked::new(table, &place))
+                    .map_err(|e| vec![refuse(place.take(), in_terms_of_keys(&e.to_string()))])
+            };
+            match inner::outer_table::<M>(registered, table) {
+                None => linked(table)?,
+                Some(outer) => match (linked(&outer), Inner::build(registry, table, form)) {
+                    (Ok(mut model), Ok(inner)) => {
+                        if let Some(places) = model.inner_models() {
+                            inner.fill(places);
+                        }
+                        model
+                    }
+                    (outer, inner) => {
+                        return Err(outer.err().into_iter().chain(inner.err()).flatten().collect());
+                    }
+                },
+            }
         }
     };
     let complaints = invalid(table, model.complaints());
@@ -177,7 +205,7 @@ pub(crate) fn build_saved<M: SlotModel + ?Sized>(
 ) -> Result<Box<M>, Vec<BuildError>> {
     let mut table = table.clone();
     let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
-    let built = build::<M>(registry, &Node::from(&table));
+    let built = build::<M>(registry, &Node::from(&table), Form::Saved);
     let Some(saved) = plugin.as_ref().map(saved_library) else { return built };
     let named = table.get("model").and_then(Value::as_str);
     let now = named.and_then(|name| registry.model(M::SLOT, name).ok());

@@ -28,6 +28,7 @@ mod describe;
 mod dynamic;
 mod error;
 pub mod experiment;
+mod inner;
 pub mod model_file;
 mod new_plugin;
 mod place;

@@ -7,6 +7,7 @@ use crate::{
     build::{self, SlotModel},
     dynamic::{self, LibraryListing, LibraryModel},
     error::BuildError,
+    inner::Form,
 };
 
 /// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
@@ -44,6 +45,9 @@ pub struct ModelListing {
     pub origin: Origin,
 }
 
+/// The crate of the models that come with AURT.
+const BUILTIN: &str = "aurt-friction";
+
 /// Who registered a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Origin {
@@ -51,6 +55,14 @@ pub enum Origin {
     Crate(&'static str),
     /// A dynamic library.
     Library(LibraryListing),
+}
+
+impl Origin {
+    /// Whether the model comes with AURT.
+    #[must_use]
+    pub fn is_builtin(&self) -> bool {
+        *self == Self::Crate(BUILTIN)
+    }
 }
 
 impl std::fmt::Display for Origin {
@@ -181,7 +193,7 @@ impl Registry {
     /// # Errors
     /// All complaints about the configuration, each with its place in the text.
     pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
-        build::build(self, table)
+        build::build(self, table, Form::Written)
     }
 
     /// The model that a saved table `{"model": "…", …}` describes.

@@ -53,6 +53,7 @@ pub use dynamics::ChainDynamics;
 pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
 pub use inertia::{Inconsistency, LinkBody, inconsistencies};
+pub use kernel::Operations;
 pub use kinematics::LinkFrame;
 pub use mdh::{MdhRow, MdhRows, MdhTable};
 

@@ -42,6 +42,10 @@ impl RigidBodyRegressor for SerialChain {
         self.evaluate_on(Dispatch::active(), motion, out);
     }
 
+    fn torque(&self, motion: MotionView<'_>, standard: &[f64], out: &mut [f64], stride: usize) {
+        self.torque_on(Dispatch::active(), motion, standard, out, stride);
+    }
+
     fn gravity_m_s2(&self) -> [f64; 3] {
         Self::gravity_m_s2(self)
     }
@@ -64,6 +68,47 @@ impl SerialChain {
         assert_eq!(out.parameters(), joints * INERTIAL_PARAMETERS, "parameters of the tile");
         assert_eq!(out.samples(), motion.samples(), "samples of the tile");
         kernel::evaluate(level, self, motion, out);
+    }
+
+    /// [`RigidBodyRegressor::torque`] on a given instruction set; on [`Dispatch::Baseline`] if this processor does not
+    /// have it.
+    ///
+    /// # Panics
+    /// If the motion is not that of a robot of this many joints, there are not ten parameters for each link, or `out`
+    /// or `stride` is too short.
+    pub fn torque_on(
+        &self,
+        level: Dispatch,
+        motion: MotionView<'_>,
+        standard: &[f64],
+        out: &mut [f64],
+        stride: usize,
+    ) {
+        let (joints, samples) = (self.joints().len(), motion.samples());
+        assert_eq!(motion.joints(), joints, "joints of the motion");
+        assert_eq!(standard.len(), joints * INERTIAL_PARAMETERS, "standard parameters");
+        assert!(stride >= samples, "stride shorter than a column");
+        assert!(joints == 0 || out.len() >= (joints - 1) * stride + samples, "room for the torques");
+        kernel::torque(level, self, motion, standard, (out, stride));
+    }
+
+    /// What one evaluation of a tile with these destinations needs, for comparing times with what a processor can do;
+    /// `destination[joint · 10 N + parameter]` as in [`RegressorTile`].
+    ///
+    /// # Panics
+    /// If there are not N · 10 N destinations.
+    #[must_use]
+    pub fn operations(&self, destination: &[u32]) -> kernel::Operations {
+        let joints = self.joints().len();
+        assert_eq!(destination.len(), joints * joints * INERTIAL_PARAMETERS, "destinations");
+        let zeros = vec![0.0; joints];
+        let Ok(motion) = Motion::new(joints, vec![0.0], zeros.clone(), zeros.clone(), zeros) else {
+            return kernel::Operations::default();
+        };
+        let columns = destination.iter().map(|d| d.wrapping_add(1)).max().unwrap_or(0) as usize;
+        let mut data = vec![0.0; columns];
+        let parameters = joints * INERTIAL_PARAMETERS;
+        kernel::count(self, motion.view(), &mut RegressorTile::new(destination, parameters, 1, 1, &mut data))
     }
 
     /// The whole regressor Y of one sample, N rows of 10 N, row after row; a convenience for small work.

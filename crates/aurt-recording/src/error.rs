@@ -244,8 +244,9 @@ pub enum RecordingError {
     },
     /// A preprocessing cut-off at or above half the sampling rate.
     #[error(
-        "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate_hz:.6} Hz / 2); {remedy}",
-        path = path.display()
+        "{path}: the {which} cut-off of {cutoff_hz} Hz is not below half the sampling rate ({rate} Hz / 2); {remedy}",
+        path = path.display(),
+        rate = (rate_hz * 1e3).round() / 1e3
     )]
     AboveNyquist {
         /// The recording.

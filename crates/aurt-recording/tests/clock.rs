@@ -209,14 +209,17 @@ fn cut_offs_are_held_against_the_nyquist_frequency() {
     let error = refused(&recording, &PreprocessOptions::new(10.0));
     let message = error.to_string();
     let RecordingError::AboveNyquist { largest_f_dyn_hz, .. } = error else { panic!("{message}") };
-    assert!(message.contains("made.csv") && message.contains("f_dyn_hz can be at most 9.999"), "{message}");
+    assert!(message.contains("made.csv") && message.contains("f_dyn_hz can be at most 9.99;"), "{message}");
+    assert!(message.contains("50 Hz is not below half the sampling rate (100 Hz / 2)"), "{message}");
     assert!(preprocess(&recording, &PreprocessOptions::new(largest_f_dyn_hz)).is_ok());
     assert!(preprocess(&recording, &PreprocessOptions::new(9.99)).is_ok());
     let set = PreprocessOptions { position_cutoff_hz: Some(20.0), ..PreprocessOptions::new(20.0) };
     assert!(preprocess(&recording, &set).is_ok());
     let set = PreprocessOptions { parallel_cutoff_hz: Some(50.0), ..PreprocessOptions::new(5.0) };
     let message = refused(&recording, &set).to_string();
-    assert!(message.contains("parallel_cutoff_hz can be at most 49.995"), "{message}");
+    assert!(message.contains("parallel_cutoff_hz can be at most 49.9 Hz"), "{message}");
+    let told = PreprocessOptions { parallel_cutoff_hz: Some(49.9), ..set };
+    assert!(preprocess(&recording, &told).is_ok());
 }
 
 #[test]

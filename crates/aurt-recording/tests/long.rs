@@ -87,8 +87,20 @@ fn a_long_file_becomes_what_the_whole_one_does() {
     for trim_rest in [true, false] {
         let long = LongRecording::read(&path, &ReadOptions::default()).unwrap();
         assert_eq!(long.samples(), whole.samples());
+        assert_eq!(long.report().rows, whole.report.rows);
+        assert_eq!(long.report().columns, whole.report.columns);
         let expected = preprocess(&whole, &options(trim_rest)).unwrap();
-        assert_equal(&long.prepare(&options(trim_rest)).unwrap(), &expected.segments);
+        let prepared = long.prepare(&options(trim_rest)).unwrap();
+        assert_equal(&prepared, &expected.segments);
+        assert_eq!(prepared.report().notes(), expected.report.notes());
+        for (ours, theirs) in prepared.report().segments.iter().zip(&expected.report.segments) {
+            assert_eq!((ours.samples, ours.rows), (theirs.samples, theirs.rows));
+            let times = [ours.from_s, ours.to_s, ours.cut_s[0], ours.cut_s[1]];
+            let expected = [theirs.from_s, theirs.to_s, theirs.cut_s[0], theirs.cut_s[1]];
+            for (a, b) in times.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-6, "{times:?} {expected:?}");
+            }
+        }
     }
 }
 
@@ -104,7 +116,7 @@ fn corrupt_rows_are_dropped_alike() {
     let long = LongRecording::read(&path, &ReadOptions::default()).unwrap();
     assert_eq!(long.samples(), whole.samples());
     let error = long.prepare(&options(true)).unwrap_err().to_string();
-    assert!(error.contains("off a grid"), "{error}");
+    assert!(error.contains("off a grid") && error.contains("2 corrupt rows were dropped"), "{error}");
 }
 
 fn recording(samples: usize) -> Recording {

@@ -1,8 +1,8 @@
 use std::fmt::Debug;
 
 use crate::{
-    BaseParameters, Columns, Invariants, ModelError, MotionView, Parameter, RigidBodyRegressor,
-    ShapeParameter,
+    BaseParameters, Columns, CoulombModel, HysteresisModel, Invariants, ModelError, MotionView, Parameter,
+    RigidBodyRegressor, ShapeParameter, ViscousBasis,
 };
 
 /// What an [`ArmTerm`] receives: the motion of all joints and what loads them.
@@ -25,6 +25,18 @@ impl<'a> ArmSeries<'a> {
         let start = joint * self.load_stride;
         &self.load_torque[start..start + self.motion.samples()]
     }
+}
+
+/// The models of equation (6) that an [`ArmTerm`] is made of, to be filled from its keys `coulomb`, `hysteresis` and
+/// `viscous`.
+#[derive(Debug)]
+pub struct InnerModels<'a> {
+    /// f_C.
+    pub coulomb: &'a mut Box<dyn CoulombModel>,
+    /// H.
+    pub hysteresis: &'a mut Box<dyn HysteresisModel>,
+    /// f_v.
+    pub viscous: &'a mut Box<dyn ViscousBasis>,
 }
 
 /// Physics outside equation (6): terms that write the rows of any joints and share coefficients among them
@@ -59,6 +71,15 @@ pub trait ArmTerm: Debug + Send + Sync {
     /// Whether the term's torque is transmitted by the joints and so belongs to their load τ_J.
     fn is_load(&self) -> bool {
         false
+    }
+
+    /// The models of equation (6) that the term is made of, where its keys `coulomb`, `hysteresis` and `viscous` name
+    /// such; none for a term of its own equation.
+    ///
+    /// `typetag` reads the linked models alone. A term that hands out its models here has them built like those of
+    /// `[joint_dynamics]`, models of dynamic libraries included; each of the keys has to have a default.
+    fn inner_models(&mut self) -> Option<InnerModels<'_>> {
+        None
     }
 
     /// Everything that is wrong with the configuration for a robot of `robot_joints` joints.

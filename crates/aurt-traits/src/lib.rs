@@ -25,7 +25,7 @@ mod rigid_body;
 mod robot_model;
 mod tile;
 
-pub use arm_term::{ArmSeries, ArmTerm};
+pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
 pub use dispatch::Dispatch;
 pub use error::ModelError;
 pub use invariants::{Invariant, Invariants};

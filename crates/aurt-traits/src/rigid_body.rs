@@ -27,6 +27,45 @@ pub trait RigidBodyRegressor: Debug + Send + Sync {
     /// Every entry that `out` wants and [`Self::loads`] allows is written, zeros included.
     fn evaluate(&self, motion: MotionView<'_>, out: &mut RegressorTile<'_>);
 
+    /// τ = Y π for every sample of `motion`, with π the P standard parameters: joint j's torque at sample k goes to
+    /// `out[j · stride + k]`.
+    ///
+    /// Whoever knows his bodies overrides this: τ needs less work than the columns of Y, which are evaluated here for
+    /// the parameters that are not zero.
+    ///
+    /// # Panics
+    /// If there are not P parameters, or `out` or `stride` is too short.
+    fn torque(&self, motion: MotionView<'_>, standard: &[f64], out: &mut [f64], stride: usize) {
+        const AT_ONCE: usize = 256;
+        let (joints, parameters) = (self.joints(), standard.len());
+        let mut destination = vec![RegressorTile::UNWANTED; joints * parameters];
+        let mut used = 0;
+        for joint in 0..joints {
+            for (k, value) in standard.iter().enumerate() {
+                if *value != 0.0 && self.loads(k, joint) {
+                    destination[joint * parameters + k] = used;
+                    used += 1;
+                }
+            }
+        }
+        let mut data = vec![0.0; used as usize * AT_ONCE];
+        for first in (0..motion.samples()).step_by(AT_ONCE) {
+            let end = (first + AT_ONCE).min(motion.samples());
+            let samples = end - first;
+            let mut tile = RegressorTile::new(&destination, parameters, samples, AT_ONCE, &mut data);
+            self.evaluate(motion.slice(first..end), &mut tile);
+            for joint in 0..joints {
+                let sum = &mut out[joint * stride + first..joint * stride + end];
+                sum.fill(0.0);
+                for (k, value) in standard.iter().enumerate() {
+                    if let Some(column) = tile.entry_mut(joint, k) {
+                        sum.iter_mut().zip(column).for_each(|(s, v)| *s += value * *v);
+                    }
+                }
+            }
+        }
+    }
+
     /// Gravitational acceleration in the base frame, m/s².
     fn gravity_m_s2(&self) -> [f64; 3];
 

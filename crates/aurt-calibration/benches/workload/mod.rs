@@ -24,16 +24,45 @@ fn build<M: SlotModel + ?Sized>(configuration: &Value) -> Box<M> {
 /// The first `joints` joints of a UR10e with the friction of the paper: Coulomb friction square in load, no memory,
 /// viscous powers 1, 2, 3.
 pub fn model(joints: usize) -> RobotModel {
+    with_friction(&bodies(joints), &json!({ "model": "square" }), &json!({ "model": "sign" }), &[1, 2, 3])
+}
+
+/// The rigid bodies of the first `joints` joints of a UR10e.
+pub fn bodies(joints: usize) -> RigidBodyDynamics {
     let rows: Vec<&str> = UR10E.lines().take(joints + 1).collect();
     let table = MdhTable::parse(&rows.join("\n"), "ur10e.csv", MdhRows::Next).unwrap();
-    let bodies = RigidBodyDynamics::from_mdh(&table, [0.0, 0.0, -9.81], 0).unwrap();
-    let stack = JointStack::new(
-        build(&json!({ "model": "square" })),
-        build(&json!({ "model": "sign" })),
-        build(&json!({ "model": "polynomial", "powers": [1, 2, 3] })),
-    )
-    .unwrap();
-    bodies.with_joint_dynamics(vec![stack; joints], Vec::new()).unwrap()
+    RigidBodyDynamics::from_mdh(&table, [0.0, 0.0, -9.81], 0).unwrap()
+}
+
+/// Rigid bodies with the same friction in all joints.
+pub fn with_friction(
+    bodies: &RigidBodyDynamics,
+    coulomb: &Value,
+    hysteresis: &Value,
+    powers: &[u32],
+) -> RobotModel {
+    let joints = bodies.rigid_body.joints();
+    let viscous = build(&json!({ "model": "polynomial", "powers": powers }));
+    let stack = JointStack::new(build(coulomb), build(hysteresis), viscous).unwrap();
+    bodies.clone().with_joint_dynamics(vec![stack; joints], Vec::new()).unwrap()
+}
+
+/// The linear friction models of `examples/ur10e_hundred_variants.toml`: every Coulomb model with every model of
+/// hysteresis and every viscous polynomial.
+pub fn variants(bodies: &RigidBodyDynamics) -> Vec<RobotModel> {
+    let slip = |elements: usize| json!({ "model": "maxwell_slip", "elements": elements });
+    let plain = |name: &str| json!({ "model": name });
+    let hystereses = [plain("sign"), plain("tanh"), plain("dahl"), slip(2), slip(3), slip(4), slip(5)];
+    let powers: [&[u32]; 5] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3], &[1, 2, 3, 4]];
+    let mut models = Vec::new();
+    for coulomb in ["none", "square", "absolute"] {
+        for hysteresis in &hystereses {
+            for powers in powers {
+                models.push(with_friction(bodies, &plain(coulomb), hysteresis, powers));
+            }
+        }
+    }
+    models
 }
 
 /// Angle and torque of a joint at a time; the torque is some smooth function of the motion.
@@ -87,6 +116,8 @@ pub fn write_csv(path: &Path, joints: usize, samples: usize) {
 /// system does not tell, the time that went by.
 pub fn processor_s() -> f64 {
     static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    // The kernel brings the account of a thread up to date when it yields, and else at its next tick, 4 ms later.
+    std::thread::yield_now();
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.and_then(|t| t.split_whitespace().next()?.parse::<f64>().ok());
     nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |n| n * 1e-9)
@@ -106,10 +137,21 @@ pub fn option(name: &str) -> Option<usize> {
 
 /// Seconds that processors spent on all threads of this process.
 pub fn process_s() -> f64 {
+    scheduled_s(0)
+}
+
+/// Seconds that threads of this process were ready to run while the processors did something else, added up.
+pub fn waited_s() -> f64 {
+    scheduled_s(1)
+}
+
+/// A place of the kernel's account of each thread (time run, time waited), summed over all threads.
+fn scheduled_s(place: usize) -> f64 {
+    std::thread::yield_now();
     let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let spent = threads.filter_map(|thread| {
         let told = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
-        told.split_whitespace().next()?.parse::<f64>().ok()
+        told.split_whitespace().nth(place)?.parse::<f64>().ok()
     });
     spent.sum::<f64>() * 1e-9
 }

@@ -187,7 +187,7 @@ pub(super) fn mul_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
 
 /// The sum of partial sums, in pairs.
 #[inline(always)]
-fn total(lanes: &Lanes) -> f64 {
+pub(super) fn total(lanes: &Lanes) -> f64 {
     let [a, b, c, d, e, f, g, h] = *lanes;
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

@@ -10,17 +10,19 @@ mod columns;
 mod fold;
 mod gram;
 mod project;
+mod reflect;
 
 pub(crate) use columns::LANES;
 pub(crate) use fold::fold_rows;
 pub(crate) use project::project_out;
+pub(crate) use reflect::{bidiagonal, triangularise_below};
 
 pub use gram::add_gram;
 
 /// Defines a function that runs `$body` on the instruction set of a level. The numbers are how many columns are
 /// worked on at once, left and right, in scalar products and in additions: as many as registers hold the sums of.
 macro_rules! dispatched {
-    ($(#[$attribute:meta])* $name:ident = $body:ident($($argument:ident: $kind:ty),*)) => {
+    ($(#[$attribute:meta])* $name:ident = $body:ident($($argument:ident: $kind:ty),* $(,)?)) => {
         $(#[$attribute])*
         pub(crate) fn $name(level: aurt_traits::Dispatch, $($argument: $kind),*) {
             #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,3 @@
-use aurt_recording::ZeroPhase;
 use aurt_traits::{Dispatch, RobotModel};
 use rayon::prelude::*;
 
@@ -10,6 +9,7 @@ use super::{
 };
 use crate::{
     CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes, dense,
+    noise_bandwidth_factor,
 };
 
 /// What is left of a column after one projection still holds about 1e-16 of the column's own length along the basis;
@@ -27,6 +27,10 @@ pub struct FitRows<'r> {
     pub(super) pieces: Vec<Piece>,
     pub(super) joints: Vec<JointBasis>,
     pub(super) parts: SplitParts,
+    pub(super) triangles: Kept<(usize, String, String), Vec<f64>>,
+    pub(super) unloaded: Kept<(usize, String), Option<Vec<bool>>>,
+    /// The [`noise_bandwidth_factor`] of the filter that rows passed.
+    bandwidth: f64,
 }
 
 /// The split columns of models that do not read the load torque, by joint and model with its configuration.
@@ -110,7 +114,12 @@ impl<'r> FitRows<'r> {
             .into_par_iter()
             .map(|joint| JointBasis::new(rigid, &pieces, joint))
             .collect::<Result<_, _>>()?;
-        Ok(Self { rigid, pieces, joints, parts: SplitParts::default() })
+        let bandwidth = pieces.first().map_or(1.0, |p| {
+            let segment = rigid.segment(p.recording, p.segment);
+            noise_bandwidth_factor(&segment.parallel_filter, segment.decimation)
+        });
+        let (parts, triangles, unloaded) = Default::default();
+        Ok(Self { rigid, pieces, joints, parts, triangles, unloaded, bandwidth })
     }
 
     /// The rows that are shared.
@@ -131,12 +140,9 @@ impl<'r> FitRows<'r> {
         &self.pieces
     }
 
-    /// The filter that rows passed, and their decimation.
-    pub(crate) fn filter(&self) -> Option<(&'r ZeroPhase, usize)> {
-        self.pieces.first().map(|p| {
-            let segment = self.rigid.segment(p.recording, p.segment);
-            (&segment.parallel_filter, segment.decimation)
-        })
+    /// By how much the variance of low-frequency estimates exceeds what independent rows would give.
+    pub(crate) const fn bandwidth(&self) -> f64 {
+        self.bandwidth
     }
 
     /// Rows of a joint.
@@ -193,26 +199,40 @@ impl<'r> FitRows<'r> {
 
     /// The factor of a joint's rows over its rigid-body columns and `columns`, whose coefficients ascend.
     pub(crate) fn factor(&self, joint: usize, columns: &[(usize, &Split)]) -> JointFactor {
+        let splits: Vec<&Split> = columns.iter().map(|(_, split)| *split).collect();
+        self.factor_of(joint, columns.iter().map(|(c, _)| *c), self.triangle(joint, &splits))
+    }
+
+    /// The triangle of a joint's rows over its rigid-body columns, `columns` and the measurement.
+    pub(super) fn triangle(&self, joint: usize, columns: &[&Split]) -> Vec<f64> {
         let basis = &self.joints[joint];
-        let rigid = self.rigid.columns(joint);
-        let (n, k) = (rigid.len(), columns.len());
+        let (n, k) = (self.rigid.columns(joint).len(), columns.len());
         let size = n + k + 1;
-        let splits: Vec<&Split> =
-            columns.iter().map(|(_, split)| *split).chain(std::iter::once(&basis.measurement)).collect();
+        let splits = || columns.iter().copied().chain(std::iter::once(&basis.measurement));
         let mut beyond = JointFactor::new((0..k).collect());
-        beyond.push(|c| &splits[c].beyond, &splits[k].beyond, |_| true);
+        beyond.push(|c| &columns[c].beyond, &basis.measurement.beyond, |_| true);
         let small = beyond.triangle();
         let mut triangle = vec![0.0; size * size];
         for c in 0..n {
             triangle[c * size..c * size + n].copy_from_slice(&basis.triangle[c * n..(c + 1) * n]);
         }
-        for (c, split) in splits.iter().enumerate() {
+        for (c, split) in splits().enumerate() {
             let start = (n + c) * size;
             triangle[start..start + n].copy_from_slice(&split.along);
             triangle[start + n..start + size].copy_from_slice(&small[c * (k + 1)..(c + 1) * (k + 1)]);
         }
-        let all = rigid.iter().copied().chain(columns.iter().map(|(c, _)| *c)).collect();
-        JointFactor::from_triangle(all, triangle, basis.rows)
+        triangle
+    }
+
+    /// The factor with a [`Self::triangle`] whose columns have the given coefficients.
+    pub(super) fn factor_of(
+        &self,
+        joint: usize,
+        columns: impl Iterator<Item = usize>,
+        triangle: Vec<f64>,
+    ) -> JointFactor {
+        let all = self.rigid.columns(joint).iter().copied().chain(columns).collect();
+        JointFactor::from_triangle(all, triangle, self.joints[joint].rows)
     }
 
     /// The system of a model whose split columns are given.

@@ -1,4 +1,4 @@
-use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
+use aurt_traits::{JointStack, LoadTorque, MeasurementUnit, RobotModel};
 use rayon::prelude::*;
 
 use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
@@ -51,19 +51,33 @@ pub(crate) fn fit(
     let acting = rows.acting(model, scopes);
     let coefficients = model.parameters().len();
     let sources = Source::all(model);
-    let (stacks, others): (Vec<Source<'_>>, Vec<Source<'_>>) = sources.iter().partition(|s| s.separable());
+    let others: Vec<Source<'_>> = sources.iter().filter(|s| !s.separable()).copied().collect();
+    let stacks: Vec<(usize, &JointStack, usize)> = sources
+        .iter()
+        .filter(|s| s.separable())
+        .filter_map(|source| match *source {
+            Source::Stack { joint, stack, first_column } => Some((joint, stack, first_column)),
+            Source::Term { .. } => None,
+        })
+        .collect();
     let system = |loads: &[LoadSeries]| -> Result<System, CalibrationError> {
+        if others.is_empty() {
+            let factors = stacks.iter().map(|stack| rows.stack_factor(*stack, loads));
+            return Ok(System::new(coefficients, factors.collect::<Result<_, _>>()?));
+        }
         let mut columns = rows.columns(&others, &acting, loads)?;
-        for source in &stacks {
-            let Source::Stack { joint, stack, first_column } = *source else { continue };
-            columns.extend(rows.stack_columns((joint, stack, first_column), loads)?);
+        for stack in &stacks {
+            columns.extend(rows.stack_columns(*stack, loads)?);
         }
         Ok(rows.system(coefficients, &columns))
     };
     let load = match options.load_torque {
         LoadTorqueChoice::Literal => LoadTorque::Literal,
         LoadTorqueChoice::Fitted => {
-            let system = system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?;
+            let system = match rows.unloaded_system(model)? {
+                Some(system) => system,
+                None => system(&rows.loads(model, &LoadTorque::Fitted(vec![0.0; coefficients]))?)?,
+            };
             if !sources.iter().any(Source::reads_load) {
                 // A second fit would be this one.
                 let estimate = estimate(&system, options.estimator)?;
@@ -99,7 +113,15 @@ impl FitRows<'_> {
     pub(crate) fn calibration(&self, setting: &Setting<'_>, fitted: &Fitted) -> Calibration {
         let ranges = self.ranges(&fitted.load, &fitted.loads);
         let names = self.recordings().map(|r| r.name.clone()).collect();
-        finished(setting, &fitted.system, fitted.estimate.clone(), self.filter(), &fitted.load, ranges, names)
+        finished(
+            setting,
+            &fitted.system,
+            fitted.estimate.clone(),
+            self.bandwidth(),
+            &fitted.load,
+            ranges,
+            names,
+        )
     }
 
     fn ranges(&self, load: &LoadTorque, loads: &[LoadSeries]) -> Vec<JointRange> {

@@ -3,6 +3,7 @@ use aurt_traits::RobotModel;
 use super::{
     dynamics::{Source, dynamics_sums},
     load::LoadSeries,
+    parts::{StackSums, add},
     rigid::RigidRows,
 };
 use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
@@ -53,18 +54,22 @@ impl RigidRows<'_> {
             } else {
                 LoadSeries::zero(joints, samples)
             };
-            let mut summed = vec![0.0; joints * samples];
+            let others: Vec<Source<'_>> = sources.iter().filter(|s| !s.separable()).copied().collect();
+            let of = |column: usize| if acting[column] { coefficients[column] } else { 0.0 };
+            let mut predictions = vec![vec![0.0; segment.rows()]; joints];
+            let mut unfiltered = StackSums::new(joints, samples);
             for source in sources.iter().filter(|s| s.separable()) {
                 let Source::Stack { joint, stack, first_column } = *source else { continue };
                 let own = &coefficients[first_column..first_column + stack.columns().len()];
-                let sum = &mut summed[joint * samples..(joint + 1) * samples];
-                self.add_stack((recording, s, joint), stack, &load, own, sum)?;
+                let place = (recording, s, joint);
+                self.add_stack(place, stack, &load, own, &mut predictions[joint], &mut unfiltered)?;
             }
-            let others: Vec<Source<'_>> = sources.iter().filter(|s| !s.separable()).copied().collect();
-            let of = |column: usize| if acting[column] { coefficients[column] } else { 0.0 };
-            let dynamics = dynamics_sums(&others, segment, &load, of, summed)?;
+            if unfiltered.any || !others.is_empty() {
+                let sums = dynamics_sums(&others, segment, &load, of, unfiltered.sums)?;
+                predictions.iter_mut().zip(&sums).for_each(|(predicted, sum)| add(predicted, 1.0, sum));
+            }
             let motion = segment.motion.view();
-            for (joint, mut predicted) in dynamics.into_iter().enumerate() {
+            for (joint, mut predicted) in predictions.into_iter().enumerate() {
                 for (k, column) in self.columns(joint).iter().enumerate() {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
                 }
@@ -82,11 +87,5 @@ impl RigidRows<'_> {
             }
         }
         Ok(())
-    }
-}
-
-fn add(sum: &mut [f64], coefficient: f64, column: &[f64]) {
-    for (s, v) in sum.iter_mut().zip(column) {
-        *s += coefficient * v;
     }
 }

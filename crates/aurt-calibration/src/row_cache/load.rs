@@ -1,7 +1,7 @@
 use aurt_recording::Segment;
 use aurt_traits::{ArmSeries, ColumnGroup, Columns, LoadTorque, RobotModel};
 
-use super::rigid::{RigidRows, RigidTile, TILE_SAMPLES};
+use super::rigid::{RigidRows, TILE_SAMPLES};
 use crate::CalibrationError;
 
 /// The load torque τ_J of every joint over a segment, unfiltered.
@@ -52,21 +52,7 @@ impl RigidRows<'_> {
         if weights.iter().all(|w| *w == 0.0) {
             return Ok(series);
         }
-        let mut tile = RigidTile::default();
-        for first in (0..motion.samples()).step_by(TILE_SAMPLES) {
-            let end = (first + TILE_SAMPLES).min(motion.samples());
-            self.evaluate(motion.slice(first..end), &mut tile);
-            for joint in 0..self.joints() {
-                let start = joint * series.samples + first;
-                let sum = &mut series.values[start..start + end - first];
-                for (k, column) in self.columns(joint).iter().enumerate() {
-                    let weight = weights[*column];
-                    for (s, v) in sum.iter_mut().zip(tile.slot(self.first_slot(joint) + k)) {
-                        *s += weight * v;
-                    }
-                }
-            }
-        }
+        self.torque(motion, &weights, &mut series.values);
         if let LoadTorque::Fitted(weights) = load {
             self.add_load_terms(model, segment, weights, &mut series)?;
         }

@@ -109,8 +109,8 @@ impl RigidRows<'_> {
         })
     }
 
-    /// Σ coefficient · column of a separable stack over a segment, added to `sum`, unfiltered; `coefficients` are the
-    /// stack's own.
+    /// Σ coefficient · column of a separable stack over a segment; `coefficients` are the stack's own. What does not
+    /// depend on τ_J is added to `rows`, filtered and decimated; the rest, unfiltered, to `sums`.
     ///
     /// # Errors
     /// What models report.
@@ -120,7 +120,8 @@ impl RigidRows<'_> {
         stack: &JointStack,
         load: &LoadSeries,
         coefficients: &[f64],
-        sum: &mut [f64],
+        rows: &mut [f64],
+        sums: &mut StackSums,
     ) -> Result<(), CalibrationError> {
         let place = (recording, segment, joint);
         let hysteresis = self.part(place, stack.hysteresis(), identity("hysteresis", stack.hysteresis()))?;
@@ -128,17 +129,51 @@ impl RigidRows<'_> {
         let source = self.segment(recording, segment);
         let levels = unfiltered(stack.coulomb(), source, joint, load.joint(joint))?;
         let mut coefficients = coefficients.iter();
-        for level in levels.chunks_exact(sum.len().max(1)) {
-            for (column, coefficient) in hysteresis.columns().zip(coefficients.by_ref()) {
-                for (s, (l, h)) in sum.iter_mut().zip(level.iter().zip(column)) {
-                    *s += coefficient * l * h;
+        for level in levels.chunks_exact(source.motion.samples().max(1)) {
+            let own = coefficients.by_ref().take(hysteresis.rows.len());
+            let is = |value: f64| level.iter().all(|l| *l == value);
+            if is(1.0) {
+                own.zip(&hysteresis.rows).for_each(|(c, column)| add(rows, *c, column));
+            } else if is(0.0) {
+                own.for_each(|_| ());
+            } else {
+                sums.any = true;
+                let sum = sums.of(joint);
+                for (coefficient, column) in own.zip(hysteresis.columns()) {
+                    for (s, (l, h)) in sum.iter_mut().zip(level.iter().zip(column)) {
+                        *s += coefficient * l * h;
+                    }
                 }
             }
         }
-        for (column, coefficient) in viscous.columns().zip(coefficients) {
-            sum.iter_mut().zip(column).for_each(|(s, v)| *s += coefficient * v);
-        }
+        coefficients.zip(&viscous.rows).for_each(|(c, column)| add(rows, *c, column));
         Ok(())
+    }
+}
+
+/// What stacks add up to before the filter.
+pub(super) struct StackSums {
+    /// Joint after joint.
+    pub sums: Vec<f64>,
+    samples: usize,
+    /// Whether anything was added.
+    pub any: bool,
+}
+
+impl StackSums {
+    pub(super) fn new(joints: usize, samples: usize) -> Self {
+        Self { sums: vec![0.0; joints * samples], samples, any: false }
+    }
+
+    fn of(&mut self, joint: usize) -> &mut [f64] {
+        &mut self.sums[joint * self.samples..(joint + 1) * self.samples]
+    }
+}
+
+/// Adds `coefficient` · column.
+pub(super) fn add(sum: &mut [f64], coefficient: f64, column: &[f64]) {
+    for (s, v) in sum.iter_mut().zip(column) {
+        *s += coefficient * v;
     }
 }
 

@@ -41,17 +41,10 @@ struct SegmentRows {
 
 /// Unfiltered rigid-body entries over a few samples.
 #[derive(Debug, Default)]
-pub(crate) struct RigidTile {
+struct RigidTile {
     data: Vec<f64>,
     stride: usize,
     samples: usize,
-}
-
-impl RigidTile {
-    /// One slot's values.
-    pub(crate) fn slot(&self, slot: usize) -> &[f64] {
-        &self.data[slot * self.stride..slot * self.stride + self.samples]
-    }
 }
 
 impl<'r> RigidRows<'r> {
@@ -119,13 +112,15 @@ impl<'r> RigidRows<'r> {
         &rows.data[slot * rows.rows..(slot + 1) * rows.rows]
     }
 
-    /// First slot of a joint in a [`RigidTile`].
-    pub(crate) fn first_slot(&self, joint: usize) -> usize {
-        self.layout.first_slot[joint]
+    /// Σ weight · base column of each joint, unfiltered, joint after joint.
+    pub(crate) fn torque(&self, motion: MotionView<'_>, weights: &[f64], out: &mut [f64]) {
+        let mut standard = vec![0.0; self.layout.standard];
+        self.base.columns.iter().zip(weights).for_each(|(column, weight)| standard[*column] = *weight);
+        self.rigid_body.torque(motion, &standard, out, motion.samples());
     }
 
     /// Evaluates the rigid-body entries, unfiltered.
-    pub(crate) fn evaluate(&self, motion: MotionView<'_>, tile: &mut RigidTile) {
+    fn evaluate(&self, motion: MotionView<'_>, tile: &mut RigidTile) {
         let samples = motion.samples();
         // Not a multiple of 4096 bytes, so that columns do not fall on the same cache sets.
         let padded = samples.next_multiple_of(8);

@@ -3,14 +3,40 @@
 
 use std::sync::Arc;
 
-use aurt_traits::{JointModel, JointStack};
+use aurt_traits::{ColumnGroup, CoulombModel, JointModel, JointStack, RobotModel};
 
 use super::{
     fit::{FitRows, Split, SplitColumn},
     load::LoadSeries,
-    parts::{filtered, identity, unfiltered},
+    parts::{filtered, identity, separable, unfiltered},
 };
-use crate::CalibrationError;
+use crate::{CalibrationError, JointFactor, System};
+
+/// The split columns of a stack: those of its parts, or products of them.
+struct StackSplits {
+    hysteresis: Arc<Vec<Split>>,
+    viscous: Arc<Vec<Split>>,
+    /// For each Coulomb column what its products with the hysteresis columns are.
+    products: Vec<Products>,
+}
+
+enum Products {
+    /// The Coulomb column is one: the hysteresis columns themselves.
+    Same,
+    /// Others, or zeros.
+    Other(Vec<Split>),
+}
+
+impl StackSplits {
+    /// All of them, in the order of the stack's columns.
+    fn all(&self) -> Vec<&Split> {
+        let products = self.products.iter().flat_map(|products| match products {
+            Products::Same => self.hysteresis.iter(),
+            Products::Other(splits) => splits.iter(),
+        });
+        products.chain(self.viscous.iter()).collect()
+    }
+}
 
 impl FitRows<'_> {
     /// The split columns of a separable stack; `loads` holds τ_J of each piece.
@@ -22,6 +48,103 @@ impl FitRows<'_> {
         (joint, stack, first_column): (usize, &JointStack, usize),
         loads: &[LoadSeries],
     ) -> Result<Vec<SplitColumn>, CalibrationError> {
+        let splits = self.stack_splits(joint, stack, loads)?;
+        let column = |(k, split): (usize, &Split)| SplitColumn {
+            joint,
+            column: first_column + k,
+            split: split.clone(),
+        };
+        Ok(splits.all().into_iter().enumerate().map(column).collect())
+    }
+
+    /// The factor of a joint whose rows have no other columns than the rigid bodies' and those of a separable stack.
+    ///
+    /// # Errors
+    /// What models report.
+    pub(crate) fn stack_factor(
+        &self,
+        (joint, stack, first_column): (usize, &JointStack, usize),
+        loads: &[LoadSeries],
+    ) -> Result<JointFactor, CalibrationError> {
+        let splits = self.stack_splits(joint, stack, loads)?;
+        let all = splits.all();
+        let columns = first_column..first_column + all.len();
+        Ok(self.factor_of(joint, columns, self.triangle(joint, &all)))
+    }
+
+    /// The system of a model at τ_J = 0, where load-dependent columns vanish and all models with the same hysteresis and
+    /// viscous parts have the same columns; these are factorised once. Nothing for a model that has other columns too.
+    ///
+    /// # Errors
+    /// What models report.
+    pub(crate) fn unloaded_system(&self, model: &RobotModel) -> Result<Option<System>, CalibrationError> {
+        if !model.arm_terms().is_empty() {
+            return Ok(None);
+        }
+        let mut factors = Vec::new();
+        for (joint, stack) in model.stacks().iter().enumerate() {
+            let parts = identity("hysteresis", stack.hysteresis()).zip(identity("viscous", stack.viscous()));
+            let (Some((hysteresis, viscous)), true) = (parts, separable(stack)) else { return Ok(None) };
+            let levels = self.unloaded_levels(joint, stack.coulomb())?;
+            let Some(levels) = levels.as_deref() else { return Ok(None) };
+            let mut ones = levels.iter().enumerate().filter(|(_, one)| **one).map(|(c, _)| c);
+            let (Some(one), None) = (ones.next(), ones.next()) else { return Ok(None) };
+            let key = (joint, hysteresis.clone(), viscous.clone());
+            let triangle = self.triangles.get(
+                Some(key),
+                |t: &Vec<f64>| 8 * t.len(),
+                || {
+                    let hysteresis = self.part(joint, stack.hysteresis(), Some(&hysteresis))?;
+                    let viscous = self.part(joint, stack.viscous(), Some(&viscous))?;
+                    let all: Vec<&Split> = hysteresis.iter().chain(viscous.iter()).collect();
+                    Ok::<_, CalibrationError>(self.triangle(joint, &all))
+                },
+            )?;
+            let own = model.group(ColumnGroup::JointDynamics(joint));
+            let width = stack.hysteresis().columns().len();
+            let products = own.start + one * width..own.start + (one + 1) * width;
+            let viscous = own.start + levels.len() * width..own.end;
+            factors.push(self.factor_of(joint, products.chain(viscous), triangle.to_vec()));
+        }
+        Ok(Some(System::new(model.parameters().len(), factors)))
+    }
+
+    /// Which of a Coulomb model's columns are one where τ_J = 0, if all are one or zero there.
+    fn unloaded_levels(
+        &self,
+        joint: usize,
+        coulomb: &dyn CoulombModel,
+    ) -> Result<Arc<Option<Vec<bool>>>, CalibrationError> {
+        let key = identity("coulomb", coulomb).map(|identity| (joint, identity));
+        self.unloaded.get(
+            key,
+            |_| 0,
+            || {
+                let mut levels: Vec<Option<bool>> = vec![None; coulomb.columns().len()];
+                for piece in &self.pieces {
+                    let segment = self.rigid.segment(piece.recording, piece.segment);
+                    let samples = segment.motion.samples();
+                    let columns = unfiltered(coulomb, segment, joint, &vec![0.0; samples])?;
+                    for (level, column) in levels.iter_mut().zip(columns.chunks_exact(samples.max(1))) {
+                        let all = |value: f64| column.iter().all(|v| *v == value);
+                        let here = all(1.0);
+                        if (!here && !all(0.0)) || level.is_some_and(|known| known != here) {
+                            return Ok(None);
+                        }
+                        *level = Some(here);
+                    }
+                }
+                Ok(levels.into_iter().collect())
+            },
+        )
+    }
+
+    fn stack_splits(
+        &self,
+        joint: usize,
+        stack: &JointStack,
+        loads: &[LoadSeries],
+    ) -> Result<StackSplits, CalibrationError> {
         let of_hysteresis = identity("hysteresis", stack.hysteresis());
         let hysteresis = self.part(joint, stack.hysteresis(), of_hysteresis.as_ref())?;
         let viscous = self.part(joint, stack.viscous(), identity("viscous", stack.viscous()).as_ref())?;
@@ -38,7 +161,7 @@ impl FitRows<'_> {
                 )
             })
             .collect::<Result<_, _>>()?;
-        let mut splits: Vec<Split> = Vec::new();
+        let mut products = Vec::new();
         for c in 0..stack.coulomb().columns().len() {
             let level: Vec<&[f64]> = levels
                 .iter()
@@ -49,17 +172,15 @@ impl FitRows<'_> {
                 })
                 .collect();
             let is = |value: f64| level.iter().all(|l| l.iter().all(|v| *v == value));
-            if is(1.0) {
-                splits.extend(hysteresis.iter().cloned());
+            products.push(if is(1.0) {
+                Products::Same
             } else if is(0.0) {
-                splits.extend(hysteresis.iter().map(Split::zero));
+                Products::Other(hysteresis.iter().map(Split::zero).collect())
             } else {
-                splits.extend(self.products(joint, &level, stack.hysteresis(), of_hysteresis.as_ref())?);
-            }
+                Products::Other(self.products(joint, &level, stack.hysteresis(), of_hysteresis.as_ref())?)
+            });
         }
-        splits.extend(viscous.iter().cloned());
-        let numbered = splits.into_iter().enumerate();
-        Ok(numbered.map(|(k, split)| SplitColumn { joint, column: first_column + k, split }).collect())
+        Ok(StackSplits { hysteresis, viscous, products })
     }
 
     /// The split columns of a model that does not read the load torque.

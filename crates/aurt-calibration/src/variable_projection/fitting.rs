@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, NamedRecording, RigidRows,
-    TermScopes, calibrate_rows, calibrate_scoped, noise_bandwidth_factor,
+    TermScopes, calibrate_rows, calibrate_scoped,
     row_cache::{Fitted, fit},
     wls::{Setting, weights},
 };
@@ -97,8 +97,7 @@ pub fn calibrate_shapes_rows(
     let problem = shaped.problem()?;
     let point = problem.at(problem.owners.iter().map(Owner::units).collect())?;
     let cost_before = problem.at(owners.iter().map(Owner::units).collect()).map_or(f64::INFINITY, |p| p.cost);
-    let filter = rows.filter();
-    let bandwidth = filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation));
+    let bandwidth = rows.bandwidth();
     let coefficients = shaped.fitted.estimate.solution.coefficients.clone();
     let precision =
         precision(&problem, &point, &found, &owners, &coefficients, (options.estimator, bandwidth))?;

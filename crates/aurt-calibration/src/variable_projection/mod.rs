@@ -25,5 +25,6 @@ mod search;
 mod uncertainty;
 
 pub use fitting::{calibrate_shapes, calibrate_shapes_rows};
+pub use owner::shapes_of;
 pub use report::{FittedShape, ShapeReport};
 pub use search::ShapeOptions;

@@ -21,6 +21,16 @@ pub(super) enum Variant {
     Term(Box<dyn ArmTerm>),
 }
 
+/// The models of a robot that have shape parameters, each named once: those that
+/// [`calibrate_shapes`](crate::calibrate_shapes) would search.
+#[must_use]
+pub fn shapes_of(model: &RobotModel) -> Vec<String> {
+    let mut names: Vec<String> = Owner::all(model).into_iter().flat_map(|owner| owner.models).collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
 impl Owner {
     /// All owners of a model.
     pub(super) fn all(model: &RobotModel) -> Vec<Self> {

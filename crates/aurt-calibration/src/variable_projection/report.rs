@@ -68,18 +68,19 @@ impl ShapeReport {
     /// What a user should know of the shapes.
     pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
         let listed = |choose: &dyn Fn(&&FittedShape) -> bool| {
-            let names = self
-                .shapes
-                .iter()
-                .filter(choose)
-                .map(|s| format!("{} = {:.4} {}", s.label(), s.value, unit.express(&s.unit)));
+            let names = self.shapes.iter().filter(choose).map(|s| match s.unit.as_str() {
+                "1" => format!("{} = {:.4}", s.label(), s.value),
+                of => format!("{} = {:.4} {}", s.label(), s.value, unit.express(of)),
+            });
             names.collect::<Vec<_>>().join("; ")
         };
         let mut warnings = Vec::new();
         let bounded = listed(&|s| s.at_bound);
         if !bounded.is_empty() {
             warnings.push(format!(
-                "shape parameters at a bound, where the model degenerates or the recordings say nothing: {bounded}"
+                "shape parameters at a bound, where the model degenerates or the recordings say nothing: {bounded}; \
+                 take the simpler model that it has become, or record motions that show the difference (`aurt explain \
+                 shape_at_bound`)"
             ));
         }
         let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());

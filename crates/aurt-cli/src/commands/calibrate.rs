@@ -15,11 +15,13 @@ use super::{
 };
 use crate::{
     arguments::{Gravity, parse_gravity},
+    data::Source,
     failure::Failure,
-    fitting::Job,
+    fitting::{Detail, Job},
     output::{OutputFile, distinct},
     rendering::terminal::Report,
     results::{metrics::Results, parameters},
+    streaming::{Bytes, TooLarge},
 };
 
 /// Calibrate robot dynamics on recordings.
@@ -45,6 +47,9 @@ pub struct Calibrate {
     /// File for the calibrated model
     #[arg(long, value_name = "JSON")]
     out_calibrated_model: PathBuf,
+    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them
+    #[arg(long, value_name = "SIZE", default_value = "500MB")]
+    stream_above: Bytes,
     #[command(flatten)]
     reading: ReadingOptions,
     #[command(flatten)]
@@ -71,8 +76,15 @@ impl Calibrate {
             scopes: TermScopes::default(),
         };
         let progress = terminal.progress(3 * self.data.len() + 1);
-        let assigned = job.read(self.data.iter().map(|f| self.reading.source(f)), [], &progress)?;
-        let outcome = job.fit(&assigned, &progress)?;
+        let sources: Vec<Source> = self.data.iter().map(|f| self.reading.source(f)).collect();
+        let together = Bytes::of_files(self.data.iter().map(PathBuf::as_path));
+        let outcome = if together > self.stream_above {
+            let because = TooLarge { together, limit: self.stream_above };
+            job.fit_in_stretches(&sources, because, &progress)?
+        } else {
+            let assigned = job.read(sources, [], &progress)?;
+            job.fit(&assigned, Detail::Errors, &progress)?
+        };
         drop(progress);
         let calibrated = &outcome.calibrated;
         // Both contents are made before either file is written.

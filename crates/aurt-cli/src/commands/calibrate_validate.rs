@@ -17,7 +17,7 @@ use crate::{
     arguments::{Gravity, parse_gravity, parse_share},
     data::{Loaded, Source},
     failure::Failure,
-    fitting::{Assigned, Job},
+    fitting::{Assigned, Detail, Job},
     output::{OutputFile, distinct},
     rendering::terminal::Report,
     reports::{self, PlotOptions},
@@ -99,7 +99,7 @@ impl CalibrateValidate {
         let whole = job.read([self.reading.source(&self.data)], [], &progress)?;
         let assigned: Vec<Assigned> =
             whole.iter().flat_map(|a| split(&a.loaded, self.calibration_data_rel)).collect();
-        let mut outcome = job.fit(&assigned, &progress)?;
+        let mut outcome = job.fit(&assigned, Detail::RowByRow, &progress)?;
         drop(progress);
         // Both parts are of one file, and the prediction is for all of it.
         outcome

@@ -1,20 +1,16 @@
 //! `aurt check`: what a recording is good for, before anyone calibrates on it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use aurt_calibration::{CalibrationOptions, NamedRecording, accumulate};
-use aurt_diagnosis::RecordingFaults;
-use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics};
+use aurt_plugins::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::MdhTable;
-use aurt_recording::{Preprocessed, Segment};
-use aurt_traits::{CoulombModel, HysteresisModel, JointStack, LoadTorque, ModelError, Motion, ViscousBasis};
+use aurt_traits::MeasurementUnit;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
     Session,
     compile_rbd::Rows,
-    compile_rd::build,
     data_options::ReadingOptions,
     run::{drawn_text, written_text},
 };
@@ -23,36 +19,35 @@ use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
     inspection::{
-        excitation::judge,
-        joints::{JointReport, suitable_f_dyn_hz, tables},
-        judged::Judged,
+        inspected::{Inspected, rest},
+        joints::suitable_f_dyn_hz,
+        judged::{Judged, plain_friction},
     },
     output::OutputFolder,
     rendering::{
-        number::significant,
-        terminal::{Emphasis, Report},
+        terminal::{Emphasis, Report, Terminal},
         text::wrapped,
     },
     reports::{self, PlotOptions, recording::Checked},
 };
 
-/// A condition number above this means that some combination of parameters is nearly undetermined.
-const LARGE_CONDITION_NUMBER: f64 = 100.0;
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
 const DEFAULT_F_DYN_HZ: f64 = 10.0;
 const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 
-/// Check a recording before calibrating on it.
+/// Check recordings before calibrating on them.
 ///
-/// Says how it was sampled, what each joint covers and how its sensors are, and, with the robot's geometry, which
-/// parameters its motion can determine. Exit status 1 if something should be heeded.
+/// Says how each was sampled, what each joint covers and how its sensors are, and, with the robot's geometry, which
+/// parameters the motions can determine: of several recordings each alone and all together, as a calibration on them would
+/// see them. Exit status 1 if something should be heeded.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
-    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check")]
+    aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check\n  \
+    aurt check monday.csv tuesday.csv --mdh mdh.csv")]
 pub struct Check {
-    /// The recording
-    #[arg(value_name = "CSV")]
-    recording: PathBuf,
+    /// The recordings; of several, those that are to be calibrated on together
+    #[arg(value_name = "CSV", required = true)]
+    recordings: Vec<PathBuf>,
     /// Table of modified Denavit–Hartenberg parameters: tells which parameters the motion can determine
     #[arg(long, value_name = "CSV")]
     mdh: Option<PathBuf>,
@@ -68,7 +63,8 @@ pub struct Check {
     /// Highest frequency of the robot's dynamics to look at; by default 10, less for slow recordings
     #[arg(long, value_name = "HZ", value_parser = parse_positive)]
     f_dyn_hz: Option<f64>,
-    /// Folder for report.html, the same with pictures; created if it does not exist
+    /// Folder for report.html, the same with pictures, in a folder for each of several recordings; created if it does not
+    /// exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -83,233 +79,211 @@ impl Check {
         let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let plots = self.plots.folder()?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
-        let mut preprocessing = preprocessing(self.f_dyn_hz.unwrap_or(DEFAULT_F_DYN_HZ));
-        let instrument = Instrument::default();
-        let joints = table.as_ref().map(|t| t.rows.len());
-        let loaded = Loaded::read(self.reading.source(&self.recording), joints, Purpose::Prediction)?;
-        if self.f_dyn_hz.is_none() {
-            preprocessing.f_dyn_hz = DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * median_rate_hz(&loaded));
-            preprocessing.f_dyn_hz = (preprocessing.f_dyn_hz * 1e3).round() / 1e3;
+        let mut joints = table.as_ref().map(|t| t.rows.len());
+        let mut loaded = Vec::new();
+        for file in &self.recordings {
+            let recording = Loaded::read(self.reading.source(file), joints, Purpose::Prediction)?;
+            joints = joints.or(Some(recording.recording.joints()));
+            loaded.push(recording);
         }
-        let joints = loaded.recording.joints();
-        let prepared = Pipeline { joints, preprocessing: &preprocessing, instrument: &instrument }
-            .preprocess(&loaded, Purpose::Validation)?
-            .data;
-        let reports = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
-        let judged = match &table {
-            Some(table) => Some(self.excitation(session, table, &prepared, &reports)?),
-            None => None,
+        let preprocessing = preprocessing(self.f_dyn_hz.unwrap_or_else(|| highest_f_dyn_hz(&loaded)));
+        let pipeline = Pipeline {
+            joints: joints.unwrap_or(0),
+            preprocessing: &preprocessing,
+            instrument: &Instrument::default(),
         };
-        let findings = findings(&loaded, &prepared, &reports, judged.as_ref());
-        let mut report = self.report(session, &loaded, &prepared, &reports, judged.as_ref(), &findings);
-        if folder.is_some() || plots.is_some() {
-            let mut notes = loaded.recording.report.notes();
-            notes.extend(prepared.report.notes());
-            let page = Checked {
-                name: &loaded.source.label,
-                recording: &loaded.recording,
-                prepared: &prepared,
-                joints: &reports,
-                excited: judged.as_ref().map(Judged::named),
-                findings: &findings,
-                notes: &notes,
-                suitable_f_dyn_hz: suitable_f_dyn_hz(&reports, prepared.report.rate_hz),
-                document: &report.json,
+        let unit = pipeline.common_unit(&loaded)?;
+        let inspected: Vec<Inspected> =
+            loaded.into_iter().map(|l| Inspected::new(l, &preprocessing)).collect::<Result<_, _>>()?;
+
+        let excitation = Excitation { session, table: table.as_ref(), unit, preprocessing: &preprocessing };
+        let alone: Vec<Seen<'_>> = inspected
+            .iter()
+            .map(|one| Ok(Seen { one, judged: excitation.of(self.gravity, &[one])? }))
+            .collect::<Result<_, Failure>>()?;
+        let mut report = match alone.as_slice() {
+            [only] => only.report(session.terminal),
+            several => {
+                let all: Vec<&Inspected> = inspected.iter().collect();
+                let judged = excitation.of(self.gravity, &all)?;
+                together(several, judged.as_ref(), session.terminal)
             }
-            .page();
-            let mut written = Vec::new();
-            if let Some(folder) = &folder {
-                folder.write(&[(reports::FILE.to_owned(), page.to_html().into_bytes())])?;
-                written.push(folder.path().join(reports::FILE));
-            }
-            let drawn = reports::write_plots(&page, plots.as_ref())?;
-            report.text.push_str(&written_text(&written));
-            report.text.push_str(&drawn_text(&drawn, plots.as_ref()));
-            written.extend(drawn);
-            report.json["outputs"] = json!(written);
-        }
+        };
+        self.draw(&alone, &mut report, folder.as_ref(), plots.as_ref())?;
         Ok(report)
     }
 
-    /// Which parameters of rigid bodies, Coulomb and viscous friction the motion determines.
-    fn excitation(
+    /// Pages and figures; of several recordings each in a folder of its own.
+    fn draw(
         &self,
-        session: &Session<'_>,
-        table: &MdhTable,
-        prepared: &Preprocessed,
-        reports: &[JointReport],
-    ) -> Result<Judged, Failure> {
-        let dynamics = RigidBodyDynamics::from_mdh(table, self.gravity.0, BASE_PARAMETER_SEED)?;
-        let stacks = vec![plain_friction(&session.registry)?; reports.len()];
+        alone: &[Seen<'_>],
+        report: &mut Report,
+        folder: Option<&OutputFolder>,
+        plots: Option<&OutputFolder>,
+    ) -> Result<(), Failure> {
+        if folder.is_none() && plots.is_none() {
+            return Ok(());
+        }
+        let mut taken: Vec<String> = Vec::new();
+        let (mut pages, mut figures) = (Vec::new(), Vec::new());
+        for seen in alone {
+            let part = |of: Option<&OutputFolder>, option| -> Result<Option<OutputFolder>, Failure> {
+                match of {
+                    Some(whole) if alone.len() > 1 => {
+                        OutputFolder::nested(option, &whole.path().join(own_name(seen.one, &taken))).map(Some)
+                    }
+                    whole => Ok(whole.cloned()),
+                }
+            };
+            let (folder, plots) = (part(folder, "--out")?, part(plots, "--plots")?);
+            taken.push(own_name(seen.one, &taken));
+            let page = seen.page();
+            if let Some(folder) = &folder {
+                folder.write(&[(reports::FILE.to_owned(), page.to_html().into_bytes())])?;
+                pages.push(folder.path().join(reports::FILE));
+            }
+            figures.extend(reports::write_plots(&page, plots.as_ref())?);
+        }
+        report.text.push_str(&written_text(&pages));
+        report.text.push_str(&drawn_text(&figures, plots));
+        pages.extend(figures);
+        report.json["outputs"] = json!(pages);
+        Ok(())
+    }
+}
+
+/// What recordings excite, where the geometry is known.
+struct Excitation<'a> {
+    session: &'a Session<'a>,
+    table: Option<&'a MdhTable>,
+    unit: Option<MeasurementUnit>,
+    preprocessing: &'a Preprocessing,
+}
+
+impl Excitation<'_> {
+    /// Which parameters of rigid bodies, Coulomb and viscous friction the motions determine.
+    fn of(&self, gravity: Gravity, recordings: &[&Inspected]) -> Result<Option<Judged>, Failure> {
+        let Some(table) = self.table else { return Ok(None) };
+        let dynamics = RigidBodyDynamics::from_mdh(table, gravity.0, BASE_PARAMETER_SEED)?;
+        let stacks = vec![plain_friction(&self.session.registry)?; table.rows.len()];
         let model = dynamics.with_joint_dynamics(stacks, Vec::new())?;
-        let segments: Result<Vec<Segment>, ModelError> =
-            prepared.segments.iter().map(|s| without_resting_joints(s, reports)).collect();
-        let segments = segments.map_err(|e| Failure::Models(vec![e]))?;
-        let data = Preprocessed { segments, report: prepared.report.clone() };
-        let recording = NamedRecording { name: self.recording.display().to_string(), data };
-        let load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-        let system = accumulate(&model, &[recording], &load, &CalibrationOptions::default())?;
-        Ok(Judged { excited: judge(&system), model })
+        let still = recordings.iter().map(|r| r.still(self.preprocessing)).collect::<Result<Vec<_>, _>>()?;
+        let measured = recordings.iter().all(|r| r.loaded.recording.measurement.is_some());
+        Judged::new(model, &still, self.unit.filter(|_| measured), self.preprocessing.f_dyn_hz).map(Some)
+    }
+}
+
+/// A recording with what its motion excites by itself.
+struct Seen<'a> {
+    one: &'a Inspected,
+    judged: Option<Judged>,
+}
+
+impl Seen<'_> {
+    /// What should be heeded if it is calibrated on alone.
+    fn findings(&self) -> Vec<String> {
+        let mut findings = self.one.faults();
+        findings.extend(rest(&self.one.joints.iter().map(|j| j.moves()).collect::<Vec<_>>()));
+        findings.extend(self.judged.iter().flat_map(Judged::findings));
+        findings
     }
 
-    fn report(
-        &self,
-        session: &Session<'_>,
-        loaded: &Loaded,
-        prepared: &Preprocessed,
-        reports: &[JointReport],
-        judged: Option<&Judged>,
-        findings: &[String],
-    ) -> Report {
-        let unit = loaded.recording.unit;
-        let title = |text: &str| session.terminal.emphasise(Emphasis::Title, text);
-        let mut notes = loaded.recording.report.notes();
-        notes.extend(prepared.report.notes());
-        let mut text = format!(
-            "{}\n  {} samples over {:.2} s, {} joints, {}\n",
-            title(&self.recording.display().to_string()),
-            loaded.recording.samples(),
-            loaded.recording.duration_s(),
-            reports.len(),
-            if loaded.recording.measurement.is_some() {
-                format!("{} in {}", unit.quantity(), unit.symbol())
-            } else {
-                "without measurement".into()
-            }
-        );
-        text.extend(notes.iter().map(|n| wrapped(n)));
-        let [motion, sensors] = tables(reports, unit);
-        text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
-        text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
-        let suitable = suitable_f_dyn_hz(reports, prepared.report.rate_hz);
-        if let Some(f_dyn_hz) = suitable {
-            text.push_str(&wrapped(&format!(
-                "for an experiment on such motions: f_dyn_hz = {f_dyn_hz} under [preprocess]"
-            )));
-        }
-        if let Some(judged) = judged {
-            text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
-        }
-        if findings.is_empty() {
-            text.push_str(&format!("\n{}\n  nothing stands against calibrating on it\n", title("findings")));
-        } else {
-            let heading = session.terminal.emphasise(Emphasis::Warning, "findings");
-            text.push_str(&format!("\n{heading}\n"));
-            text.extend(findings.iter().map(|f| wrapped(f)));
-        }
-        let json = json!({
-            "command": "check",
-            "file": self.recording,
-            "samples": loaded.recording.samples(),
-            "duration_s": loaded.recording.duration_s(),
-            "unit": loaded.recording.measurement.as_ref().map(|_| unit.symbol()),
-            "reading": loaded.recording.report,
-            "preprocessing": prepared.report,
-            "joints": reports,
-            "suitable_f_dyn_hz": suitable,
-            "excitation": judged.map(Judged::to_json),
-            "findings": findings,
-        });
+    fn report(&self, terminal: &Terminal) -> Report {
+        let findings = self.findings();
+        let mut text = self.one.to_text(self.judged.as_ref(), terminal);
+        text.push_str(&suitable(self.one.suitable_f_dyn_hz()));
+        let measured = self.one.loaded.recording.measurement.is_some();
+        text.push_str(&heeded(&findings, "it", measured, terminal));
+        let mut json = self.one.to_json(self.judged.as_ref(), &findings);
+        json["command"] = json!("check");
         Report { text, findings: !findings.is_empty(), json }
     }
+
+    fn page(&self) -> aurt_report::Page {
+        let findings = self.findings();
+        Checked {
+            name: self.one.label(),
+            recording: &self.one.loaded.recording,
+            prepared: &self.one.prepared,
+            joints: &self.one.joints,
+            excited: self.judged.as_ref().map(Judged::named),
+            findings: &findings,
+            notes: &self.one.notes(),
+            suitable_f_dyn_hz: self.one.suitable_f_dyn_hz(),
+            document: &self.one.to_json(self.judged.as_ref(), &findings),
+        }
+        .page()
+    }
 }
 
-/// What should be heeded, in sentences.
-fn findings(
-    loaded: &Loaded,
-    prepared: &Preprocessed,
-    reports: &[JointReport],
-    judged: Option<&Judged>,
-) -> Vec<String> {
-    let mut findings: Vec<String> = Vec::new();
-    let name = loaded.source.file.file_name().unwrap_or_default().to_string_lossy();
-    let faults = RecordingFaults::find(&name, &loaded.recording);
-    findings.extend(faults.faults.into_iter().map(|f| f.sentence));
-    let report = &loaded.recording.report;
-    if !report.dropped.is_empty() {
-        findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
+/// Several recordings: each by itself, and what a calibration on all of them would have to heed.
+fn together(several: &[Seen<'_>], judged: Option<&Judged>, terminal: &Terminal) -> Report {
+    let mut text = String::new();
+    for seen in several {
+        text.push_str(&seen.one.to_text(seen.judged.as_ref(), terminal));
+        text.push('\n');
     }
-    findings.extend(report.remarks.iter().cloned());
-    let gaps = prepared.report.clock.gaps_s.len();
-    if gaps > 0 {
-        findings.push(format!("{gaps} gaps split the recording"));
-    }
-    for (joint, scale) in prepared.report.velocity_scale.iter().enumerate() {
-        if let Some(scale) = scale.filter(|s| (s - 1.0).abs() > 0.05) {
-            findings.push(format!(
-                "the logged velocity of joint {joint} is {scale:.2} times the derivative of its position"
-            ));
-        }
-    }
-    let resting: Vec<String> =
-        (0..reports.len()).filter(|j| !reports[*j].moves()).map(|j| j.to_string()).collect();
-    let moving: Vec<String> =
-        (0..reports.len()).filter(|j| reports[*j].moves()).map(|j| j.to_string()).collect();
-    if moving.is_empty() {
-        findings.push("no joint moves: nothing can be calibrated on it".into());
-    } else if !resting.is_empty() {
-        let verb = if moving.len() == 1 { "moves" } else { "move" };
-        findings.push(format!(
-            "only {} {verb}; the friction of {} is out of reach, and so are inertial parameters that need {} motion",
-            numbered(&moving),
-            numbered(&resting),
-            if resting.len() == 1 { "its" } else { "their" }
-        ));
-    }
+    let joints = several.first().map_or(0, |s| s.one.joints.len());
+    let moves: Vec<bool> =
+        (0..joints).map(|j| several.iter().any(|s| s.one.joints.get(j).is_some_and(|r| r.moves()))).collect();
+    let mut findings: Vec<String> = several.iter().flat_map(|s| s.one.faults()).collect();
+    findings.extend(rest(&moves));
+    findings.extend(judged.iter().flat_map(|j| j.findings()));
+    // The fastest motion and the slowest clock decide.
+    let slowest_hz = several.iter().map(|s| s.one.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
+    let f_dyn_hz = suitable_f_dyn_hz(several.iter().flat_map(|s| &s.one.joints), slowest_hz);
+
+    let title = terminal.emphasise(Emphasis::Title, &format!("all {} together", several.len()));
+    text.push_str(&format!("{title}\n"));
     if let Some(judged) = judged {
-        let (silent, combined) = (judged.silent(), judged.combined());
-        if !silent.is_empty() || !combined.is_empty() {
-            findings.push(format!(
-                "{} of {} parameters are out of reach and {} are determined in combinations only",
-                silent.len(),
-                judged.model.parameters().len(),
-                combined.len()
-            ));
-        }
-        if judged.excited.condition_number > LARGE_CONDITION_NUMBER {
-            findings.push(format!(
-                "the condition number is {}: some combination of parameters is hardly excited",
-                significant(judged.excited.condition_number, 3)
-            ));
-        }
+        text.push_str(&judged.to_text());
     }
-    findings
+    text.push_str(&suitable(f_dyn_hz));
+    let measured = several.iter().all(|s| s.one.loaded.recording.measurement.is_some());
+    text.push_str(&heeded(&findings, "them together", measured, terminal));
+    let recordings: Vec<Value> =
+        several.iter().map(|s| s.one.to_json(s.judged.as_ref(), &s.findings())).collect();
+    let json = json!({
+        "command": "check",
+        "recordings": recordings,
+        "together": {
+            "suitable_f_dyn_hz": f_dyn_hz,
+            "excitation": judged.map(Judged::to_json),
+        },
+        "suitable_f_dyn_hz": f_dyn_hz,
+        "findings": findings,
+    });
+    Report { text, findings: !findings.is_empty(), json }
 }
 
-/// `joint 1`, `joints 0, 2`.
-fn numbered(joints: &[String]) -> String {
-    format!("{} {}", if joints.len() == 1 { "joint" } else { "joints" }, joints.join(", "))
+fn suitable(f_dyn_hz: Option<f64>) -> String {
+    f_dyn_hz.map_or_else(String::new, |f| {
+        wrapped(&format!("for an experiment on such motions: f_dyn_hz = {f} under [preprocess]"))
+    })
 }
 
-/// A joint that rests is exactly at rest: the noise of its sensor excites nothing.
-fn without_resting_joints(segment: &Segment, reports: &[JointReport]) -> Result<Segment, ModelError> {
-    let view = segment.motion.view();
-    let samples = view.samples();
-    let mut series = [Vec::new(), Vec::new(), Vec::new()];
-    for (joint, report) in reports.iter().enumerate() {
-        let all = [view.position_rad(joint), view.velocity_rad_s(joint), view.acceleration_rad_s2(joint)];
-        if report.moves() {
-            series.iter_mut().zip(all).for_each(|(s, a)| s.extend_from_slice(a));
+fn heeded(findings: &[String], what: &str, measured: bool, terminal: &Terminal) -> String {
+    if findings.is_empty() {
+        let title = terminal.emphasise(Emphasis::Title, "findings");
+        let said = if measured {
+            format!("nothing stands against calibrating on {what}")
         } else {
-            let middle = all[0].iter().sum::<f64>() / samples.max(1) as f64;
-            series.iter_mut().zip([middle, 0.0, 0.0]).for_each(|(s, v)| s.resize(s.len() + samples, v));
-        }
+            format!(
+                "nothing stands against predicting for {what}; calibrating takes measured currents or torques"
+            )
+        };
+        return format!("\n{title}\n{}", wrapped(&said));
     }
-    let [position, velocity, acceleration] = series;
-    let motion = Motion::new(reports.len(), view.time_s().to_vec(), position, velocity, acceleration)?;
-    // What was measured does not matter for what a motion excites, only that there is something.
-    let measurement = Some(vec![vec![0.0; segment.rows()]; reports.len()]);
-    Ok(Segment { motion, measurement, ..segment.clone() })
+    let heading = terminal.emphasise(Emphasis::Warning, "findings");
+    let lines: String = findings.iter().map(|f| wrapped(f)).collect();
+    format!("\n{heading}\n{lines}")
 }
 
-/// Coulomb and linear viscous friction: the least that a joint has.
-fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
-    JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": "none" }))?,
-        build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
-        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
-    )
-    .map_err(Failure::Models)
+/// A name for a recording's own folder that no other has.
+fn own_name(one: &Inspected, taken: &[String]) -> String {
+    let stem = Path::new(one.label()).file_stem().map_or_else(|| "recording".into(), |s| s.to_string_lossy());
+    let names = (1..).map(|k| if k == 1 { stem.to_string() } else { format!("{stem}_{k}") });
+    names.into_iter().find(|n| !taken.contains(n)).unwrap_or_default()
 }
 
 const fn preprocessing(f_dyn_hz: f64) -> Preprocessing {
@@ -322,6 +296,12 @@ const fn preprocessing(f_dyn_hz: f64) -> Preprocessing {
         trim_rest: false,
         max_gap_s: None,
     }
+}
+
+/// The f_dyn to look with: what is usual, less where the slowest recording asks for it.
+fn highest_f_dyn_hz(loaded: &[Loaded]) -> f64 {
+    let slowest_hz = loaded.iter().map(median_rate_hz).fold(f64::INFINITY, f64::min);
+    (DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * slowest_hz) * 1e3).round() / 1e3
 }
 
 /// One over the median distance of stamps.

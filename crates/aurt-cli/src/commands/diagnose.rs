@@ -1,13 +1,10 @@
 //! `aurt diagnose`: where a model and recordings differ, what physics is missing, and the model that has it.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use aurt_diagnosis::{
-    Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improved_experiment,
-    improvement, investigate, series, write_verdict,
+    Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
+    improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
 use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
@@ -23,9 +20,14 @@ use crate::{
     proof::COMPARISON,
     rendering::{
         json::pretty,
-        terminal::{Emphasis, Report, Terminal},
+        terminal::{Report, Terminal},
+        text::wrapped,
     },
-    reports::{self, PlotOptions, diagnosis::Diagnosed},
+    reports::{
+        self, PlotOptions,
+        diagnosis::{Diagnosed, words::Asked},
+    },
+    results::verdict::Shown,
     simulated,
 };
 
@@ -102,6 +104,10 @@ impl Diagnose {
         };
         let investigation = investigate(&question, registry, |what| progress.step(what))?;
         let verdict = write_verdict(&question, &investigation);
+        let asked = Asked::of(&question);
+        let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
+        let shown =
+            Shown { verdict: &verdict, asked, unit: unit.symbol(), held_out: &held_out, warnings: &[] };
         let document = json!(verdict);
         let mut files = vec![("verdict.json".to_owned(), pretty(&document).into_bytes())];
         if self.compare {
@@ -115,26 +121,32 @@ impl Diagnose {
             drop(progress);
             folder.write(&files)?;
             let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
-            let text = summary(&verdict, unit.symbol(), terminal) + &written_text(&written);
-            return Ok(finished(text, document, &verdict, &written));
+            let text = shown.to_text(terminal) + &written_text(&written);
+            return Ok(finished(text, document, &verdict, &[], &written));
         }
         let mut improvement = improvement(&question, &investigation);
         // A given model is improved by what is added to its own experiment's structure, fitted anew.
         improvement.calibrate_on_target |= question.recordings.iter().any(|r| r.role == Role::Target);
-        let text = improved_experiment(&experiment.source_text, &improvement)?;
-        let text = absolute_paths(&text, &experiment);
+        improvement.libraries.retain(|library| !is_named(library, &experiment));
+        let here = improved_experiment(&experiment.source_text, &improvement)?;
+        let moved = Moved::new(&self.experiment, folder.path());
+        let text = with_file_names(&here, &|p| moved.seen_from_results(p))?;
         progress.step("calibrating the improved model");
         drop(progress);
 
-        let improved = improved_model(&text, &self.experiment, registry)?;
-        // Paths that became absolute are no addition.
-        let asked = absolute_paths(&experiment.source_text, &experiment);
+        // The folder of the results may not be there yet.
+        let anywhere = with_file_names(&here, &|p| moved.file(p))?;
+        let improved = improved_model(&anywhere, &self.experiment, registry)?;
+        // Paths that changed are no addition.
+        let unchanged = with_file_names(&experiment.source_text, &|p| moved.seen_from_results(p))?;
         let page = Diagnosed {
             verdict: &verdict,
+            asked,
+            held_out: &held_out,
             series: &series(&question, &investigation),
             unit,
             improved: (&improved.model, &improved.calibration),
-            added: added_lines(&asked, &text).into_iter().map(str::to_owned).collect(),
+            added: added_lines(&unchanged, &text).into_iter().map(str::to_owned).collect(),
             notes: &improvement.notes,
             recording_notes: recordings.iter().map(notes_of).collect(),
             document: &document,
@@ -148,20 +160,26 @@ impl Diagnose {
         folder.write(&files)?;
         let drawn = reports::write_plots(&page, plots.as_ref())?;
         let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
-        let mut report = summary(&verdict, unit.symbol(), terminal);
-        for note in &improvement.notes {
-            let _ = writeln!(report, "note: {note}");
-        }
-        report.push_str(&difference(&asked, &text));
+        let warnings = &improved.calibration.warnings;
+        let mut report = Shown { warnings, ..shown }.to_text(terminal);
+        report.extend(improvement.notes.iter().map(|note| wrapped(&format!("note: {note}"))));
+        report.push_str(&difference(&unchanged, &text));
         report.push_str(&written_text(&written));
         report.push_str(&drawn_text(&drawn, plots.as_ref()));
         written.extend(drawn);
-        Ok(finished(report, document, &verdict, &written))
+        Ok(finished(report, document, &verdict, warnings, &written))
     }
 }
 
-fn finished(text: String, mut json: serde_json::Value, verdict: &Verdict, written: &[PathBuf]) -> Report {
+fn finished(
+    text: String,
+    mut json: serde_json::Value,
+    verdict: &Verdict,
+    warnings: &[String],
+    written: &[PathBuf],
+) -> Report {
     json["command"] = json!("diagnose");
+    json["warnings"] = json!(warnings);
     json["outputs"] = json!(written);
     Report { text, json, findings: verdict.verdict != Answer::NoMismatch }
 }
@@ -217,7 +235,7 @@ fn read(
             role,
             raw,
             data: pipeline.preprocess(&loaded, Purpose::Calibration)?,
-            options: pipeline.options(&loaded, Purpose::Calibration),
+            options: pipeline.options(loaded.recording.unit, Purpose::Calibration),
             simulated,
             spoilt: None,
         });
@@ -225,10 +243,27 @@ fn read(
     Ok((recordings, unit))
 }
 
+/// What was held out, with its windows: two parts of one file are two recordings.
+fn with_windows(held_out: &[String], validation: &[RecordingSource]) -> Vec<String> {
+    let mut sources = validation.iter();
+    held_out
+        .iter()
+        .map(|name| match sources.find(|s| s.written == *name).and_then(|s| s.window_s) {
+            Some([from, to]) => format!("{name} from {from} to {to} s"),
+            None => name.clone(),
+        })
+        .collect()
+}
+
 /// Runs the improved experiment and gives its calibrated model.
 fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
     let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
     Ok(fit_experiment(&experiment, &Terminal::new(false, true))?.calibrated)
+}
+
+/// Whether the experiment itself loads a library; if not, it came with `--plugin`.
+fn is_named(library: &Path, experiment: &Experiment) -> bool {
+    experiment.libraries.iter().any(|named| std::fs::canonicalize(named).is_ok_and(|file| file == library))
 }
 
 /// What was found and done while a recording was read and preprocessed.
@@ -238,72 +273,37 @@ fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
     notes
 }
 
-/// The improved experiment stands in another folder than its source: relative paths become absolute.
-fn absolute_paths(text: &str, experiment: &Experiment) -> String {
-    let recordings = &experiment.recordings;
-    let all = recordings.calibration.iter().chain(&recordings.validation).chain(&recordings.target);
-    let mut text = text.to_owned();
-    let mut done: Vec<&str> = Vec::new();
-    let replace = |text: &mut String, written: &str, file: &Path| {
-        if let Ok(absolute) = std::fs::canonicalize(file) {
-            *text = text.replace(&format!("\"{written}\""), &format!("\"{}\"", absolute.display()));
-        }
-    };
-    for source in all {
-        if !done.contains(&source.written.as_str()) && !source.written.contains('$') {
-            done.push(&source.written);
-            replace(&mut text, &source.written, &source.file);
-        }
-    }
-    let mdh = &experiment.robot.mdh;
-    for form in [mdh.file_name().map(|n| n.to_string_lossy().into_owned()), Some(mdh.display().to_string())] {
-        if let Some(written) = form.filter(|w| Path::new(w).is_relative() && !done.contains(&w.as_str())) {
-            replace(&mut text, &written, mdh);
-        }
-    }
-    text
+/// Where an experiment's relative file names lead from the folder of the results, and where from anywhere.
+struct Moved {
+    /// The folder of the experiment.
+    from: PathBuf,
+    /// The folder of the results.
+    to: PathBuf,
 }
 
-/// The verdict in a dozen lines.
-fn summary(verdict: &Verdict, unit: &str, terminal: &Terminal) -> String {
-    let mut text = String::new();
-    let headline = reports::diagnosis::headline(verdict.verdict);
-    let _ = writeln!(text, "{}", terminal.emphasise(Emphasis::Title, headline));
-    for (k, finding) in verdict.effects.iter().enumerate() {
-        let _ = writeln!(text, "  {}. {} (score {:.0})", k + 1, finding.sentence, finding.evidence.score);
-        for other in &finding.alternatives {
-            let _ = writeln!(text, "     or {}; to tell: {}", other.effect, other.record);
-        }
+impl Moved {
+    fn new(experiment: &Path, out: &Path) -> Self {
+        // The folder of a bare file name is the empty path, which has no canonical form.
+        let folder = experiment.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let from = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        // A folder that is yet to be made lies in one that is there.
+        let to = out.canonicalize().unwrap_or_else(|_| {
+            let parent = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let parent = parent.canonicalize().unwrap_or_else(|_| parent.to_owned());
+            out.file_name().map_or_else(|| parent.clone(), |name| parent.join(name))
+        });
+        Self { from, to }
     }
-    let _ = writeln!(text, "\n  joint   residual rms [{unit}]            held out [{unit}]");
-    let _ = writeln!(text, "          before    after    noise    before    after  follows");
-    for residual in &verdict.residual {
-        let j = residual.joint;
-        let held = |list: &[f64]| list.get(j).map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
-        let _ = writeln!(
-            text,
-            "  {j:>5} {:>9.4}{:>9.4}{:>9.4}{:>10}{:>9}  {}",
-            residual.baseline_rms,
-            residual.unexplained_rms,
-            residual.floor_rms,
-            held(&verdict.held_out.rms_before),
-            held(&verdict.held_out.rms_after),
-            match (&residual.follows, residual.structure_left) {
-                (Some(what), _) => what.as_str(),
-                (None, true) => "(nothing known)",
-                (None, false) => "",
-            }
-        );
+
+    fn file(&self, written: &Path) -> PathBuf {
+        let file = self.from.join(written);
+        file.canonicalize().unwrap_or(file)
     }
-    let _ = writeln!(text, "  held out: {}", verdict.held_out.recordings.join(", "));
-    if !verdict.not_decidable.is_empty() {
-        let names: Vec<&str> = verdict.not_decidable.iter().map(|n| n.effect.as_str()).collect();
-        let _ = writeln!(text, "  not decidable here: {}", names.join(", "));
+
+    /// As the results' folder writes it.
+    fn seen_from_results(&self, written: &Path) -> PathBuf {
+        from_folder(&self.to, &self.file(written))
     }
-    for note in &verdict.notes {
-        let _ = writeln!(text, "  note: {note}");
-    }
-    text
 }
 
 /// The lines that one text has and another has not.

@@ -4,7 +4,7 @@ mod calibrate;
 mod calibrate_validate;
 mod check;
 mod compile_rbd;
-mod compile_rd;
+pub mod compile_rd;
 mod completions;
 mod conceal;
 mod data_options;

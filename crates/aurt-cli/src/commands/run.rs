@@ -11,7 +11,7 @@ use super::Session;
 use crate::{
     data::{Instrument, Preprocessing, Source},
     failure::Failure,
-    fitting::{Job, Outcome},
+    fitting::{Detail, Job, Outcome},
     output::OutputFolder,
     rendering::{
         json::pretty,
@@ -70,7 +70,7 @@ pub fn fit_experiment(experiment: &Experiment, terminal: &Terminal) -> Result<Ou
         recordings.validation.iter().map(Source::from),
         &progress,
     )?;
-    job.fit(&assigned, &progress)
+    job.fit(&assigned, Detail::RowByRow, &progress)
 }
 
 /// Fills `folder` with results and reports them.

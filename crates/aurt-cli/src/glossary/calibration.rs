@@ -7,8 +7,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "badly_excited",
         title: "badly excited parameters",
-        text: "The standard deviation of these parameters exceeds half their value: the motions of the calibration \
-            recordings hardly need them. Predictions of similar motions do not suffer, but the values mean \
+        text: "The standard deviation of these parameters exceeds half their value, and a tenth of the largest value of \
+            their unit: the motions hardly need them. (What is small beside its like and known to be small is not meant.) \
+            `aurt check` says it before a calibration, the calibration after, by the same rule. Predictions of similar motions do not suffer, but the values mean \
             nothing by themselves, and motions that need them are predicted badly. Record motions that move \
             the joints concerned faster, further, or together with others.",
     },

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod diagnosis;
+mod experiment;
 mod recording;
 
 /// A term.
@@ -17,15 +18,32 @@ pub struct Term {
 
 /// All terms, sorted by name.
 pub fn terms() -> Vec<&'static Term> {
-    let mut terms: Vec<&Term> =
-        [calibration::TERMS, diagnosis::TERMS, recording::TERMS].into_iter().flatten().collect();
+    let mut terms: Vec<&Term> = [calibration::TERMS, diagnosis::TERMS, experiment::TERMS, recording::TERMS]
+        .into_iter()
+        .flatten()
+        .collect();
     terms.sort_by_key(|t| t.name);
     terms
 }
 
+/// Keys of files that are explained under another name.
+const ALIASES: [(&str, &str); 11] = [
+    ("delay_s", "instrument"),
+    ("f_dyn_hz", "f_dyn"),
+    ("gains", "instrument"),
+    ("gravity_m_s2", "gravity"),
+    ("libraries", "plugins"),
+    ("mdh_rows", "mdh"),
+    ("not_physical", "unphysical"),
+    ("nrmse", "nrms"),
+    ("offsets", "instrument"),
+    ("rest_velocity_rad_s", "rest"),
+    ("torque_constants_nm_per_a", "torque_constants"),
+];
+
 /// The term of a name.
 pub fn term(name: &str) -> Option<&'static Term> {
-    let name = if name == "nrmse" { "nrms" } else { name };
+    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, of)| of);
     terms().into_iter().find(|t| t.name == name)
 }
 
@@ -37,6 +55,7 @@ mod tests {
     fn terms_have_one_meaning_and_are_found() {
         assert!(terms().windows(2).all(|w| w[0].name < w[1].name));
         assert_eq!(term("nrmse").unwrap().name, "nrms");
+        assert!(ALIASES.iter().all(|(alias, of)| term(alias).is_some_and(|t| t.name == *of)));
         assert_eq!(term("absent"), None);
     }
 }

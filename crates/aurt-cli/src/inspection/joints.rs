@@ -97,8 +97,8 @@ const ROOM: f64 = 3.0;
 
 /// The f_dyn that suits a recording: the lowest round one with room above the motion whose position filter, at
 /// 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
-pub fn suitable_f_dyn_hz(joints: &[JointReport], rate_hz: f64) -> Option<f64> {
-    let top_hz = joints.iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
+pub fn suitable_f_dyn_hz<'j>(joints: impl IntoIterator<Item = &'j JointReport>, rate_hz: f64) -> Option<f64> {
+    let top_hz = joints.into_iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
     let possible = |f: &f64| 10.0 * f < rate_hz;
     let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
     wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)

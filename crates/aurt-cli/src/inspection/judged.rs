@@ -1,10 +1,19 @@
-//! Which parameters of a model a motion determines, by their names.
+//! Which parameters of a model motions determine, by their names.
 
-use aurt_traits::RobotModel;
+use aurt_calibration::{
+    CalibratedParameter, CalibrationOptions, NamedRecording, accumulate, badly_excited, calibrate,
+    hardly_excited,
+};
+use aurt_plugins::Registry;
+use aurt_traits::{
+    CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
+};
 use serde_json::{Value, json};
 
-use super::excitation::{Excitation, Excited};
+use super::excitation::{Excitation, Excited, judge};
 use crate::{
+    commands::compile_rd::build,
+    failure::Failure,
     rendering::{number::significant, text::wrapped},
     reports::recording::Excited as ExcitedNames,
 };
@@ -18,9 +27,84 @@ pub struct Judged {
     pub model: RobotModel,
     /// What the motion says of its coefficients.
     pub excited: Excited,
+    /// What a calibration of the model on these recordings would warn of; nothing where they measured nothing.
+    pub warnings: Vec<String>,
+}
+
+/// Coulomb and linear viscous friction: the least that a joint has.
+///
+/// # Errors
+/// If the registry lacks a model.
+pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
+    JointStack::new(
+        build::<dyn CoulombModel>(registry, json!({ "model": "none" }))?,
+        build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
+        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
+    )
+    .map_err(Failure::Models)
 }
 
 impl Judged {
+    /// Judges motions for a model, all together: what one does not excite another may. `unit` is that of the measurement,
+    /// if there is any.
+    ///
+    /// # Errors
+    /// What models report.
+    pub fn new(
+        model: RobotModel,
+        recordings: &[NamedRecording],
+        unit: Option<MeasurementUnit>,
+        f_dyn_hz: f64,
+    ) -> Result<Self, Failure> {
+        let options = CalibrationOptions::default();
+        // What was measured does not matter for what a motion excites, only that there is something.
+        let mut motions = recordings.to_vec();
+        for segment in motions.iter_mut().flat_map(|r| &mut r.data.segments) {
+            segment.measurement = Some(vec![vec![0.0; segment.rows()]; segment.motion.joints()]);
+        }
+        let load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
+        let mut excited = judge(&accumulate(&model, &motions, &load, &options)?);
+        let determined = |k: usize| matches!(excited.coefficients[k], Excitation::Own(_));
+        let all_determined = (0..excited.coefficients.len()).all(determined);
+        let mut warnings = Vec::new();
+        match unit.map(|unit| calibrate(&model, recordings, unit, f_dyn_hz, &options)) {
+            Some(Ok(fit)) => {
+                // What is determined in combinations only is said to be so, and has no precision of its own.
+                let own: Vec<CalibratedParameter> = fit
+                    .parameters
+                    .into_iter()
+                    .enumerate()
+                    .filter(|(k, _)| determined(*k))
+                    .map(|(_, p)| p)
+                    .collect();
+                warnings.extend(badly_excited(&own));
+                if all_determined {
+                    excited.condition_number = fit.condition_number;
+                }
+            }
+            Some(Err(reason)) => warnings.push(reason.to_string()),
+            None => {}
+        }
+        warnings.extend(hardly_excited(excited.condition_number));
+        Ok(Self { model, excited, warnings })
+    }
+
+    /// What should be heeded, in sentences.
+    pub fn findings(&self) -> Vec<String> {
+        let (silent, combined) = (self.silent(), self.combined());
+        let mut findings = Vec::new();
+        if !silent.is_empty() || !combined.is_empty() {
+            findings.push(format!(
+                "{} of {} parameters are out of reach and {} are determined in combinations only",
+                silent.len(),
+                self.model.parameters().len(),
+                combined.len()
+            ));
+        }
+        findings.extend(self.warnings.iter().cloned());
+        findings
+    }
+
     /// The same by names.
     pub fn named(&self) -> ExcitedNames<'_> {
         let own = |(k, e): (usize, &Excitation)| match e {
@@ -71,6 +155,7 @@ impl Judged {
             "condition number of what is determined: {}",
             significant(self.excited.condition_number, 3)
         )));
+        text.extend(self.warnings.iter().map(|w| wrapped(w)));
         for (what, names) in
             [("out of reach", silent), ("only in combinations", combined), ("hard to tell apart", weak)]
         {

@@ -2,11 +2,12 @@
 
 use std::{
     fmt,
+    io::ErrorKind,
     ops::Range,
     path::{Path, PathBuf},
 };
 
-use aurt_plugins::Error;
+use aurt_plugins::{Error, suggestion};
 use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
 use miette::{
@@ -124,15 +125,61 @@ fn problems(failure: &Failure) -> Vec<Problem> {
             column: Some(*column),
             excerpt: Excerpt::of_place(path, *line, *column),
         }],
+        Failure::Plugins(Error::Read { path, source }) if source.kind() == ErrorKind::NotFound => {
+            vec![missing(path)]
+        }
         Failure::Plugins(Error::Read { path, .. } | Error::Write { path, .. })
         | Failure::Output { path, .. }
         | Failure::Write { path, .. }
         | Failure::ModelFile { path, .. } => {
             vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
         }
+        Failure::Stretches { path, reason, remedy } => {
+            vec![Problem { path: path.clone(), help: Some(remedy.clone()), ..Problem::plain(reason) }]
+        }
         other => vec![Problem::plain(other)],
     }
 }
+
+/// A file that is not there: where it was looked for, and what lies there instead.
+fn missing(path: &Path) -> Problem {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let shown = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut known: Vec<String> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|other| Path::new(other).extension() == path.extension())
+        .collect();
+    known.sort();
+    let what = if path.extension().is_some_and(|e| e == "toml") {
+        "; `aurt demo` writes an experiment to start from, `aurt explain experiment` says what one is"
+    } else {
+        ""
+    };
+    let help = if !folder.is_dir() {
+        format!("there is no folder {} either; check the path{what}", folder.display())
+    } else if let Some(meant) = suggestion::likely(&name, known.iter().map(String::as_str)) {
+        format!(
+            "did you mean {}?",
+            folder.join(meant).strip_prefix(".").unwrap_or(Path::new(meant)).display()
+        )
+    } else if known.is_empty() {
+        format!("no file there has that extension; check the path{what}")
+    } else {
+        known.truncate(MOST_KNOWN);
+        format!("that folder has {}; check the path{what}", known.join(", "))
+    };
+    Problem {
+        path: Some(path.to_owned()),
+        help: Some(help),
+        ..Problem::plain(format!("{}: there is no such file in {}", path.display(), shown.display()))
+    }
+}
+
+/// Files that are listed in the place of one that is not there.
+const MOST_KNOWN: usize = 8;
 
 fn mdh(error: &MdhError) -> Problem {
     match error {

@@ -82,7 +82,11 @@ impl Checked<'_> {
             self.suitable_f_dyn_hz.map(|f| format!("For an experiment on such motions: f_dyn_hz = {f}.")),
         );
         if self.findings.is_empty() {
-            let headline = "Nothing stands against calibrating on this recording".into();
+            let headline = if self.recording.measurement.is_some() {
+                "Nothing stands against calibrating on this recording".into()
+            } else {
+                "Nothing stands against predicting for this recording; calibrating takes measured currents or torques".into()
+            };
             Verdict { tone: Tone::Good, headline, sentences }
         } else {
             let headline = match self.findings.len() {

@@ -5,3 +5,4 @@ pub mod parameters;
 pub mod predictions;
 pub mod shapes;
 pub mod sweep_table;
+pub mod verdict;

@@ -32,7 +32,11 @@ fn what_is_no_toml_or_not_there() {
     let folder = Folder::new();
     folder.write("broken.toml", "schema = 1\n[robot\n");
     folder.aurt("run broken.toml --out out".split(' ')).refused(&["broken.toml:2", "not TOML"]);
-    folder.aurt("run nowhere.toml --out out".split(' ')).refused(&["nowhere.toml", "cannot be read"]);
+    folder.aurt("run nowhere.toml --out out".split(' ')).refused(&[
+        "nowhere.toml",
+        "there is no such file",
+        "did you mean broken.toml?",
+    ]);
     folder.write("future.toml", "schema = 9\n");
     folder.aurt("run future.toml --out out".split(' ')).refused(&[
         "future.toml:1:10",

@@ -40,7 +40,7 @@ fn a_missing_file() {
     ]);
     folder
         .aurt("predict --model m.json --data nowhere.csv --out p.csv".split(' '))
-        .refused(&["m.json", "cannot be read"]);
+        .refused(&["m.json", "there is no such file"]);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn a_frequency_that_the_recording_cannot_hold() {
         RECORDING,
         "100 Hz",
         "125",
-        "f_dyn_hz can be at most 12.49",
+        "f_dyn_hz can be at most 12.4;",
     ]);
 }
 

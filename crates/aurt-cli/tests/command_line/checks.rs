@@ -57,3 +57,94 @@ fn what_should_be_heeded_gives_status_1() {
     );
     folder.aurt("check nowhere.csv".split(' ')).refused(&["nowhere.csv", "no such file"]);
 }
+
+#[test]
+fn several_recordings_count_together() {
+    let folder = Folder::new().with_demo(&["exciting_motion.csv", "other_motion.csv", "mdh.csv"]);
+    // Joint 0 holds its first angle in one recording and moves in the other.
+    let text = folder.read("exciting_motion.csv");
+    let angle = text.lines().nth(1).unwrap().split(',').nth(1).unwrap().to_owned();
+    let held: String = text
+        .lines()
+        .enumerate()
+        .map(|(k, line)| if k == 0 { line.to_owned() } else { with_cell(line, 2, &angle) } + "\n")
+        .collect();
+    folder.write("held.csv", &held);
+    let alone = folder.aurt("check held.csv --mdh mdh.csv".split(' '));
+    assert_eq!(alone.status(), 1);
+    assert!(alone.stdout().contains("out of reach"), "{}", alone.stdout());
+
+    let run = folder.aurt("check held.csv other_motion.csv --mdh mdh.csv --json --out pages".split(' '));
+    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let findings = report["findings"].to_string();
+    assert!(!findings.contains("out of reach"), "{findings}");
+    assert_eq!(report["together"]["excitation"]["rank"], 48);
+    assert!(
+        report["recordings"][0]["findings"].to_string().contains("only joints 1, 2, 3, 4, 5 move"),
+        "{report}"
+    );
+    let f_dyn_hz = report["suitable_f_dyn_hz"].as_f64().unwrap();
+    let each =
+        report["recordings"].as_array().unwrap().iter().map(|r| r["suitable_f_dyn_hz"].as_f64().unwrap());
+    assert!(each.clone().all(|f| f <= f_dyn_hz) && each.into_iter().any(|f| f == f_dyn_hz), "{report}");
+    assert!(folder.read("pages/held/report.html").contains("held.csv"));
+    assert!(folder.read("pages/other_motion/report.html").contains("other_motion.csv"));
+}
+
+/// A warning that a calibration gives is a finding of the check before it, in the same words.
+#[test]
+fn check_and_calibration_mean_the_same_by_badly_excited() {
+    let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);
+    // Two seconds of the motion do not tell the parameters apart.
+    let text = folder.read("exciting_motion.csv");
+    let rate_hz = 1.0 / {
+        let stamps: Vec<f64> =
+            text.lines().skip(1).take(2).map(|l| l.split(',').next().unwrap().parse().unwrap()).collect();
+        stamps[1] - stamps[0]
+    };
+    let short: String = text.lines().take(1 + (5.0 * rate_hz) as usize).map(|l| format!("{l}\n")).collect();
+    folder.write("short.csv", &short);
+    folder
+        .aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json --quiet".split(' '))
+        .succeeded();
+    let line = "compile-rd --model-rbd rbd.json --friction-torque-model none --friction-viscous-powers 1 --out rd.json --quiet";
+    folder.aurt(line.split(' ')).succeeded();
+    let line = "calibrate --model rd.json --data short.csv --gravity 0 0 -9.81 --f-dyn-hz 5 --out-params p.csv \
+                --out-calibrated-model m.json --json";
+    let calibrated: Value = serde_json::from_str(&folder.aurt(line.split(' ')).succeeded().stdout()).unwrap();
+    let check = folder.aurt("check short.csv --mdh mdh.csv --f-dyn-hz 5 --json".split(' '));
+    let checked: Value = serde_json::from_str(&check.stdout()).unwrap();
+    let of = |list: &Value| -> Vec<String> {
+        let all = list.as_array().unwrap().iter().map(|w| w.as_str().unwrap().to_owned());
+        all.filter(|w| w.contains("badly excited") || w.contains("condition number")).collect()
+    };
+    let warned = of(&calibrated["warnings"]);
+    assert!(!warned.is_empty(), "{calibrated}");
+    assert_eq!(of(&checked["findings"]), warned);
+}
+
+#[test]
+fn columns_that_are_not_recognised_are_asked_about() {
+    let folder =
+        Folder::new().with_demo(&["other_motion.csv", "mdh.csv", "experiment.toml", "exciting_motion.csv"]);
+    let text = folder.read("other_motion.csv");
+    let (header, rows) = text.split_once('\n').unwrap();
+    let renamed = header.replace("actual_current_", "i");
+    assert_ne!(renamed, header);
+    folder.write("own.csv", &format!("{renamed}\n{rows}"));
+    let run = folder.aurt("check own.csv".split(' '));
+    assert_eq!(run.status(), 1);
+    let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("nothing measured was recognised; if i0 … i"), "{said}");
+    // What the message proposes is accepted as it stands.
+    let start = said.find("{ file").unwrap();
+    let proposed = said[start..].split(" (or unit").next().unwrap();
+    let experiment = folder.read("experiment.toml");
+    let start = experiment.find("[recordings]").unwrap();
+    let end = start + 1 + experiment[start + 1..].find("\n[").unwrap();
+    folder.write(
+        "own.toml",
+        &format!("{}[recordings]\ncalibration = [{proposed}]\n{}", &experiment[..start], &experiment[end..]),
+    );
+    folder.aurt("run own.toml --out own".split(' ')).succeeded();
+}

@@ -108,6 +108,78 @@ fn the_improved_experiment_has_what_was_left_out() {
     );
 }
 
+/// The demo's experiment without its arm terms, with another recording of the same robot as target.
+fn unchanged_target() -> Folder {
+    let folder = Folder::new().with_demo(&[
+        "mdh.csv",
+        "experiment.toml",
+        "exciting_motion.csv",
+        "other_motion.csv",
+        "point_to_point.csv",
+    ]);
+    let whole = folder.read("experiment.toml");
+    let (terms, recordings) = (whole.find("[[arm_terms]]").unwrap(), whole.find("[recordings]").unwrap());
+    let after = recordings + 1 + whole[recordings + 1..].find("\n[").unwrap();
+    let asked = "[recordings]\ncalibration = [\"exciting_motion.csv\"]\ntarget = [\"other_motion.csv\"]\n\
+                 validation = [{ file = \"point_to_point.csv\", window_s = [1.0, 60.0] }]\n";
+    folder.write("asked.toml", &format!("{}{asked}{}", &whole[..terms], &whole[after..]));
+    folder
+}
+
+/// What a structure lacks in all recordings is no change, and every place that gives the answer says so.
+#[test]
+fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
+    let folder = unchanged_target();
+    let run = folder.aurt(["diagnose", "asked.toml", "--out", "out"]);
+    assert_eq!(run.status(), 1, "{}", run.stderr());
+    let verdict = folder.json("out/verdict.json");
+    let everywhere = serde_json::json!(["calibration", "target"]);
+    let effects = verdict["effects"].as_array().unwrap();
+    assert!(!effects.is_empty() && effects.iter().all(|e| e["present_in"] == everywhere), "{verdict}");
+    let said = run.stdout();
+    let first = said.lines().next().unwrap();
+    assert!(first.starts_with("nothing has changed; what the model lacks in all recordings"), "{said}");
+    assert!(said.contains("\nchanged in the target: nothing\nmissing in all recordings:\n  1. "), "{said}");
+    let in_window = said.lines().any(|l| l.contains("held out: point_to_point.csv from 1 to 60 s"));
+    assert!(in_window, "{said}");
+    assert!(said.lines().take_while(|l| !l.starts_with("added")).all(|l| l.chars().count() <= 80), "{said}");
+    let page = folder.read("out/report.html");
+    for words in [
+        "Nothing has changed; what the model lacks",
+        "Changed in the target: nothing.",
+        "Missing in all recordings:",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+/// The improved experiment names its files from where it lies, so that a project can be moved as a whole.
+#[test]
+fn the_improved_experiment_is_read_from_anywhere_and_moves_with_its_recordings() {
+    let folder = unchanged_target();
+    assert_eq!(folder.aurt(["diagnose", "asked.toml", "--out", "out", "--quiet"]).status(), 1);
+    let improved = folder.read("out/improved.toml");
+    for file in ["\"../mdh.csv\"", "\"../exciting_motion.csv\"", "\"../other_motion.csv\""] {
+        assert!(improved.contains(file), "{file} is missing in\n{improved}");
+    }
+    assert!(!improved.contains(folder.path("").to_str().unwrap()), "{improved}");
+
+    let elsewhere = Folder::new();
+    let path = folder.path("out/improved.toml");
+    elsewhere.aurt(["run", path.to_str().unwrap(), "--out", "again", "--quiet"]).succeeded();
+    assert_eq!(
+        elsewhere.json("again/rd_calibrated.json")["calibration"]["parameters"],
+        folder.json("out/rd_improved.json")["calibration"]["parameters"]
+    );
+    let moved = folder.path("project");
+    std::fs::create_dir_all(moved.join("answer")).unwrap();
+    for file in ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv"] {
+        std::fs::rename(folder.path(file), moved.join(file)).unwrap();
+    }
+    std::fs::rename(path, moved.join("answer/improved.toml")).unwrap();
+    folder.aurt(["run", "project/answer/improved.toml", "--out", "later", "--quiet"]).succeeded();
+}
+
 fn example(name: &str) -> (Folder, Value) {
     let experiment = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/diagnose_{}.toml"), name);
     let folder = Folder::new();

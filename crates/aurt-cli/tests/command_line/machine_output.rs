@@ -75,7 +75,7 @@ fn a_failure_is_json_too() {
     let document: Value = serde_json::from_str(&run.stdout()).unwrap();
     let problem = &document["error"]["problems"][0];
     assert_eq!(problem["file"], "nowhere.toml");
-    assert!(problem["message"].as_str().unwrap().contains("cannot be read"), "{problem}");
+    assert!(problem["message"].as_str().unwrap().contains("there is no such file"), "{problem}");
     assert!(run.stderr().contains("nowhere.toml"));
 }
 

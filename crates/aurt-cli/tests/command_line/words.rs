@@ -102,3 +102,38 @@ fn shells_and_manual_readers_are_served() {
     let page = folder.read("man1/aurt-compile-rd.1");
     assert!(page.contains("friction") && page.starts_with(".ie"), "{page}");
 }
+
+/// Every section and key that the documentation of experiments lists is explained.
+#[test]
+fn keys_of_experiments_are_explained() {
+    let folder = Folder::new();
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/experiment-file.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let sections = page.lines().filter_map(|l| l.strip_prefix("## `[")?.split(']').next());
+    let keys = page.lines().filter_map(|l| l.strip_prefix("| `")?.split('`').next());
+    let names: Vec<&str> = sections
+        .chain(keys)
+        .map(|n| n.trim_matches('['))
+        .chain(["target", "validation", "simulated"])
+        .collect();
+    assert!(names.len() > 20, "{names:?}");
+    for name in names {
+        let said = folder.aurt(["explain", name]).succeeded().stdout();
+        assert!(said.lines().count() > 2, "{name}: {said}");
+    }
+}
+
+#[test]
+fn an_experiment_that_is_not_there_is_looked_for() {
+    let folder = Folder::new();
+    let place = folder.path("").canonicalize().unwrap();
+    let said = folder.aurt("run nope.toml --out out".split(' ')).refused(&[
+        "nope.toml",
+        "no such file",
+        "aurt demo",
+    ]);
+    assert!(said.contains(place.to_str().unwrap().trim_end_matches('/')), "{said}");
+    folder.write("experiment.toml", "");
+    folder.aurt("run experimant.toml --out out".split(' ')).refused(&["did you mean experiment.toml?"]);
+    folder.aurt("diagnose no/where.toml --out out".split(' ')).refused(&["no folder no either"]);
+}

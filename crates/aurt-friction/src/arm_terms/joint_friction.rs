@@ -11,6 +11,8 @@
 //! | `hysteresis` | – | hysteresis model, `{ model = "sign" }` unless given |
 //! | `viscous` | – | viscous model, none unless given |
 //!
+//! The three models may be models of dynamic libraries.
+//!
 //! # Columns
 //! Those of the stack, each with `_<joint>` appended.
 //!
@@ -25,8 +27,8 @@
 //! Those that all three models share.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, Invariants, JointSeries, JointStack,
-    ModelError, Parameter, ViscousBasis, register_model,
+    ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, InnerModels, Invariants, JointSeries,
+    JointStack, ModelError, Parameter, ViscousBasis, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -137,6 +139,14 @@ impl ArmTerm for JointFriction {
             & self.hysteresis.invariants().bits()
             & self.viscous.invariants().bits();
         Invariants::from_bits(common)
+    }
+
+    fn inner_models(&mut self) -> Option<InnerModels<'_>> {
+        Some(InnerModels {
+            coulomb: &mut self.coulomb,
+            hysteresis: &mut self.hysteresis,
+            viscous: &mut self.viscous,
+        })
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {

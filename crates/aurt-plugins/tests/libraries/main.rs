@@ -6,4 +6,5 @@ mod built;
 mod conformance;
 mod errors;
 mod evaluation;
+mod inner;
 mod saving;

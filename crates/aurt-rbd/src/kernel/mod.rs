@@ -7,8 +7,10 @@
 mod block;
 mod lanes;
 mod motion;
+mod operations;
 mod plan;
 mod sine_cosine;
+mod torque;
 mod turn;
 
 use aurt_traits::{Dispatch, MotionView, RegressorTile};
@@ -22,7 +24,11 @@ use motion::{
 use plan::Plan;
 
 pub(crate) use motion::Place;
+pub(crate) use operations::count;
+
+pub use operations::Operations;
 pub(crate) use sine_cosine::sine_cosine_of;
+pub(crate) use torque::torque;
 
 /// Writes the wanted entries of the regressor for every sample of `motion`.
 ///
@@ -87,27 +93,61 @@ fn evaluate_lanes<T: Lanes>(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
         }
         return;
     }
-    // First and last vector may overlap those between; what is written twice is the same.
-    let last = samples - T::LANES;
-    let mut next = samples_to_alignment::<T>(stride, data);
-    let mut group = [0; GROUP];
-    let mut used = usize::from(next > 0);
-    loop {
-        while used < GROUP && next < last {
-            group[used] = next;
-            next += T::LANES;
+    let mut groups = Groups::new(samples, T::LANES, samples_to_alignment::<T>(stride, data));
+    while let Some(group) = groups.next() {
+        evaluate_group(&plan, group, joints, &mut links, data);
+    }
+}
+
+/// First samples of the vectors of samples that are worked on together.
+///
+/// First and last vector may overlap those between; what is written twice is the same.
+struct Groups {
+    group: [usize; GROUP],
+    next: usize,
+    last: usize,
+    lanes: usize,
+    begun: bool,
+    done: bool,
+}
+
+impl Groups {
+    /// Groups of vectors of `lanes` of the samples, of which there are at least as many; all but the first and last
+    /// vector start whole vectors behind sample `aligned`.
+    #[inline(always)]
+    const fn new(samples: usize, lanes: usize, aligned: usize) -> Self {
+        Self {
+            group: [0; GROUP],
+            next: aligned,
+            last: samples - lanes,
+            lanes,
+            begun: aligned == 0,
+            done: false,
+        }
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<&[usize]> {
+        if self.done {
+            return None;
+        }
+        let mut used = 0;
+        if !self.begun {
+            self.begun = true;
+            self.group[0] = 0;
+            used = 1;
+        }
+        while used < GROUP && self.next < self.last {
+            self.group[used] = self.next;
+            self.next += self.lanes;
             used += 1;
         }
-        let done = used < GROUP;
-        if done {
-            group[used] = last;
+        if used < GROUP {
+            self.group[used] = self.last;
+            self.done = true;
             used += 1;
         }
-        evaluate_group(&plan, &group[..used], joints, &mut links, data);
-        if done {
-            return;
-        }
-        used = 0;
+        Some(&self.group[..used])
     }
 }
 

@@ -39,6 +39,13 @@ impl<'a> Plan<'a> {
                 blocks.push(Block::new(&groups[joint * joints.len() + link], possible, stride));
             }
         }
+        let largest_offset = (destinations_end as usize).checked_sub(1).map(|d| d * stride);
+        Self { blocks, largest_offset, ..Self::without_tile(chain, motion) }
+    }
+
+    /// The work without the regressor's blocks.
+    pub fn without_tile(chain: &'a SerialChain, motion: MotionView<'a>) -> Self {
+        let joints = chain.joints();
         Self {
             gravity_m_s2: chain.gravity_m_s2(),
             joints,
@@ -47,8 +54,8 @@ impl<'a> Plan<'a> {
                 .map(|j| [motion.position_rad(j), motion.velocity_rad_s(j), motion.acceleration_rad_s2(j)])
                 .collect(),
             samples: motion.samples(),
-            blocks,
-            largest_offset: (destinations_end as usize).checked_sub(1).map(|d| d * stride),
+            blocks: Vec::new(),
+            largest_offset: None,
         }
     }
 
@@ -92,13 +99,24 @@ impl<'a> Plan<'a> {
                 (targets.len() - 1) * lanes
             });
         }
-        let of_joint = |s: &'a [f64]| [&s[..lanes], &s[lanes..2 * lanes], &s[2 * lanes..]];
-        let plan = Plan {
+        let largest_offset = targets.len().checked_sub(1).map(|last| last * lanes);
+        (Plan { largest_offset, ..self }.with_series(padded, lanes), targets)
+    }
+
+    /// The same work on [`Self::padded_series`].
+    pub fn with_series<'b>(&self, padded: &'b [f64], lanes: usize) -> Plan<'b>
+    where
+        'a: 'b,
+    {
+        let of_joint = |s: &'b [f64]| [&s[..lanes], &s[lanes..2 * lanes], &s[2 * lanes..]];
+        Plan {
+            gravity_m_s2: self.gravity_m_s2,
+            joints: self.joints,
+            places: self.places,
             series: padded.chunks_exact(3 * lanes).map(of_joint).collect(),
             samples: lanes,
-            largest_offset: targets.len().checked_sub(1).map(|last| last * lanes),
-            ..self
-        };
-        (plan, targets)
+            blocks: self.blocks.clone(),
+            largest_offset: self.largest_offset,
+        }
     }
 }

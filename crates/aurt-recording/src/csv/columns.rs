@@ -315,11 +315,24 @@ impl Search<'_> {
                 commanded[0]
             ),
             None => {
+                // Asked for nothing else: the search for a selection reports missing columns of its own.
+                let unknown = if key == "measurement" { self.selection_of_measurement() } else { None };
+                if let Some((columns, selection)) = unknown {
+                    return self.not_there(what, None, format!(
+                        "if {} are what was measured, say so: in an experiment with {selection}, on the command line with --unit \
+                         and --columns",
+                        self.header.span(&columns)
+                    ));
+                }
                 let usual: Vec<String> = names.iter().take(4).map(|n| format!("`{n}`")).collect();
                 let usual = usual.join(", ");
                 format!("usual names are {usual} …; select other columns with columns = {{ {key} = … }}")
             }
         };
+        self.not_there(what, wanted, likely)
+    }
+
+    fn not_there(&self, what: &'static str, wanted: Option<&str>, likely: String) -> RecordingError {
         RecordingError::MissingColumn {
             path: self.path.to_owned(),
             line: self.header.line,
@@ -328,6 +341,27 @@ impl Search<'_> {
             known: self.header.names.clone(),
             likely: Some(likely),
         }
+    }
+
+    /// Columns of all joints that nothing is known of, and how an experiment would select them as the measurement.
+    pub(super) fn selection_of_measurement(&self) -> Option<(Vec<usize>, String)> {
+        let families = Families::of(&self.header.names);
+        let time = self.find_time(&families).ok()?;
+        let position =
+            self.find(&families, "joint positions", &families::POSITION, &mut Vec::new()).ok()??;
+        let columns = families.unknown(self.options.joints.unwrap_or(position.len()))?;
+        let listed = |columns: &[usize]| -> String {
+            columns.iter().map(|c| format!("\"{}\"", self.header.name(*c))).collect::<Vec<_>>().join(", ")
+        };
+        let file = self.path.file_name().unwrap_or_default().to_string_lossy();
+        let selection = format!(
+            "{{ file = \"{file}\", unit = \"A\", columns = {{ time = {}, position = [{}], measurement = [{}] }} }} (or unit = \
+             \"Nm\")",
+            listed(&[time]),
+            listed(&position),
+            listed(&columns)
+        );
+        Some((columns, selection))
     }
 
     pub(super) fn wrong(&self, reason: String, remedy: String) -> RecordingError {

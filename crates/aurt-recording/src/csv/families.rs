@@ -52,6 +52,17 @@ impl Families {
         prefixes.iter().filter(|p| self.groups.contains_key(**p)).copied().collect()
     }
 
+    /// Columns of `joints` joints under a name that is none of those known here, in the order of their joints.
+    pub(super) fn unknown(&self, joints: usize) -> Option<Vec<usize>> {
+        let known = |prefix: &str| {
+            [&POSITION[..], &VELOCITY, &CURRENT, &TORQUE, &COMMANDED]
+                .iter()
+                .any(|list| list.contains(&prefix))
+        };
+        let unknown = self.groups.keys().filter(|prefix| joints > 1 && !known(prefix));
+        unknown.filter_map(|prefix| self.columns(prefix)?.ok()).find(|columns| columns.len() == joints)
+    }
+
     /// The columns of that name that have no joint number.
     pub(super) fn unnumbered(&self, name: &str) -> Vec<usize> {
         let group = self.groups.get(name).into_iter().flatten();

@@ -70,7 +70,16 @@ impl Search<'_> {
                 let what = "the measurement (motor currents or joint torques)";
                 return Err(self.missing(what, None, &names, "measurement"));
             }
-            (None, _, []) => return Ok((None, stated.unwrap_or_default())),
+            (None, _, []) => {
+                if let Some((columns, selection)) = self.selection_of_measurement() {
+                    remarks.push(format!(
+                        "nothing measured was recognised; if {} are motor currents or joint torques, say so: in an experiment with \
+                         {selection}, on the command line with --unit and --columns",
+                        self.header.span(&columns)
+                    ));
+                }
+                return Ok((None, stated.unwrap_or_default()));
+            }
         };
         let columns = self.family(families, prefix, "the measurement").map(Some);
         if self.options.needs_measurement {

@@ -11,7 +11,7 @@ use aurt_traits::MeasurementUnit;
 pub use prepared::{LongPrepared, LongSegment, Stretch};
 
 use crate::csv::{ReadOptions, read_pieces};
-use crate::{Recording, RecordingError};
+use crate::{ReadReport, Recording, RecordingError};
 use spill::Spill;
 
 /// A recording of any length. Its samples lie in a temporary file, 8 bytes a number; in memory there are never more
@@ -26,7 +26,9 @@ pub struct LongRecording {
     measured: bool,
     unit: MeasurementUnit,
     spill: Spill,
+    first_s: Option<f64>,
     last_s: f64,
+    report: ReadReport,
 }
 
 impl LongRecording {
@@ -43,7 +45,8 @@ impl LongRecording {
         let width = 1 + joints * (1 + usize::from(measured));
         let spill =
             Spill::new(width).map_err(|source| RecordingError::Spill { path: file.clone(), source })?;
-        Ok(Self { file, joints, measured, unit, spill, last_s: f64::NEG_INFINITY })
+        let report = ReadReport::default();
+        Ok(Self { file, joints, measured, unit, spill, first_s: None, last_s: f64::NEG_INFINITY, report })
     }
 
     /// Reads a text file as [`read_recording`](crate::read_recording) does, without holding it. Velocities are not
@@ -53,7 +56,7 @@ impl LongRecording {
     /// As [`read_recording`](crate::read_recording), and [`RecordingError::Spill`].
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, RecordingError> {
         let mut long: Option<Self> = None;
-        read_pieces(path, options, &mut |piece| {
+        let report = read_pieces(path, options, &mut |piece| {
             let long = match &mut long {
                 Some(long) => long,
                 None => long.insert(Self::new(
@@ -66,7 +69,8 @@ impl LongRecording {
             long.push(piece)
         })?;
         let found = "no row follows the header".into();
-        long.ok_or(RecordingError::NoRows { path: path.to_owned(), found })
+        let long = long.ok_or(RecordingError::NoRows { path: path.to_owned(), found })?;
+        Ok(Self { report, ..long })
     }
 
     /// Appends samples. Velocities are passed over.
@@ -93,6 +97,7 @@ impl LongRecording {
                 remedy: "sort the samples by time".into(),
             });
         }
+        self.first_s = self.first_s.or(Some(first));
         self.last_s = last;
         let families = piece.position_rad.iter().chain(piece.measurement.iter().flatten());
         let columns: Vec<&[f64]> =
@@ -110,6 +115,24 @@ impl LongRecording {
     #[must_use]
     pub const fn unit(&self) -> MeasurementUnit {
         self.unit
+    }
+
+    /// The first stamp, s; none of an empty recording.
+    #[must_use]
+    pub const fn first_stamp_s(&self) -> Option<f64> {
+        self.first_s
+    }
+
+    /// Whether something was measured.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        self.measured
+    }
+
+    /// What was found while the file was read; nothing of samples that were pushed.
+    #[must_use]
+    pub const fn report(&self) -> &ReadReport {
+        &self.report
     }
 
     fn failed(&self, source: std::io::Error) -> RecordingError {

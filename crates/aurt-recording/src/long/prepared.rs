@@ -5,7 +5,9 @@ use aurt_traits::Motion;
 use super::{LongRecording, uniform::Uniform};
 use crate::preprocess::differentiate::{inner_acceleration, velocity};
 use crate::preprocess::{Which, filter};
-use crate::{Decimation, PreprocessOptions, RecordingError, ZeroPhase};
+use crate::{
+    Decimation, DroppedSegment, PreprocessOptions, PreprocessReport, RecordingError, SegmentReport, ZeroPhase,
+};
 
 /// Motion samples of a stretch; memory is a few times their size.
 const STRETCH: usize = 1 << 15;
@@ -26,6 +28,7 @@ pub struct LongPrepared {
     position_filter: ZeroPhase,
     parallel_filter: ZeroPhase,
     segments: Vec<LongSegment>,
+    report: PreprocessReport,
 }
 
 /// A run of samples without gaps.
@@ -80,24 +83,53 @@ impl LongRecording {
             return Err(RecordingError::InvalidOption { option: "delay_s", value, remedy });
         }
         self.spill.finish().map_err(|source| self.failed(source))?;
-        let Uniform { rate_hz, runs } = Uniform::of(&self, options)?;
+        let Uniform { rate_hz, runs, spans_s, max_gap_s, report: clock } = Uniform::of(&self, options)?;
+        let decimation = Decimation::new(options.f_dyn_hz, 1.0 / rate_hz);
+        let position_filter = filter(&self.file, options, rate_hz, Which::Position)?;
+        let parallel_filter = filter(&self.file, options, rate_hz, Which::Parallel)?;
+        let report = PreprocessReport {
+            file: self.file.clone(),
+            samples: self.samples(),
+            clock,
+            rate_hz,
+            resampled: false,
+            max_gap_s,
+            position_cutoff_hz: position_filter.cutoff_hz(),
+            parallel_cutoff_hz: parallel_filter.cutoff_hz(),
+            decimation,
+            trimmed_rest: options.trim_rest,
+            segments: Vec::new(),
+            dropped_segments: Vec::new(),
+            velocity_scale: vec![None; self.joints],
+        };
         let mut prepared = LongPrepared {
             options: options.clone(),
             rate_hz,
-            decimation: Decimation::new(options.f_dyn_hz, 1.0 / rate_hz).factor,
-            position_filter: filter(&self.file, options, rate_hz, Which::Position)?,
-            parallel_filter: filter(&self.file, options, rate_hz, Which::Parallel)?,
+            decimation: decimation.factor,
+            position_filter,
+            parallel_filter,
             segments: Vec::new(),
             recording: self,
+            report,
         };
         let shortest = if runs.len() > 1 { (2.0 * rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 };
         let needed = shortest.max(prepared.padding() + 3);
         let mut longest = 0;
-        for run in runs {
+        for (run, span_s) in runs.into_iter().zip(spans_s) {
             longest = longest.max(run.len());
-            if run.len() >= needed {
-                let segment = prepared.segment(run)?;
-                prepared.segments.extend(segment);
+            let samples = run.len();
+            let segment = if samples >= needed { prepared.segment(run)? } else { None };
+            if let Some(segment) = segment {
+                prepared.report.segments.push(prepared.reported(&segment, span_s[0]));
+                prepared.segments.push(segment);
+            } else {
+                let reason = if samples < needed {
+                    format!("{samples} samples are too few, {needed} are needed")
+                } else {
+                    "too little of it is motion".into()
+                };
+                let [from_s, to_s] = span_s;
+                prepared.report.dropped_segments.push(DroppedSegment { from_s, to_s, reason });
             }
         }
         if prepared.segments.is_empty() {
@@ -132,6 +164,19 @@ impl LongPrepared {
         self.recording.measured
     }
 
+    /// The recording.
+    #[must_use]
+    pub const fn recording(&self) -> &LongRecording {
+        &self.recording
+    }
+
+    /// What was found and done. The median distance of stamps is that of the first 65 536; measured velocities are not
+    /// looked at.
+    #[must_use]
+    pub const fn report(&self) -> &PreprocessReport {
+        &self.report
+    }
+
     /// Every how many samples a row is kept.
     #[must_use]
     pub const fn decimation(&self) -> usize {
@@ -164,6 +209,19 @@ impl LongPrepared {
             visit(&self.stretch(segment, first..end)?)?;
         }
         Ok(())
+    }
+
+    /// What is to be told of a segment whose run begins at `from_s`.
+    fn reported(&self, segment: &LongSegment, from_s: f64) -> SegmentReport {
+        let period_s = 1.0 / self.rate_hz;
+        let after = segment.run.len() - segment.first - segment.samples - 1;
+        SegmentReport {
+            from_s: from_s + segment.first as f64 * period_s,
+            to_s: from_s + (segment.first + segment.samples - 1) as f64 * period_s,
+            samples: segment.samples,
+            rows: segment.rows,
+            cut_s: [(segment.first - 1) as f64 * period_s, after as f64 * period_s],
+        }
     }
 
     fn padding(&self) -> usize {

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use super::LongRecording;
-use crate::preprocess::clock::{UNIFORM_TOLERANCE, median, to_digits};
+use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, median, to_digits};
 use crate::preprocess::resample::SAME_STAMP;
 use crate::{PreprocessOptions, RecordingError};
 
@@ -12,6 +12,11 @@ const AT_ONCE: usize = 1 << 16;
 pub(super) struct Uniform {
     pub(super) rate_hz: f64,
     pub(super) runs: Vec<Range<usize>>,
+    /// First and last stamp of each run, s from the first of all.
+    pub(super) spans_s: Vec<[f64; 2]>,
+    pub(super) max_gap_s: f64,
+    /// The median distance of stamps is that of the first ones.
+    pub(super) report: ClockReport,
 }
 
 /// How far the stamps of a run lie off a grid.
@@ -28,7 +33,10 @@ impl Uniform {
     pub(super) fn of(recording: &LongRecording, options: &PreprocessOptions) -> Result<Self, RecordingError> {
         let refused = |reason: String| RecordingError::Clock {
             path: recording.file.clone(),
-            reason,
+            reason: match recording.report.dropped_rows {
+                0 => reason,
+                rows => format!("{reason} ({rows} corrupt rows were dropped, which leaves holes)"),
+            },
             remedy: "recordings longer than memory need uniform stamps: resample it, or read it whole".into(),
         };
         let first = stamps(recording, 0..AT_ONCE.min(recording.samples()))?;
@@ -39,10 +47,14 @@ impl Uniform {
         let median_s = median(&mut distances);
         let max_gap_s = options.max_gap_s.unwrap_or((10.0 * median_s).max(0.1));
         let mut runs: Vec<Run> = Vec::new();
+        let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
         for_each_stamp(recording, |k, t| {
+            let distance = runs.last().map_or(f64::INFINITY, |run| t - run.to_s);
+            shortest = shortest.min(distance);
             match runs.last_mut() {
-                Some(run) if t - run.to_s <= max_gap_s => {
-                    if t - run.to_s <= SAME_STAMP * median_s {
+                Some(run) if distance <= max_gap_s => {
+                    longest = longest.max(distance);
+                    if distance <= SAME_STAMP * median_s {
                         return Err(refused(format!("samples {} and {k} have the same stamp {t} s", k - 1)));
                     }
                     run.to_s = t;
@@ -79,7 +91,19 @@ impl Uniform {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(refused("the time stamps give no sampling rate".into()));
         }
-        Ok(Self { rate_hz, runs: runs.into_iter().map(|r| r.samples).collect() })
+        let origin_s = runs.first().map_or(0.0, |r| r.from_s);
+        let report = ClockReport {
+            uniform: true,
+            median_period_s: median_s,
+            min_period_s: shortest,
+            max_period_s: longest,
+            repeated: 0,
+            conflicting: 0,
+            missing_share: 0.0,
+            gaps_s: runs.windows(2).map(|r| [r[0].to_s - origin_s, r[1].from_s - r[0].to_s]).collect(),
+        };
+        let spans_s = runs.iter().map(|r| [r.from_s - origin_s, r.to_s - origin_s]).collect();
+        Ok(Self { rate_hz, runs: runs.into_iter().map(|r| r.samples).collect(), spans_s, max_gap_s, report })
     }
 }
 

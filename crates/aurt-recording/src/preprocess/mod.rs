@@ -186,11 +186,13 @@ pub(crate) fn filter(
     // With default cut-offs the position filter is the first to reach the Nyquist frequency.
     let largest_f_dyn_hz = highest_hz / if set { multiple } else { 5.0 };
     let mut remedy = if set {
-        format!("{option} can be at most {highest_hz:.6} Hz")
+        format!("{option} can be at most {} Hz", rounded_down(highest_hz))
     } else {
         format!(
-            "it is {multiple} f_dyn, so f_dyn_hz can be at most {largest_f_dyn_hz:.6}; three times the highest frequency of \
-             the motion is enough, and arms mostly move below 1 Hz; or record faster, or set {option}"
+            "it is {multiple} f_dyn, so f_dyn_hz can be at most {}; three times the highest frequency of the motion is enough, \
+             and arms mostly move below 1 Hz (`aurt check` names the value that suits a recording); or record faster, or set \
+             {option}",
+            rounded_down(largest_f_dyn_hz)
         )
     };
     if rate_hz < 5.0 {
@@ -204,4 +206,15 @@ pub(crate) fn filter(
         largest_f_dyn_hz,
         remedy,
     })
+}
+
+/// A frequency to three digits, never above its value, so that what is written is allowed.
+fn rounded_down(frequency_hz: f64) -> f64 {
+    let unit = 10.0_f64.powf(frequency_hz.abs().max(f64::MIN_POSITIVE).log10().floor() - 2.0);
+    let inverse = unit.recip().round();
+    if inverse >= 1.0 {
+        (frequency_hz * inverse).floor() / inverse
+    } else {
+        (frequency_hz / unit).floor() * unit
+    }
 }

@@ -90,8 +90,11 @@ impl PreprocessReport {
             ));
         }
         notes.push(format!(
-            "filters: positions {} Hz, regressor and measurement {} Hz; every {}. row kept (0.8 / (4 f_dyn T_S) = {:.3})",
-            self.position_cutoff_hz, self.parallel_cutoff_hz, self.decimation.factor, self.decimation.exact
+            "filters: positions {} Hz, regressor and measurement {} Hz; every {}. row kept (0.8 / (4 f_dyn T_S) = {})",
+            self.position_cutoff_hz,
+            self.parallel_cutoff_hz,
+            self.decimation.factor,
+            short(self.decimation.exact)
         ));
         if self.parallel_cutoff_hz * 2.0 * self.decimation.factor as f64 > self.rate_hz {
             notes.push(format!(
@@ -124,7 +127,7 @@ impl PreprocessReport {
     fn clock_note(&self) -> String {
         let clock = &self.clock;
         if clock.uniform && !self.resampled {
-            return format!("uniform clock of {:.6} Hz, used as it is", self.rate_hz);
+            return format!("uniform clock of {} Hz, used as it is", short(self.rate_hz));
         }
         let kind = if clock.uniform { "uniform clock" } else { "irregular clock" };
         let slower = if self.rate_hz * clock.median_period_s < 0.8 {
@@ -133,13 +136,31 @@ impl PreprocessReport {
             ""
         };
         format!(
-            "{kind} (distance of stamps: median {:.6} s, {:.6} to {:.6} s): resampled at {} Hz, positions by a cubic \
+            "{kind} (distance of stamps: median {} s, {} to {} s): resampled at {} Hz, positions by a cubic \
              spline, measurements linearly; {:.2} % of the grid lies in gaps{slower}",
-            clock.median_period_s,
-            clock.min_period_s,
-            clock.max_period_s,
-            self.rate_hz,
+            short(clock.median_period_s),
+            short(clock.min_period_s),
+            short(clock.max_period_s),
+            short(self.rate_hz),
             100.0 * clock.missing_share
         )
+    }
+}
+
+/// A number to six significant digits, without the zeros that say nothing.
+fn short(value: f64) -> String {
+    let digits = (5.0 - value.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_have_no_idle_zeros() {
+        assert_eq!([short(125.0), short(0.01), short(499.999_97)], ["125", "0.01", "500"]);
+        assert_eq!([short(0.002_016), short(99.871_23), short(1e6)], ["0.002016", "99.8712", "1000000"]);
     }
 }

@@ -1,26 +1,40 @@
 //! What was found, effect by effect.
 
-use aurt_diagnosis::Finding;
+use aurt_diagnosis::{Finding, RegisteredFinding};
 use aurt_report::{Block, Section, Table};
 use serde_json::Value;
 
-use super::Diagnosed;
+use super::{
+    Diagnosed, capital,
+    words::{claim, groups, nothing, objection},
+};
 use crate::{rendering::number::significant, reports::parts};
 
 impl Diagnosed<'_> {
     pub(super) fn findings(&self) -> Section {
         let several = self.verdict.effects.len() > 4;
-        let blocks = self
-            .verdict
-            .effects
-            .iter()
-            .enumerate()
-            .map(|(k, finding)| Block::Folded {
-                title: format!("{}. {}", k + 1, finding.sentence),
-                open: !several || k < 2,
-                blocks: finding_blocks(finding),
-            })
-            .collect();
+        let mut blocks = Vec::new();
+        for group in groups(self.verdict, self.asked) {
+            if group.findings.is_empty() {
+                blocks.push(Block::Text(format!(
+                    "{}: {}.",
+                    capital(group.title),
+                    nothing(self.verdict.verdict)
+                )));
+            } else if !group.title.is_empty() {
+                blocks.push(Block::Text(format!("{}:", capital(group.title))));
+            }
+            blocks.extend(group.findings.iter().map(|(number, finding)| Block::Folded {
+                title: format!("{number}. {}", claim(finding, self.asked)),
+                open: !several || *number < 3,
+                blocks: self.finding(finding),
+            }));
+        }
+        blocks.extend(self.verdict.registered_models.iter().map(|model| Block::Folded {
+            title: capital(&model.sentence),
+            open: true,
+            blocks: registered_blocks(model),
+        }));
         Section {
             title: "What was found".into(),
             introduction:
@@ -30,42 +44,61 @@ impl Diagnosed<'_> {
             blocks,
         }
     }
+
+    fn finding(&self, finding: &Finding) -> Vec<Block> {
+        let mut table = Table::new("", ["<parameter", "<of", "value", "± 1 σ"]);
+        for (name, parameter) in &finding.parameters {
+            match (&parameter.value, &parameter.std) {
+                (Value::Array(values), stds) => {
+                    for (k, value) in values.iter().enumerate() {
+                        let of = component(finding, name, values.len(), k);
+                        table.row([name.clone(), of, text(value), text(stds.get(k).unwrap_or(&Value::Null))]);
+                    }
+                }
+                (value, std) => table.row([name.clone(), String::new(), text(value), text(std)]),
+            }
+        }
+        let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
+        let mut facts = vec![format!(
+            "{} on joints {}, in {} recordings; score {:.0}, {:.0} were needed",
+            finding.effect,
+            parts::listed(&joints),
+            parts::listed(&finding.present_in),
+            finding.evidence.score,
+            finding.evidence.threshold
+        )];
+        if let Some([from, to]) = finding.window_s {
+            let recording = finding.recording.as_deref().unwrap_or("the recording");
+            facts.push(format!("from {from:.2} s to {to:.2} s of {recording}"));
+        }
+        facts.extend(objection(self.verdict, finding, self.unit.symbol()));
+        for other in &finding.alternatives {
+            facts.push(format!("or {}; to tell them apart: {}", other.effect, other.record));
+        }
+        let mut blocks = vec![Block::List(facts)];
+        if !finding.parameters.is_empty() {
+            blocks.push(Block::Table(table));
+        }
+        blocks
+    }
 }
 
-fn finding_blocks(finding: &Finding) -> Vec<Block> {
-    let mut table = Table::new("", ["<parameter", "<of", "value", "± 1 σ"]);
-    for (name, parameter) in &finding.parameters {
-        match (&parameter.value, &parameter.std) {
-            (Value::Array(values), stds) => {
-                for (k, value) in values.iter().enumerate() {
-                    let of = component(finding, name, values.len(), k);
-                    table.row([name.clone(), of, text(value), text(stds.get(k).unwrap_or(&Value::Null))]);
-                }
-            }
-            (value, std) => table.row([name.clone(), String::new(), text(value), text(std)]),
-        }
+/// A registered model: the vocabulary has no word for what it describes.
+fn registered_blocks(model: &RegisteredFinding) -> Vec<Block> {
+    let mut table = Table::new("", ["<parameter", "value", "± 1 σ"]);
+    for (name, parameter) in &model.parameters {
+        table.row([name.clone(), text(&parameter.value), text(&parameter.std)]);
     }
-    let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
-    let mut facts = vec![format!(
-        "{} on joints {}, in {} recordings; score {:.0}, {:.0} were needed",
-        finding.effect,
-        parts::listed(&joints),
-        parts::listed(&finding.present_in),
-        finding.evidence.score,
-        finding.evidence.threshold
-    )];
-    if let Some([from, to]) = finding.window_s {
-        let recording = finding.recording.as_deref().unwrap_or("the recording");
-        facts.push(format!("from {from:.2} s to {to:.2} s of {recording}"));
-    }
-    for other in &finding.alternatives {
-        facts.push(format!("or {}; to tell them apart: {}", other.effect, other.record));
-    }
-    let mut blocks = vec![Block::List(facts)];
-    if !finding.parameters.is_empty() {
-        blocks.push(Block::Table(table));
-    }
-    blocks
+    let facts = vec![
+        format!("{} model {} of {}", model.slot.name(), model.model, model.origin),
+        format!(
+            "in {} recordings; score {:.0}, {:.0} were needed",
+            parts::listed(&model.present_in),
+            model.evidence.score,
+            model.evidence.threshold
+        ),
+    ];
+    vec![Block::List(facts), Block::Table(table)]
 }
 
 /// What an entry of a list is of: a component of a vector or tensor, or a joint.

@@ -2,6 +2,7 @@
 
 mod findings;
 mod rows;
+pub mod words;
 
 use aurt_calibration::Calibration;
 use aurt_diagnosis::{Answer, RecordingSeries, Role, Verdict as Found};
@@ -9,13 +10,21 @@ use aurt_report::{BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Tab
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
 
+use self::words::{Asked, Group, claim, follows, groups, nothing, objection};
 use super::{figures::file_name, parts};
-use crate::rendering::{json::pretty, number::significant};
+use crate::{
+    rendering::{json::pretty, number::significant},
+    results::verdict::is_about_physics,
+};
 
 /// What a diagnosis leaves for its page.
 pub struct Diagnosed<'a> {
     /// The verdict.
     pub verdict: &'a Found,
+    /// What was asked.
+    pub asked: Asked,
+    /// What was held out, with its part of the recording.
+    pub held_out: &'a [String],
     /// The rows behind it.
     pub series: &'a [RecordingSeries],
     /// Unit of the measurement.
@@ -32,21 +41,11 @@ pub struct Diagnosed<'a> {
     pub document: &'a Value,
 }
 
-/// The answer in words.
-pub const fn headline(answer: Answer) -> &'static str {
-    match answer {
-        Answer::NoMismatch => "nothing is missing: what is left is noise",
-        Answer::Named => "the missing physics has a name",
-        Answer::Ambiguous => "one of a class of effects that these recordings cannot separate",
-        Answer::Unexplained => "something is missing that no known effect accounts for",
-    }
-}
-
 impl Diagnosed<'_> {
     /// The page.
     pub fn page(&self) -> Page {
         let mut sections = vec![self.improvement()];
-        if !self.verdict.effects.is_empty() {
+        if self.found() {
             sections.push(self.findings());
         }
         sections.push(self.over_time());
@@ -78,18 +77,32 @@ impl Diagnosed<'_> {
         }
     }
 
+    /// Whether there is anything to add to the model.
+    const fn found(&self) -> bool {
+        !self.verdict.effects.is_empty() || !self.verdict.registered_models.is_empty()
+    }
+
     fn answer(&self) -> Verdict {
-        let words = headline(self.verdict.verdict);
-        let mut headline: String = words.chars().take(1).flat_map(char::to_uppercase).collect();
-        headline.extend(words.chars().skip(1));
+        let headline = capital(&words::headline(self.verdict, self.asked));
         let mut sentences: Vec<String> =
-            self.verdict.effects.iter().map(|f| format!("{}.", capital(&f.sentence))).collect();
+            groups(self.verdict, self.asked).iter().flat_map(|g| self.sentences(g)).collect();
+        sentences.extend(self.verdict.registered_models.iter().map(|m| format!("{}.", capital(&m.sentence))));
+        let warnings = self.verdict.notes.iter().filter(|n| n.starts_with("WARNING"));
+        sentences.extend(warnings.map(|n| format!("{}.", capital(n.trim_start_matches("WARNING: ")))));
+        sentences.extend(
+            self.improved
+                .1
+                .warnings
+                .iter()
+                .filter(|w| is_about_physics(w))
+                .map(|w| format!("Warning about the improved model: {w}.")),
+        );
         let held = &self.verdict.held_out;
         let ratio = |j: usize| held.rms_after[j] / held.rms_before[j];
         let joints = held.rms_before.len().min(held.rms_after.len());
         let most =
             (0..joints).filter(|j| ratio(*j).is_finite()).min_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
-        if let Some(j) = most.filter(|_| !self.verdict.effects.is_empty()) {
+        if let Some(j) = most.filter(|_| self.found()) {
             let lower = (0..joints).filter(|j| ratio(*j) < 1.0).count();
             sentences.push(format!(
                 "On data that took no part the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
@@ -117,6 +130,24 @@ impl Diagnosed<'_> {
         Verdict { tone, headline, sentences }
     }
 
+    /// A group of findings in a sentence, or, where nothing is to be told apart, one for each; then what held-out data
+    /// say against them.
+    fn sentences(&self, group: &Group<'_>) -> Vec<String> {
+        let claims = group.findings.iter().map(|(_, f)| claim(f, self.asked));
+        let mut said: Vec<String> = if group.findings.is_empty() {
+            vec![format!("{}: {}.", capital(group.title), nothing(self.verdict.verdict))]
+        } else if group.title.is_empty() {
+            claims.map(|c| format!("{}.", capital(&c))).collect()
+        } else {
+            vec![format!("{}: {}.", capital(group.title), claims.collect::<Vec<_>>().join("; "))]
+        };
+        said.extend(group.findings.iter().filter_map(|(number, finding)| {
+            let objection = objection(self.verdict, finding, self.unit.symbol())?;
+            Some(format!("Finding {number} ({}) {objection}.", finding.effect))
+        }));
+        said
+    }
+
     fn improvement(&self) -> Section {
         let unit = self.unit.symbol();
         let held = &self.verdict.held_out;
@@ -131,7 +162,7 @@ impl Diagnosed<'_> {
         let bars = Bars {
             title: "held-out error, root mean square".into(),
             name: "held_out".into(),
-            caption: format!("Each joint on its own scale. Held out: {}.", names(&held.recordings)),
+            caption: format!("Each joint on its own scale. Held out: {}.", names(self.held_out)),
             unit: unit.into(),
             series: vec![("before".into(), Style::Before), ("after".into(), Style::After)],
             level_name: "noise alone".into(),
@@ -155,8 +186,7 @@ impl Diagnosed<'_> {
             let of = |list: &[f64]| value(list, r.joint).map_or_else(|| "–".into(), |v| significant(v, 4));
             let follows = match (&r.follows, r.structure_left) {
                 (Some(what), _) => format!("{what} ({:.0} % of it)", 100.0 * r.follows_share),
-                (None, true) => "nothing known".into(),
-                (None, false) => "nothing: noise".into(),
+                _ => follows(r),
             };
             table.row([
                 Cell::from(r.joint.to_string()),
@@ -186,7 +216,11 @@ impl Diagnosed<'_> {
             blocks.push(Block::Text("Added to the experiment:".into()));
             blocks.push(Block::Code(self.added.join("\n")));
         }
-        blocks.push(Block::List(self.notes.to_vec()));
+        let notes: Vec<String> =
+            self.notes.iter().chain(&calibration.warnings).map(|n| format!("{}.", capital(n))).collect();
+        if !notes.is_empty() {
+            blocks.push(Block::List(notes));
+        }
         blocks.push(parts::parameters(
             &format!("{} coefficients of the improved model", calibration.parameters.len()),
             &calibration.parameters,
@@ -206,7 +240,7 @@ impl Diagnosed<'_> {
         let mut blocks = Vec::new();
         if !self.verdict.not_decidable.is_empty() {
             let mut table = Table::new(
-                "what these recordings can neither show nor exclude",
+                "not decidable with these recordings",
                 ["<effect", "<joints", "absorbed by the model %", "<what would decide it"],
             );
             for n in &self.verdict.not_decidable {
@@ -235,8 +269,24 @@ impl Diagnosed<'_> {
             }
             blocks.push(Block::Table(table));
         }
-        blocks.push(Block::List(self.verdict.notes.iter().map(|n| format!("{}.", capital(n))).collect()));
-        Section { title: "Limits".into(), introduction: String::new(), blocks }
+        let notes = self.verdict.notes.iter().filter(|n| !n.starts_with("WARNING"));
+        let notes: Vec<String> = notes.map(|n| format!("{}.", capital(n))).collect();
+        if !notes.is_empty() {
+            blocks.push(Block::List(notes));
+        }
+        if blocks.is_empty() {
+            blocks.push(Block::Text(
+                "Every effect that is known would have shown in these recordings, had it been there.".into(),
+            ));
+        }
+        Section {
+            title: "Limits".into(),
+            introduction:
+                "What this diagnosis could not see, and what it moved. An effect that the rest of the model \
+                           absorbs leaves no error behind: these recordings can neither show nor exclude it."
+                    .into(),
+            blocks,
+        }
     }
 }
 

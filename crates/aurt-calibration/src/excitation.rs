@@ -1,0 +1,105 @@
+//! What "badly excited" means, in one place: `aurt check` says it before a calibration, the calibration after.
+
+use std::collections::BTreeMap;
+
+use crate::calibrated::CalibratedParameter;
+
+/// A standard deviation above this share of the value: the interval then includes zero.
+const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;
+
+/// A standard deviation above this share of the largest value of the same unit is large. Below it the parameter is known to
+/// be small, which motions need not be blamed for.
+const LARGE_AMONG_ITS_KIND_PERCENT: f64 = 10.0;
+
+/// Above this condition number some combination of parameters is hardly excited (Gautier and Khalil 1992 aim at 100 or
+/// less).
+const LARGE_CONDITION_NUMBER: f64 = 100.0;
+
+/// The parameters that motions determine badly, in words: those whose standard deviation exceeds half their value and a
+/// tenth of the largest value of their kind.
+#[must_use]
+pub fn badly_excited(parameters: &[CalibratedParameter]) -> Option<String> {
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for p in parameters {
+        let known = largest.entry(p.unit.as_str()).or_insert(0.0);
+        *known = known.max(p.value.abs());
+    }
+    let is_vague = |p: &&CalibratedParameter| {
+        let kind = largest.get(p.unit.as_str()).copied().unwrap_or(0.0);
+        p.relative_std_dev_percent.is_some_and(|r| r > LARGE_RELATIVE_STD_DEV_PERCENT)
+            && p.std_dev.is_some_and(|s| 100.0 * s > LARGE_AMONG_ITS_KIND_PERCENT * kind)
+    };
+    let vague: Vec<&str> = parameters.iter().filter(is_vague).map(|p| p.name.as_str()).collect();
+    (!vague.is_empty()).then(|| {
+        format!(
+            "badly excited (standard deviation above {LARGE_RELATIVE_STD_DEV_PERCENT} % of the value and \
+             {LARGE_AMONG_ITS_KIND_PERCENT} % of the largest of its unit): {}",
+            vague.join(", ")
+        )
+    })
+}
+
+/// What a condition number says against the motions, if it does.
+#[must_use]
+pub fn hardly_excited(condition_number: f64) -> Option<String> {
+    (condition_number > LARGE_CONDITION_NUMBER).then(|| {
+        format!(
+            "the condition number is {condition_number:.0}, above {LARGE_CONDITION_NUMBER}: some combination of parameters is \
+             hardly excited"
+        )
+    })
+}
+
+/// Warnings about parameters that the recordings determine badly or not at all.
+pub(crate) fn warnings(parameters: &[CalibratedParameter], condition_number: f64) -> Vec<String> {
+    let silent: Vec<&str> = parameters.iter().filter(|p| !p.excited).map(|p| p.name.as_str()).collect();
+    let out_of_reach = (!silent.is_empty()).then(|| {
+        format!(
+            "out of reach of the calibration recordings, and set to zero: {}; the model cannot be trusted for motions that \
+             need them",
+            silent.join(", ")
+        )
+    });
+    [out_of_reach, badly_excited(parameters), hardly_excited(condition_number)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(name: &str, unit: &str, value: f64, std: f64) -> CalibratedParameter {
+        CalibratedParameter {
+            name: name.into(),
+            unit: unit.into(),
+            value,
+            std_dev: Some(std),
+            relative_std_dev_percent: Some(100.0 * std / value.abs()),
+            interval_95: None,
+            excited: true,
+        }
+    }
+
+    #[test]
+    fn what_is_known_to_be_small_is_not_blamed_on_the_motions() {
+        let parameters = [
+            parameter("ZZ_1", "kg m^2", 5.0, 0.01),
+            parameter("XY_1", "kg m^2", 0.01, 0.02),
+            parameter("ZZ_5", "kg m^2", 1.2, 0.9),
+            parameter("F_v1_5", "Nm s/rad", 0.3, 0.2),
+        ];
+        let said = badly_excited(&parameters).unwrap();
+        assert!(said.ends_with(": ZZ_5, F_v1_5"), "{said}");
+        assert_eq!(badly_excited(&parameters[..2]), None);
+    }
+
+    #[test]
+    fn the_condition_number_has_a_limit() {
+        assert_eq!(hardly_excited(99.0), None);
+        assert!(hardly_excited(250.4).unwrap().contains("250, above 100"));
+        let silent = CalibratedParameter { excited: false, ..parameter("m_5", "kg", 0.0, 0.0) };
+        assert_eq!(warnings(&[silent], 10.0).len(), 1);
+    }
+}

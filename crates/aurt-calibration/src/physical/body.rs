@@ -1,0 +1,181 @@
+//! Bodies that can exist: mass, centre and inertia of what arm terms put on links.
+
+use std::ops::Range;
+
+use aurt_traits::{ColumnGroup, MeasurementUnit};
+
+use super::{Fitted, eigen};
+
+/// The standard parameters of a body in its link's frame, as columns are named, `XX_5`.
+const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
+
+/// Where in its term's columns each standard parameter of a body is.
+type Places = [Option<usize>; 10];
+
+/// A body's pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: positive definite if and only if some distribution of positive mass has
+/// these parameters, which holds if the mass is positive and the principal moments about the centre of mass satisfy the
+/// triangle inequalities (Wensing, Kim, Slotine 2018).
+fn pseudo_inertia(p: &[f64; 10]) -> [[f64; 4]; 4] {
+    let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *p;
+    let half = 0.5 * (xx + yy + zz);
+    // Off the diagonal the tensor of inertia is −∫xy dm.
+    [[half - xx, -xy, -xz, mx], [-xy, half - yy, -yz, my], [-xz, -yz, half - zz, mz], [mx, my, mz, m]]
+}
+
+pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
+    let model = fitted.model;
+    let mut warnings = Vec::new();
+    for (group, columns) in model.groups() {
+        let ColumnGroup::ArmTerm(k) = group else { continue };
+        let term = &model.arm_terms()[*k];
+        if !term.is_load() {
+            continue;
+        }
+        let names = term.columns(model.joints());
+        let mut links: Vec<&str> =
+            names.iter().filter_map(|p| p.name.split_once('_')).map(|(_, link)| link).collect();
+        links.dedup();
+        for link in links {
+            let place =
+                |symbol: &str| names.iter().position(|p| p.name.split_once('_') == Some((symbol, link)));
+            let places = SYMBOLS.map(place);
+            if places[9].is_some() {
+                warnings.extend(impossible(fitted, columns, &places, link));
+            }
+        }
+    }
+    warnings
+}
+
+/// What is impossible about a body on a link. A body that was taken off is one with the opposite parameters.
+fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link: &str) -> Option<String> {
+    let value = |place: usize| fitted.value(columns.start + place);
+    let mass = value(places[9]?);
+    let unit = fitted.unit();
+    let whole: Option<Vec<usize>> = places.iter().copied().collect();
+    let Some(whole) = whole.filter(|w| w.iter().all(|p| fitted.parameters[columns.start + p].excited)) else {
+        // Part of the parameters alone can be of a body as long as there is mass.
+        return mass.is_negative().then(|| {
+            format!(
+                "unphysical: the body on link {link} has a negative mass ({mass} {}). If a load was taken off, that is its \
+                 mass; else the motions do not show it, or its torque has another cause: `aurt diagnose` looks for it",
+                unit
+            )
+        });
+    };
+    let sign = if mass.is_negative() { -1.0 } else { 1.0 };
+    let standard: [f64; 10] = std::array::from_fn(|i| sign * value(whole[i]).value);
+    let pseudo = pseudo_inertia(&standard);
+    // Scaled to a unit diagonal, so that kilogrammes and metres weigh alike.
+    let scale: [f64; 4] = std::array::from_fn(|i| pseudo[i][i].abs().max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled: [[f64; 4]; 4] =
+        std::array::from_fn(|i| std::array::from_fn(|j| scale[i] * pseudo[i][j] * scale[j]));
+    let (_, least) = eigen::symmetric(scaled)[0];
+    let direction: [f64; 4] = std::array::from_fn(|i| scale[i] * least[i]);
+    let mut gradient = vec![0.0; columns.len()];
+    for (i, place) in whole.iter().enumerate() {
+        let mut unit = [0.0; 10];
+        unit[i] = sign;
+        let of = pseudo_inertia(&unit);
+        gradient[*place] = (0..4)
+            .flat_map(|r| (0..4).map(move |c| (r, c)))
+            .map(|(r, c)| direction[r] * of[r][c] * direction[c])
+            .sum();
+    }
+    if !fitted.estimated(columns.clone(), &gradient).is_negative() {
+        return None;
+    }
+    let moments = principal_moments(&standard);
+    let why = if standard[9] <= 0.0 {
+        format!("its mass is {} {unit}", value(whole[9]))
+    } else if moments[0] < 0.0 {
+        format!(
+            "a principal moment of inertia about its centre of mass is negative ({:.3} {unit} m²)",
+            moments[0]
+        )
+    } else {
+        format!(
+            "of its principal moments of inertia about its centre of mass, {:.3}, {:.3} and {:.3} {unit} m², the largest \
+             exceeds the sum of the others",
+            moments[0], moments[1], moments[2]
+        )
+    };
+    let amperes = if fitted.is_in_amperes() {
+        "give `torque_constants_nm_per_a`, without which bodies do not add up over joints, or "
+    } else {
+        ""
+    };
+    Some(format!(
+        "unphysical: no body can have the inertia of the one on link {link}: {why}. Mass and centre of mass may be right all the \
+         same; {amperes}list the parameters that these motions excite (`parameters = [\"mX\", \"mY\", \"mZ\", \"m\"]`) or \
+         record faster motions with the load"
+    ))
+}
+
+/// Principal moments of inertia about the centre of mass, ascending.
+fn principal_moments(p: &[f64; 10]) -> [f64; 3] {
+    let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *p;
+    // Steiner: I_c = I_o − (cᵀc 1 − c cᵀ) m with c = (mX, mY, mZ) / m.
+    let about_centre = [
+        [xx - (my * my + mz * mz) / m, xy + mx * my / m, xz + mx * mz / m],
+        [xy + mx * my / m, yy - (mx * mx + mz * mz) / m, yz + my * mz / m],
+        [xz + mx * mz / m, yz + my * mz / m, zz - (mx * mx + my * my) / m],
+    ];
+    let pairs = eigen::symmetric(about_centre);
+    [pairs[0].0, pairs[1].0, pairs[2].0]
+}
+
+impl Fitted<'_> {
+    fn is_in_amperes(&self) -> bool {
+        self.unit_of_measurement == MeasurementUnit::Ampere
+    }
+
+    /// Unit of masses.
+    const fn unit(&self) -> &'static str {
+        match self.unit_of_measurement {
+            MeasurementUnit::NewtonMetre => "kg",
+            MeasurementUnit::Ampere => "A/Nm kg",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of 2.8 kg, 0.1 × 0.1 × 0.2 m, its centre at (0.01, 0.02, 0.1) in the link's frame.
+    fn load() -> [f64; 10] {
+        let (m, [x, y, z]): (f64, [f64; 3]) = (2.8, [0.01, 0.02, 0.1]);
+        let side = |a: f64, b: f64| m * (a * a + b * b) / 12.0;
+        [
+            side(0.1, 0.2) + m * (y * y + z * z),
+            -m * x * y,
+            -m * x * z,
+            side(0.1, 0.2) + m * (x * x + z * z),
+            -m * y * z,
+            side(0.1, 0.1) + m * (x * x + y * y),
+            m * x,
+            m * y,
+            m * z,
+            m,
+        ]
+    }
+
+    #[test]
+    fn a_box_can_exist_and_has_its_own_moments() {
+        assert!(eigen::symmetric(pseudo_inertia(&load()))[0].0 > 0.0);
+        let expected = [2.8 * 0.02 / 12.0, 2.8 * 0.05 / 12.0, 2.8 * 0.05 / 12.0];
+        for (found, wanted) in principal_moments(&load()).into_iter().zip(expected) {
+            assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        }
+    }
+
+    #[test]
+    fn moments_that_break_the_triangle_inequality_are_of_no_body() {
+        let mut flat = load();
+        flat[5] += 0.03;
+        let moments = principal_moments(&flat);
+        assert!(moments[0] > 0.0 && moments[2] > moments[0] + moments[1], "{moments:?}");
+        assert!(eigen::symmetric(pseudo_inertia(&flat))[0].0 < 0.0);
+    }
+}

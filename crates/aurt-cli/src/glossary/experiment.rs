@@ -1,0 +1,179 @@
+//! The sections and keys of an experiment file.
+
+use super::Term;
+
+/// The terms.
+pub const TERMS: &[Term] = &[
+    Term {
+        name: "arm_terms",
+        title: "[[arm_terms]]: physics beyond a joint's own friction",
+        text: "Each table adds one term to the model: a load on a link, rotor inertia, a spring, coupled wrist motors. \
+            `model` names it; `aurt models` lists them, `aurt explain NAME` says which keys it has. With \
+            `recordings = [...]` it acts in these alone: a load that was there on Tuesday only.",
+    },
+    Term {
+        name: "calibration",
+        title: "calibration",
+        text: "Under [recordings]: the recordings that the model is fitted to. Let all joints move at once, slowly and fast, \
+            through the workspace that matters; `aurt check` says what is missing. In a diagnosis with targets they \
+            are of the robot as the model knows it. The section [calibration] says how the fit is made: see \
+            estimator, load_torque, rest.",
+    },
+    Term {
+        name: "columns",
+        title: "columns of a recording",
+        text: "Where to find what in a file whose header says nothing: `columns = { time = 0, position = [1, 6], \
+            measurement = [13, 18] }` counts from 0, first and last of one column per joint; names in the place of \
+            numbers pick columns by their header. Without it columns are found by the names that robots log under: \
+            timestamp, actual_q_0, q_0, current_0, torque_0 and others.",
+    },
+    Term {
+        name: "estimator",
+        title: "estimator",
+        text: "How rows of different joints are weighed against each other: \"wls\" (default) by 1/σ² of their joint, \
+            \"ols\" all alike. See wls.",
+    },
+    Term {
+        name: "experiment",
+        title: "experiment file",
+        text: "One TOML file that says all: the robot's geometry ([robot]), friction ([joint_dynamics], [[arm_terms]]), \
+            the data ([recordings]), filters ([preprocess]). `aurt run` calibrates and judges it, `aurt diagnose` looks \
+            for what it lacks. `aurt demo` writes one to start from; docs/experiment-file.md lists every key.",
+    },
+    Term {
+        name: "file",
+        title: "file of a recording",
+        text: "The file's name, from the folder of the experiment; `$NAME` and `${NAME}` stand for variables of the \
+            environment. An entry of [recordings] is the name alone, or a table with more: \
+            { file = \"monday.csv\", window_s = [0.0, 30.0] }.",
+    },
+    Term {
+        name: "gravity",
+        title: "gravity_m_s2",
+        text: "Gravitational acceleration in the frame of the robot's base, and so how it is mounted: [0, 0, -9.81] stands \
+            upright, [0, 0, 9.81] hangs from the ceiling, [0, 6.937, -6.937] leans by 45°. A wrong one shows as a load \
+            that the model cannot place.",
+    },
+    Term {
+        name: "instrument",
+        title: "[instrument]: what measuring does",
+        text: "One entry per joint: the measurement reads gains · τ(t − delay_s) + offsets. It is undone before anything \
+            is fitted. Leave it out unless you know better, or a diagnosis put it there.",
+    },
+    Term {
+        name: "joint_dynamics",
+        title: "[joint_dynamics]: friction of the joints",
+        text: "Friction is f_C(τ_J) · H(z, q̇) + f_v(q̇): `coulomb` (how it grows with the load), `hysteresis` (what happens \
+            at reversals), `viscous` (how it grows with speed), each { model = \"…\" }. [[joint_dynamics.override]] gives \
+            other models to the `joints` that it lists. `aurt models` lists them; [sweep] tries many.",
+    },
+    Term {
+        name: "max_gap_s",
+        title: "max_gap_s",
+        text: "Longer gaps between stamps split a recording: see gaps. By default 0.1 s or ten periods, whichever is \
+            longer.",
+    },
+    Term {
+        name: "mdh",
+        title: "mdh: the robot's geometry",
+        text: "A table of modified Denavit–Hartenberg parameters, one row per joint, columns alpha, a, d. `mdh_rows` says \
+            which joint a row's alpha and a lead to: \"next\" (as manufacturers' tables have it; default) or \"previous\" \
+            (Craig). Read the wrong way the same file silently describes another robot: compare the number of base \
+            parameters with what you expect (36 for a UR10e standing upright).",
+    },
+    Term {
+        name: "parallel_cutoff_hz",
+        title: "parallel_cutoff_hz",
+        text: "Cut-off of the filter that regressor and measurement pass alike, by default 2 f_dyn: see parallel_filter.",
+    },
+    Term {
+        name: "plugins",
+        title: "[plugins]: models of your own",
+        text: "`libraries = [\"libmine.so\"]` loads friction models and arm terms from dynamic libraries; `aurt new-plugin \
+            NAME` writes one to start from.",
+    },
+    Term {
+        name: "position_cutoff_hz",
+        title: "position_cutoff_hz",
+        text: "Cut-off of the filter of the positions, from which velocity and acceleration are formed, by default 5 f_dyn. \
+            It must stay below half the sampling rate.",
+    },
+    Term {
+        name: "preprocess",
+        title: "[preprocess]: filters and grid",
+        text: "f_dyn_hz is the key that matters; cut-offs and decimation follow from it. `aurt check` names the value that \
+            suits a recording. See f_dyn, rest, max_gap_s, sample_rate_hz.",
+    },
+    Term {
+        name: "recordings",
+        title: "[recordings]: the data and their parts",
+        text: "calibration is fitted to; validation takes no part and judges; target (diagnoses only) is what may have \
+            changed; simulated is another simulator's prediction of it. See each of these.",
+    },
+    Term {
+        name: "robot",
+        title: "[robot]",
+        text: "Geometry, mounting and drives: see mdh, gravity, torque_constants.",
+    },
+    Term {
+        name: "sample_rate_hz",
+        title: "sample_rate_hz",
+        text: "Rate of the uniform grid that irregular recordings are put on; by default that of their stamps. \
+            Models need neighbouring samples at equal distances, for derivatives and filters.",
+    },
+    Term {
+        name: "simulated",
+        title: "simulated: another simulator's prediction",
+        text: "Under [recordings], for `aurt diagnose`: one file for each questioned recording with the torques that another \
+            simulator predicts at the same time stamps. The question is then what that simulator lacks.",
+    },
+    Term {
+        name: "sweep",
+        title: "[sweep]: variants of an experiment",
+        text: "Lists of values for keys of the experiment; `aurt sweep` tries all combinations and ranks them on held-out \
+            data. Other commands leave the section alone.",
+    },
+    Term {
+        name: "target",
+        title: "target recordings",
+        text: "Under [recordings], for `aurt diagnose`: recordings in which something may have changed, beside calibration \
+            recordings of the robot as the model knows it. The answer tells what has changed in the target from what \
+            the model lacks in all recordings. Without target the question is what the model lacks in its own \
+            calibration recordings. Validation must then be of the robot as it is in the target.",
+    },
+    Term {
+        name: "trim_rest",
+        title: "trim_rest",
+        text: "Whether rest before and after the motion is cut, from what is fitted and from what a held-out recording is \
+            judged by; true by default. See rest.",
+    },
+    Term {
+        name: "unit",
+        title: "unit of a measurement",
+        text: "\"A\" for motor currents, \"Nm\" for torques, where column names do not tell. All recordings of an experiment \
+            measure the same quantity, and the model has its unit; see torque_constants.",
+    },
+    Term {
+        name: "unphysical",
+        title: "unphysical parameters",
+        text: "A value that no machine has, by more than its noise: a body whose inertia breaks the triangle inequality, a \
+            rotor of negative inertia, friction that drives a joint instead of braking it at speeds and loads that \
+            were recorded. Predictions of similar motions may be good all the same; simulations can be unstable, and the \
+            value stands in for something else. Record what shows the parameter, leave it out, or ask `aurt diagnose` \
+            what it stands in for.",
+    },
+    Term {
+        name: "validation",
+        title: "validation recordings",
+        text: "Under [recordings]: what judges the model and takes no part in fitting or selecting anything. Use other \
+            motions than those of the calibration, of the kind that the model is for. In a diagnosis with targets they are \
+            of the robot as it is in the targets, after the change: a part of a target cut off with window_s, or a \
+            second recording. Where there are none, a diagnosis holds out the last quarter of each questioned recording.",
+    },
+    Term {
+        name: "window_s",
+        title: "window_s",
+        text: "The part of a recording that is used, [begin, end] in s since its first stamp. The same file may stand under \
+            calibration and under validation with other windows.",
+    },
+];

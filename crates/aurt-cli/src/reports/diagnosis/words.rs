@@ -1,0 +1,296 @@
+//! What a verdict says, in the order in which a person asks: has something changed, what is missing, does it hold.
+
+use aurt_diagnosis::{Answer, Finding, JointResidual, Question, Role, Verdict, effects::Family};
+
+use crate::{rendering::number::significant, reports::parts};
+
+/// What was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Asked {
+    /// What a structure or a given model lacks; there is no target.
+    Lack,
+    /// What targets show beside other recordings: a change can be told from what both lack.
+    Change,
+    /// What targets show beyond a given model or simulator; nothing stands beside them.
+    Beyond,
+}
+
+impl Asked {
+    /// Of a question, as its recordings have it.
+    pub fn of(question: &Question<'_>) -> Self {
+        let has = |role| question.recordings.iter().any(|r| r.role == role);
+        match (has(Role::Target), has(Role::Calibration)) {
+            (true, true) => Self::Change,
+            (true, false) => Self::Beyond,
+            (false, _) => Self::Lack,
+        }
+    }
+}
+
+/// Where a finding was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// In the targets and not in the other recordings.
+    Changed,
+    /// In all recordings.
+    Missing,
+    /// In the calibration recordings and not in the targets.
+    Before,
+    /// It is the recordings', not the robot's.
+    Fault,
+}
+
+/// Findings of one place, each with its number in the verdict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Group<'v> {
+    /// Where they were seen.
+    pub place: Place,
+    /// What stands over them; empty where there is nothing to tell apart.
+    pub title: &'static str,
+    /// The findings.
+    pub findings: Vec<(usize, &'v Finding)>,
+}
+
+fn place(finding: &Finding, asked: Asked) -> Place {
+    let only = |kind: &str| finding.present_in.iter().all(|k| k == kind);
+    match asked {
+        _ if finding.family == Family::Q => Place::Fault,
+        Asked::Change if only("target") => Place::Changed,
+        Asked::Change if only("calibration") => Place::Before,
+        _ => Place::Missing,
+    }
+}
+
+const fn title(place: Place, asked: Asked) -> &'static str {
+    match (place, asked) {
+        (Place::Changed, _) => "changed in the target",
+        (Place::Missing, Asked::Change) => "missing in all recordings",
+        (Place::Missing, Asked::Beyond) => "in the target, beyond the model",
+        (Place::Missing, Asked::Lack) => "",
+        (Place::Before, _) => "in the calibration recordings only",
+        (Place::Fault, _) => "faults of the recordings",
+    }
+}
+
+/// The findings by where they were seen. Where a change was asked for, its group is there even if it is empty.
+pub fn groups(verdict: &Verdict, asked: Asked) -> Vec<Group<'_>> {
+    let of = |wanted: Place| Group {
+        place: wanted,
+        title: title(wanted, asked),
+        findings: (1..).zip(&verdict.effects).filter(|(_, f)| place(f, asked) == wanted).collect(),
+    };
+    [Place::Changed, Place::Missing, Place::Before, Place::Fault]
+        .map(of)
+        .into_iter()
+        .filter(|g| !g.findings.is_empty() || (asked == Asked::Change && g.place == Place::Changed))
+        .collect()
+}
+
+/// What an empty group says: nothing, as far as names go.
+pub const fn nothing(answer: Answer) -> &'static str {
+    match answer {
+        Answer::Unexplained => "nothing that has a name",
+        _ => "nothing",
+    }
+}
+
+/// A finding's sentence below its group's title, which says where it was seen.
+pub fn claim(finding: &Finding, asked: Asked) -> String {
+    match asked {
+        Asked::Change => finding.sentence.replacen(", in the target recordings only", "", 1),
+        Asked::Lack | Asked::Beyond => finding.sentence.clone(),
+    }
+}
+
+/// The answer in words.
+pub fn headline(verdict: &Verdict, asked: Asked) -> String {
+    let has = |wanted: Place| verdict.effects.iter().any(|f| place(f, asked) == wanted);
+    let first = verdict.effects.first().map(|f| place(f, asked));
+    let words = match (asked, verdict.verdict) {
+        (Asked::Change, Answer::NoMismatch) => {
+            "nothing has changed, and nothing is missing: what is left is noise"
+        }
+        (_, Answer::NoMismatch) => "nothing is missing: what is left is noise",
+        (Asked::Change, Answer::Named) if has(Place::Changed) => "what has changed in the target has a name",
+        (Asked::Change, Answer::Named) if has(Place::Missing) => {
+            "nothing has changed; what the model lacks in all recordings has a name"
+        }
+        (Asked::Change, Answer::Named) if has(Place::Before) => {
+            "what differs is in the calibration recordings, and has a name"
+        }
+        (_, Answer::Named) if first == Some(Place::Fault) => {
+            "a fault of the recordings accounts for what differs"
+        }
+        (_, Answer::Named) => "the missing physics has a name",
+        (Asked::Change, Answer::Ambiguous) if has(Place::Changed) => {
+            "what has changed is one of a class of effects that these recordings cannot separate"
+        }
+        (Asked::Change, Answer::Ambiguous) => {
+            "nothing has changed; what the model lacks in all recordings is one of a class of effects that these \
+             recordings cannot separate"
+        }
+        (_, Answer::Ambiguous) => "one of a class of effects that these recordings cannot separate",
+        (Asked::Change, Answer::Unexplained) if has(Place::Changed) => {
+            "something has changed in the target, and no known effect accounts for all of it"
+        }
+        (_, Answer::Unexplained) => "something is missing that no known effect accounts for",
+    };
+    let mut words = words.to_owned();
+    if fails_on_held_out(verdict, asked) {
+        words.push_str(" – but held-out data are predicted worse with it");
+    }
+    words
+}
+
+/// What is left of a joint's residual, in a few words: the coordinate that it follows, or how far it is from noise.
+/// Where no claim is made, none is made either way: 1.4 times the noise is not "nothing".
+pub fn follows(residual: &JointResidual) -> String {
+    let times = residual.unexplained_rms / residual.floor_rms;
+    match (&residual.follows, residual.structure_left) {
+        (Some(what), _) => what.clone(),
+        (None, true) => format!("unknown, {times:.2} × noise"),
+        (None, false) if times > NEAR_NOISE => format!("no claim, {times:.2} × noise"),
+        (None, false) => String::new(),
+    }
+}
+
+/// A residual up to this multiple of the noise floor is noise as far as anyone can tell.
+const NEAR_NOISE: f64 = 1.25;
+
+/// A joint is predicted worse if its held-out error grows by this share; less is within what two stretches of time
+/// differ by.
+const WORSE: f64 = 0.05;
+
+/// Held-out error of a joint before and after, where both are known.
+fn held_out(verdict: &Verdict, joint: usize) -> Option<[f64; 2]> {
+    let held = &verdict.held_out;
+    let pair = [*held.rms_before.get(joint)?, *held.rms_after.get(joint)?];
+    (pair.iter().all(|v| v.is_finite()) && pair[0] > 0.0).then_some(pair)
+}
+
+fn grows([before, after]: [f64; 2]) -> bool {
+    after > (1.0 + WORSE) * before
+}
+
+/// Whether held-out data speak against what the headline is about, the first finding of the first group: the error grows
+/// on at least half of its joints.
+fn fails_on_held_out(verdict: &Verdict, asked: Asked) -> bool {
+    let groups = groups(verdict, asked);
+    let Some((_, first)) = groups.iter().find_map(|g| g.findings.first()) else { return false };
+    let pairs: Vec<[f64; 2]> = first.joints.iter().filter_map(|j| held_out(verdict, *j)).collect();
+    let worse = pairs.iter().filter(|p| grows(**p)).count();
+    !pairs.is_empty() && 2 * worse >= pairs.len()
+}
+
+/// What held-out data say against a finding, where they do: on which of its joints the error grows.
+pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<String> {
+    let known: Vec<(usize, [f64; 2])> =
+        finding.joints.iter().filter_map(|j| Some((*j, held_out(verdict, *j)?))).collect();
+    let worse: Vec<String> = known
+        .iter()
+        .filter(|(_, pair)| grows(*pair))
+        .map(|(j, [before, after])| {
+            format!("joint {j} ({} → {} {unit})", significant(*before, 3), significant(*after, 3))
+        })
+        .collect();
+    if worse.is_empty() {
+        return None;
+    }
+    let all = worse.len() == known.len();
+    let rest = if all { String::new() } else { ", and not on the others".into() };
+    Some(format!(
+        "does not hold on data that took no part: with all that was found their error grows on {}{rest}",
+        parts::listed(&worse)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use aurt_diagnosis::{Evidence, HeldOut};
+
+    use super::*;
+
+    fn finding(effect: &str, family: Family, joints: &[usize], present_in: &[&str]) -> Finding {
+        let only = if present_in == ["target"] { ", in the target recordings only" } else { "" };
+        Finding {
+            effect: effect.into(),
+            family,
+            joints: joints.into(),
+            present_in: present_in.iter().map(|k| (*k).to_owned()).collect(),
+            recording: None,
+            window_s: None,
+            confidence: 0.9,
+            parameters: std::collections::BTreeMap::new(),
+            alternatives: Vec::new(),
+            evidence: Evidence { score: 50.0, threshold: 8.0 },
+            sentence: format!("{effect}{only} (k = 1)"),
+        }
+    }
+
+    fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
+        Verdict {
+            verdict: answer,
+            effects,
+            not_decidable: Vec::new(),
+            residual: Vec::new(),
+            held_out: HeldOut {
+                recordings: vec!["a.csv".into()],
+                rms_before: before.into(),
+                rms_after: after.into(),
+                rms_floor: vec![0.1; before.len()],
+            },
+            shifts: Vec::new(),
+            registered_models: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_unchanged_target_is_said_to_be_unchanged_whatever_the_structure_lacks() {
+        let lacking = finding("stribeck", Family::F, &[1], &["calibration", "target"]);
+        let found = verdict(Answer::Named, vec![lacking], &[1.0, 1.0], &[1.0, 0.5]);
+        assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
+        let groups = groups(&found, Asked::Change);
+        let seen: Vec<(&str, usize)> = groups.iter().map(|g| (g.title, g.findings.len())).collect();
+        assert_eq!(seen, [("changed in the target", 0), ("missing in all recordings", 1)]);
+        // Without a target there is nothing that could have changed.
+        assert_eq!(headline(&found, Asked::Lack), "the missing physics has a name");
+        let alone = super::groups(&found, Asked::Lack);
+        assert_eq!((alone.len(), alone[0].title), (1, ""));
+    }
+
+    #[test]
+    fn changes_stand_apart_from_what_is_missing_and_from_faults() {
+        let effects = vec![
+            finding("dropped_samples", Family::Q, &[0], &["target"]),
+            finding("payload", Family::I, &[0, 1], &["target"]),
+            finding("stribeck", Family::F, &[1], &["calibration", "target"]),
+        ];
+        let found = verdict(Answer::Named, effects, &[1.0, 1.0], &[0.4, 0.5]);
+        let groups = groups(&found, Asked::Change);
+        let seen: Vec<(Place, usize)> = groups.iter().map(|g| (g.place, g.findings[0].0)).collect();
+        assert_eq!(seen, [(Place::Changed, 2), (Place::Missing, 3), (Place::Fault, 1)]);
+        assert_eq!(headline(&found, Asked::Change), "what has changed in the target has a name");
+        assert_eq!(claim(groups[0].findings[0].1, Asked::Change), "payload (k = 1)");
+        let nothing = verdict(Answer::NoMismatch, Vec::new(), &[1.0], &[1.0]);
+        assert!(headline(&nothing, Asked::Change).starts_with("nothing has changed"));
+        assert!(!headline(&nothing, Asked::Lack).contains("changed"));
+    }
+
+    #[test]
+    fn what_held_out_data_contradict_is_contradicted_beside_the_claim() {
+        let effects = vec![
+            finding("viscous", Family::V, &[0], &["target"]),
+            finding("coulomb", Family::F, &[1, 2], &["target"]),
+        ];
+        let found = verdict(Answer::Named, effects, &[1.67, 1.0, 1.0], &[2.08, 0.9, 1.2]);
+        let said = objection(&found, &found.effects[0], "Nm").unwrap();
+        assert!(said.contains("joint 0 (1.67 → 2.08 Nm)") && !said.contains("others"), "{said}");
+        let said = objection(&found, &found.effects[1], "Nm").unwrap();
+        assert!(said.contains("joint 2") && said.contains("not on the others"), "{said}");
+        assert!(headline(&found, Asked::Change).ends_with("predicted worse with it"));
+        let held = verdict(Answer::Named, found.effects.clone(), &[1.67, 1.0, 1.0], &[1.0, 0.9, 0.8]);
+        assert_eq!(objection(&held, &held.effects[0], "Nm"), None);
+        assert!(!headline(&held, Asked::Change).contains("worse"));
+    }
+}

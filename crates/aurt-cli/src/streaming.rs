@@ -1,0 +1,208 @@
+//! Calibration on recordings that are read in stretches, in memory that does not grow with their length.
+
+use std::{fmt, path::Path, str::FromStr};
+
+use aurt_calibration::{Comparison, calibrate_long, shapes_of, validate_long};
+use aurt_recording::{LongPrepared, LongRecording, RecordingError};
+use aurt_traits::MeasurementUnit;
+
+use crate::{
+    calibrated_file::CalibratedModel,
+    data::{Purpose, Source},
+    failure::Failure,
+    fitting::{Job, Outcome},
+    rendering::terminal::Progress,
+    results::metrics::{RecordingResult, Role},
+};
+
+/// Memory that whole recordings take, per byte of their files (`docs/performance.md`).
+const MEMORY_PER_BYTE: u64 = 5;
+
+/// A number of bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bytes(pub u64);
+
+impl Bytes {
+    const UNITS: [(&str, u64); 4] =
+        [("TB", 1_000_000_000_000), ("GB", 1_000_000_000), ("MB", 1_000_000), ("kB", 1000)];
+
+    /// What some files have together; those that cannot be looked at count nothing, reading them says why.
+    pub fn of_files<'a>(files: impl IntoIterator<Item = &'a Path>) -> Self {
+        Self(files.into_iter().map(|f| std::fs::metadata(f).map_or(0, |m| m.len())).sum())
+    }
+
+    /// A round number above this.
+    fn rounded_up(self) -> Self {
+        let unit = Self::UNITS.iter().find(|(_, unit)| self.0 >= *unit).map_or(1, |(_, unit)| *unit);
+        Self((self.0 / unit + 1) * unit)
+    }
+}
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match Self::UNITS.iter().find(|(_, unit)| self.0 >= *unit) {
+            Some((name, unit)) if self.0 % unit == 0 => write!(f, "{}{name}", self.0 / unit),
+            Some((name, unit)) => write!(f, "{:.1}{name}", self.0 as f64 / *unit as f64),
+            None => write!(f, "{}B", self.0),
+        }
+    }
+}
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "expected a number of bytes such as 500MB or 2GB (kB, MB, GB, TB)".to_owned();
+        let text = text.trim();
+        let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len();
+        let (number, unit) = text.split_at(digits);
+        let factor = match unit.trim() {
+            "" | "B" => 1,
+            unit => Self::UNITS.iter().find(|(u, _)| unit.eq_ignore_ascii_case(u)).ok_or_else(expected)?.1,
+        };
+        let number: f64 = number.parse().map_err(|_| expected())?;
+        Ok(Self((number * factor as f64) as u64))
+    }
+}
+
+/// Why recordings are read in stretches.
+#[derive(Debug, Clone, Copy)]
+pub struct TooLarge {
+    /// What their files have together.
+    pub together: Bytes,
+    /// More than this is read in stretches.
+    pub limit: Bytes,
+}
+
+impl TooLarge {
+    fn refusal(self, path: Option<&Path>, reason: impl fmt::Display, otherwise: &str) -> Failure {
+        let Self { together, limit } = self;
+        let memory = Bytes(together.0.saturating_mul(MEMORY_PER_BYTE));
+        Failure::Stretches {
+            path: path.map(Path::to_owned),
+            reason: format!(
+                "{reason}; the recordings have {together} together, and what has more than {limit} is read in stretches"
+            ),
+            remedy: format!(
+                "`--stream-above {}` reads them whole, which takes some {memory} of memory; or {otherwise}",
+                together.rounded_up()
+            ),
+        }
+    }
+
+    /// A failure of reading in stretches, with what whole recordings could do about it.
+    fn explained(self, error: RecordingError) -> Failure {
+        match error {
+            RecordingError::Clock { path, reason, .. } => {
+                let reason = format!("{}: {reason}, but stretches need a uniform clock", path.display());
+                self.refusal(Some(&path), reason, "put the recording on a uniform grid first")
+            }
+            other => other.into(),
+        }
+    }
+}
+
+impl Job {
+    /// As [`Self::fit`] on recordings of which all are for calibration; they are judged, but nothing is predicted.
+    ///
+    /// # Errors
+    /// As [`Self::fit`]; [`Failure::Stretches`] for what needs whole recordings: a clock that is not uniform, another
+    /// rate than the recording's own, shape parameters that are searched.
+    pub fn fit_in_stretches(
+        &self,
+        sources: &[Source],
+        because: TooLarge,
+        progress: &Progress,
+    ) -> Result<Outcome, Failure> {
+        let searched = shapes_of(&self.model);
+        if self.options.fit_shapes && !searched.is_empty() {
+            let reason = format!(
+                "the shape parameters of {} are searched, which passes over the recordings many times",
+                searched.join(", ")
+            );
+            return Err(because.refusal(
+                None,
+                reason,
+                "compile the model with friction models that have none",
+            ));
+        }
+        let pipeline = self.pipeline();
+        let mut prepared: Vec<LongPrepared> = Vec::new();
+        let mut first: Option<(MeasurementUnit, &Path)> = None;
+        for source in sources {
+            progress.step(format!("reading {} in stretches", source.label));
+            let options = source.read_options(Some(self.model.joints()), Purpose::Calibration);
+            let long = LongRecording::read(&source.file, &options)?;
+            let unit = self.instrument.unit(long.unit());
+            match first {
+                Some((known, file)) if known != unit => {
+                    return Err(Failure::MixedUnits {
+                        first: file.to_owned(),
+                        first_unit: known,
+                        other: source.file.clone(),
+                        other_unit: unit,
+                    });
+                }
+                _ => first = first.or(Some((unit, &source.file))),
+            }
+            progress.step(format!("preprocessing {}", source.label));
+            let options = pipeline.options(long.unit(), Purpose::Calibration);
+            prepared.push(long.prepare(&options).map_err(|e| because.explained(e))?);
+        }
+        progress.step("calibrating");
+        let unit = first.map(|(unit, _)| unit).unwrap_or_default();
+        let calibration =
+            calibrate_long(&self.model, &prepared, unit, self.preprocessing.f_dyn_hz, &self.options)?;
+        let mut recordings = Vec::new();
+        for (source, prepared) in sources.iter().zip(&prepared) {
+            progress.step(format!("validating on {}", source.label));
+            let mut notes = prepared.recording().report().notes();
+            notes.extend(prepared.report().notes());
+            notes.push("read in stretches: measured velocities are not compared with positions".into());
+            recordings.push(RecordingResult {
+                label: source.label.clone(),
+                role: Role::Calibration,
+                window_s: source.window_s,
+                validation: validate_long(&self.model, &calibration, prepared)?,
+                comparison: Comparison::default(),
+                first_stamp_s: prepared.recording().first_stamp_s().unwrap_or(0.0),
+                notes,
+                prediction: None,
+            });
+        }
+        let calibrated = CalibratedModel {
+            model: self.model.clone(),
+            calibration,
+            preprocessing: self.preprocessing.clone(),
+            instrument: self.instrument.clone(),
+        };
+        Ok(Outcome { calibrated, recordings, predictions: Vec::new() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_written_as_people_write_them() {
+        for (text, bytes) in [
+            ("0", 0),
+            ("1500", 1500),
+            ("500MB", 500_000_000),
+            ("1.5 gb", 1_500_000_000),
+            ("2kB", 2000),
+            ("7 B", 7),
+        ] {
+            assert_eq!(text.parse(), Ok(Bytes(bytes)), "{text}");
+        }
+        for text in ["", "MB", "-1", "1XB", "1..5GB", "all"] {
+            assert!(text.parse::<Bytes>().unwrap_err().contains("500MB"), "{text}");
+        }
+        assert_eq!(Bytes(500_000_000).to_string(), "500MB");
+        assert_eq!(Bytes(1_234_567_890).to_string(), "1.2GB");
+        assert_eq!(Bytes(12).to_string(), "12B");
+        assert_eq!(Bytes(1_234_567_890).rounded_up().to_string(), "2GB");
+        assert_eq!(Bytes(12).rounded_up(), Bytes(13));
+    }
+}

@@ -1,0 +1,108 @@
+//! Recordings that are read in stretches, against the same read whole.
+
+use serde_json::Value;
+
+use crate::support::{DEMO, Folder, numbers, with_cell, with_line};
+
+const CALIBRATE: &str = "calibrate --model rd.json --data exciting_motion.csv other_motion.csv --f-dyn-hz 5 \
+                         --torque-constants 11.976 11.976 9.839 10.763 10.763 10.763 --out-params p.csv \
+                         --out-calibrated-model c.json --json";
+
+/// A folder with the demo's recordings and a robot with a hysteresis model.
+fn folder(hysteresis: &str) -> Folder {
+    let files =
+        ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv", "experiment.toml"];
+    let folder = Folder::new().with_demo(&files);
+    let experiment = folder.read("experiment.toml").replace("\"sign\"", &format!("\"{hysteresis}\""));
+    folder.write("experiment.toml", &experiment);
+    folder.aurt("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json".split(' ')).succeeded();
+    folder
+        .aurt("compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd.json".split(' '))
+        .succeeded();
+    folder
+}
+
+fn report(folder: &Folder, more: &[&str]) -> Value {
+    let run = folder.aurt(CALIBRATE.split_whitespace().chain(more.iter().copied())).succeeded();
+    serde_json::from_str(&run.stdout()).unwrap()
+}
+
+/// Value and standard deviation of every parameter.
+fn parameters(folder: &Folder) -> Vec<[f64; 2]> {
+    let cell = |line: &str, k: usize| line.split(',').nth(k).unwrap().parse().unwrap();
+    folder.read("p.csv").lines().skip(1).map(|line| [cell(line, 1), cell(line, 3)]).collect()
+}
+
+fn assert_near(a: &[f64], b: &[f64]) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} {b}");
+    }
+}
+
+#[test]
+fn stretches_give_the_model_and_the_errors_of_whole_recordings() {
+    let folder = folder("sign");
+    for more in [&[][..], &["--rest", "exclude", "--load-torque", "literal"]] {
+        let whole = report(&folder, more);
+        let expected = parameters(&folder);
+        let model = folder.json("c.json");
+        let stretches = report(&folder, &[more, &["--stream-above", "1kB"]].concat());
+        for ([value, _], [by_whole, std_dev]) in parameters(&folder).iter().zip(&expected) {
+            assert!((value - by_whole).abs() <= 1e-6 * std_dev, "{value} {by_whole} ± {std_dev}");
+        }
+        let ours = folder.json("c.json");
+        for key in ["rigid_body_dynamics", "joint_dynamics", "preprocessing", "instrument"] {
+            assert_eq!(ours[key], model[key], "{key}");
+        }
+        assert_eq!(stretches["samples_per_joint"], whole["samples_per_joint"]);
+        for (ours, expected) in
+            stretches["recordings"].as_array().unwrap().iter().zip(whole["recordings"].as_array().unwrap())
+        {
+            for key in ["file", "role", "samples", "unit", "warnings"] {
+                assert_eq!(ours[key], expected[key], "{key}");
+            }
+            assert_eq!(ours["moving"]["samples"], expected["moving"]["samples"]);
+            for key in ["mse", "nmse", "nrmse"] {
+                assert_near(&numbers(&ours[key]), &numbers(&expected[key]));
+                assert_near(&numbers(&ours["moving"][key]), &numbers(&expected["moving"][key]));
+            }
+            let (last, notes) = ours["notes"].as_array().unwrap().split_last().unwrap();
+            assert!(last.as_str().unwrap().contains("in stretches"), "{last}");
+            assert_eq!(notes, expected["notes"].as_array().unwrap().as_slice());
+        }
+    }
+    // The model of the stretches is one that the other commands take.
+    folder.aurt("predict --model c.json --data other_motion.csv --out predicted.csv".split(' ')).succeeded();
+}
+
+#[test]
+fn what_stretches_cannot_do_is_refused_with_the_way_out() {
+    let folder = folder("lugre");
+    let line =
+        || CALIBRATE.split_whitespace().filter(|word| *word != "--json").chain(["--stream-above", "0"]);
+    folder.aurt(line()).refused(&["lugre", "searched", "more than 0B", "--stream-above 4"]);
+    assert!(!folder.names().contains(&"p.csv".to_owned()));
+
+    let folder = self::folder("sign");
+    folder.aurt(line().chain(["--sample-rate-hz", "100"])).refused(&[
+        "exciting_motion.csv",
+        "125.000000 Hz, another was asked for",
+        "uniform clock",
+        "--stream-above",
+    ]);
+    // A stamp half a period late is no uniform clock; a corrupt row leaves a hole in one.
+    let text = DEMO.read("demo/exciting_motion.csv");
+    let late = |line: &str| {
+        let stamp: f64 = line.split(',').next().unwrap().parse().unwrap();
+        with_cell(line, 1, &(stamp + 0.004).to_string())
+    };
+    folder.write("exciting_motion.csv", &with_line(&text, 1000, late));
+    folder.aurt(line()).refused(&["exciting_motion.csv", "off a grid of 0.008", "uniform clock"]);
+    folder.write("exciting_motion.csv", &with_line(&text, 1000, |line| with_cell(line, 3, "1e9")));
+    folder.aurt(line()).refused(&["exciting_motion.csv", "1 corrupt rows were dropped"]);
+    // What is wrong with a file is told as it is of whole recordings.
+    folder.write("exciting_motion.csv", &with_line(&text, 1000, |line| with_cell(line, 3, "x")));
+    folder.aurt(line()).refused(&["exciting_motion.csv", "1000", "`x`"]);
+    folder.aurt(line().map(|word| if word == "0" { "much" } else { word })).refused(&["500MB"]);
+}

@@ -1,0 +1,174 @@
+//! Registered friction models as candidates of a diagnosis.
+//!
+//! The simulator makes friction that is not in the vocabulary; a library in C, which shares nothing with it, has the
+//! law. Without the library the case is unexplained, with it the model predicts the rest.
+
+use std::{
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde_json::Value;
+
+use crate::support::{Folder, numbers, text};
+
+/// The library of laws that no effect has; nothing, with a reason printed, where there is no C compiler.
+fn strange_friction(folder: &Folder) -> Option<PathBuf> {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let library = folder.path(&format!("{DLL_PREFIX}strange_friction{DLL_SUFFIX}"));
+    let compiler = Command::new("cc")
+        .args(["-std=c99", "-O2", "-shared", "-fPIC", "-I"])
+        .arg(here.join("../aurt-traits/include"))
+        .arg(here.join("tests/fixtures/strange_friction.c"))
+        .arg("-o")
+        .arg(&library)
+        .arg("-lm")
+        .output();
+    let Ok(output) = compiler else {
+        println!("skipped: there is no C compiler `cc`");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(library)
+}
+
+fn concealed(folder: &Folder, plan: &str, seed: &str) {
+    folder.write("plan.toml", plan);
+    folder
+        .aurt(["conceal", "--plan", "plan.toml", "--seed", seed, "--cases", "cases", "--sealed", "sealed"])
+        .succeeded();
+}
+
+fn verdict(folder: &Folder, out: &str) -> Value {
+    folder.json(&format!("{out}/verdict.json"))
+}
+
+#[test]
+fn a_law_that_only_a_library_has_is_found_and_modelled() {
+    let folder = Folder::new();
+    let Some(library) = strange_friction(&folder) else { return };
+    let library = text(&library);
+    concealed(
+        &folder,
+        "[strangers]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
+         strengths = ['strong']\ntrials = 1\n",
+        "31",
+    );
+    for case in ["case_0001", "case_0002"] {
+        let hidden = &folder.json(&format!("sealed/{case}.json"))["effects"][0];
+        let model = match hidden["effect"].as_str() {
+            Some("acceleration_friction") => "swelling_seal",
+            Some("position_damper") => "opening_damper",
+            other => panic!("{other:?} was not asked for"),
+        };
+        let experiment = format!("cases/{case}/experiment.toml");
+        let without = format!("{case}_without");
+        assert_eq!(folder.aurt(["diagnose", &experiment, "--out", &without, "--verdict-only"]).status(), 1);
+        let unknown = verdict(&folder, &without);
+        assert_eq!(unknown["verdict"], "unexplained", "{case}: {hidden}");
+        assert_eq!(unknown.get("registered_models"), None);
+
+        let run = folder.aurt(["--plugin", &library, "diagnose", &experiment, "--out", case]);
+        assert_eq!(run.status(), 1, "{}", run.stderr());
+        let found = verdict(&folder, case);
+        assert_eq!(found["verdict"], "unexplained", "no word of the vocabulary: {found}");
+        let first = &found["registered_models"][0];
+        assert_eq!(
+            (&first["model"], &first["joints"]),
+            (&model.into(), &hidden["joints"]),
+            "{case}: {found}"
+        );
+        let sentence = first["sentence"].as_str().unwrap();
+        assert!(
+            sentence.contains(model) && run.stdout().contains(&format!("model `{model}` predicts")),
+            "{}",
+            run.stdout()
+        );
+        assert!(folder.read(&format!("{case}/report.html")).contains(model));
+
+        let joint = hidden["joints"][0].as_u64().unwrap() as usize;
+        let error = |verdict: &Value| numbers(&verdict["held_out"]["rms_after"])[joint];
+        let before = numbers(&found["held_out"]["rms_before"])[joint];
+        assert!(error(&found) < 0.5 * before && error(&found) < 0.8 * error(&unknown), "{case}: {found}");
+
+        // The improved experiment names the library itself and needs no option.
+        let improved = folder.read(&format!("{case}/improved.toml"));
+        assert!(improved.contains(model) && improved.contains("[plugins]"), "{improved}");
+        let again = format!("{case}_again");
+        folder.aurt(["run", &format!("{case}/improved.toml"), "--out", &again, "--quiet"]).succeeded();
+        assert_eq!(
+            folder.json(&format!("{again}/rd_calibrated.json"))["calibration"]["parameters"],
+            folder.json(&format!("{case}/rd_improved.json"))["calibration"]["parameters"]
+        );
+        // What is in the model is not missing any more.
+        let rest = format!("{case}_rest");
+        folder.aurt(["diagnose", &format!("{case}/improved.toml"), "--out", &rest, "--verdict-only"]);
+        assert_eq!(verdict(&folder, &rest).get("registered_models"), None);
+
+        let barred = format!("{case}_barred");
+        let arguments = ["--plugin", &library, "diagnose", &experiment, "--out", &barred, "--verdict-only"];
+        folder.aurt([&arguments[..], &["--without", model]].concat());
+        let barred = verdict(&folder, &barred);
+        let others = barred["registered_models"].as_array().into_iter().flatten();
+        assert!(others.into_iter().all(|m| m["model"] != model), "{barred}");
+    }
+}
+
+#[test]
+fn a_library_changes_nothing_where_its_laws_are_not() {
+    let folder = Folder::new();
+    let Some(library) = strange_friction(&folder) else { return };
+    let library = text(&library);
+    concealed(
+        &folder,
+        "[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
+         strengths = ['medium']\ntrials = 1\n[nulls]\nrobots = ['ur10e']\ncount = 2\n",
+        "32",
+    );
+    for case in ["case_0001", "case_0002", "case_0003", "case_0004", "case_0005"] {
+        let experiment = format!("cases/{case}/experiment.toml");
+        let (plain, loaded) = (format!("{case}_plain"), format!("{case}_loaded"));
+        folder.aurt(["diagnose", &experiment, "--out", &plain, "--verdict-only", "--quiet"]);
+        let arguments = ["--plugin", &library, "diagnose", &experiment, "--out", &loaded, "--verdict-only"];
+        folder.aurt(arguments);
+        let (plain, loaded) = (verdict(&folder, &plain), verdict(&folder, &loaded));
+        assert_eq!(loaded.get("registered_models"), None, "{case}: {loaded}");
+        assert_eq!(plain["verdict"], loaded["verdict"], "{case}");
+        assert_eq!(plain["effects"][0]["effect"], loaded["effects"][0]["effect"], "{case}");
+    }
+}
+
+#[test]
+fn a_library_that_fails_is_a_note_and_not_the_end() {
+    let folder = Folder::new().with_demo(&[
+        "mdh.csv",
+        "experiment.toml",
+        "exciting_motion.csv",
+        "other_motion.csv",
+        "point_to_point.csv",
+    ]);
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
+        let library = folder.path(&format!("{fault}{DLL_SUFFIX}"));
+        let compiler = Command::new("cc")
+            .args(["-shared", "-fPIC", &format!("-D{fault}"), "-I"])
+            .arg(here.join("../aurt-traits/include"))
+            .arg(here.join("../aurt-plugins/tests/fixtures/faulty.c"))
+            .arg("-o")
+            .arg(&library)
+            .output();
+        let Ok(output) = compiler else {
+            println!("skipped: there is no C compiler `cc`");
+            return;
+        };
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let library = text(&library);
+        let arguments =
+            ["--plugin", &library, "diagnose", "experiment.toml", "--out", fault, "--verdict-only"];
+        let run = folder.aurt(arguments);
+        assert_eq!(run.status(), 0, "{}", run.stderr());
+        let notes = verdict(&folder, fault)["notes"].to_string();
+        assert!(notes.contains("`faulty` could not be tried") && notes.contains(reason), "{notes}");
+    }
+}
