@@ -42,8 +42,7 @@ fn on_top(
     progress: impl FnMut(&str),
 ) -> Selection {
     let left = |joint: &usize| named.after[*joint] > STRUCTURE * STRUCTURE * vocabulary.floor[*joint];
-    let asked: Vec<usize> =
-        (known..groups.len()).filter(|g| groups[*g].joints.iter().all(|j| left(j))).collect();
+    let asked: Vec<usize> = (known..groups.len()).filter(|g| groups[*g].joints.iter().all(&left)).collect();
     let registered: Vec<Group> = asked.iter().map(|g| groups[*g].clone()).collect();
     let base = vocabulary.final_switches(&named);
     let further = Selector { baseline: &base, groups: &registered, ..*vocabulary }.run(progress);
