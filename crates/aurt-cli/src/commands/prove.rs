@@ -1,6 +1,6 @@
 //! `aurt prove`: how often a diagnosis is right, on cases whose truth is known and hidden from it.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::{collections::BTreeMap, fmt::Write as _, path::PathBuf};
 
 use aurt_simulation::{case::Plan, score::Scoreboard};
 use clap::Args;
@@ -38,6 +38,9 @@ pub struct Prove {
     /// Do not diagnose cases once more with their candidate removed
     #[arg(long)]
     no_removal: bool,
+    /// Write the scoreboard of what has been diagnosed so far, and diagnose no further cases
+    #[arg(long)]
+    so_far: bool,
 }
 
 /// The file that says which proof a folder holds.
@@ -61,10 +64,14 @@ impl Prove {
         }
         folder.write(&[(PLAN.to_owned(), this.into_bytes())])?;
         let place = Place::new(folder.path());
-        let progress = session.terminal.points_bar(plan.requests(self.seed)?.len());
-        let options = Options { keep: self.keep, without: !self.no_removal };
-        let failed = proof::prove(&plan, self.seed, &place, options, &|case| progress.step(case))?;
-        drop(progress);
+        let planned = plan.requests(self.seed)?.len();
+        let failed = if self.so_far {
+            BTreeMap::new()
+        } else {
+            let progress = session.terminal.points_bar(planned);
+            let options = Options { keep: self.keep, without: !self.no_removal };
+            proof::prove(&plan, self.seed, &place, options, &|case| progress.step(case))?
+        };
 
         let own = read_scores(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
         let mut scores = own.clone();
@@ -72,7 +79,8 @@ impl Prove {
             scores.extend(read_scores(&place.sealed(), &place.removed(), &Verdicts::Removed)?);
         }
         let board = Scoreboard::of(&scores);
-        let mut text = format!("{} cases, seed {}\n\n{}", own.len(), self.seed, board.markdown());
+        let of = if own.len() < planned { format!(" of {planned}") } else { String::new() };
+        let mut text = format!("{}{of} cases, seed {}\n\n{}", own.len(), self.seed, board.markdown());
         let mut methods = serde_json::Map::new();
         for method in aurt_diagnosis::Method::ALL {
             let whose = Verdicts::Method(method.name().to_owned());

@@ -29,6 +29,9 @@ fn a_small_proof_is_right_and_goes_on_where_it_was() {
     let kept = folder.path("proof/verdicts/case_0002/verdict.json");
     let written = std::fs::metadata(&kept).unwrap().modified().unwrap();
     std::fs::remove_dir_all(folder.path("proof/verdicts/case_0001")).unwrap();
+    let so_far = folder.aurt(prove.into_iter().chain(["--so-far"])).succeeded();
+    assert!(so_far.stdout().contains("5 of 6 cases"), "{}", so_far.stdout());
+    assert!(!folder.path("proof/verdicts/case_0001").exists());
     folder.aurt(prove).succeeded();
     assert_eq!(folder.read("proof/scoreboard.md"), text);
     assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), written);
