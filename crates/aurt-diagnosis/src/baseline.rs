@@ -29,6 +29,18 @@ pub const BLOCKS: usize = 6;
 const GAP_PERIODS: f64 = 2.0;
 
 impl Baseline {
+    /// A fit to the rows of all recordings but those for validation.
+    ///
+    /// # Errors
+    /// What evaluation reports.
+    pub fn of_all(question: &Question<'_>) -> Result<Self, DiagnosisError> {
+        let mut recordings = question.recordings.to_vec();
+        for recording in recordings.iter_mut().filter(|r| r.role == Role::Target) {
+            recording.role = Role::Calibration;
+        }
+        Self::new(&Question { recordings: &recordings, ..*question })
+    }
+
     /// The frozen coefficients, or a fit to the calibration recordings' rows (to all rows if there are none).
     ///
     /// # Errors

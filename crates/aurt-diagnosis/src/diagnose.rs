@@ -4,13 +4,13 @@ use aurt_traits::RobotModel;
 use crate::{
     Candidate, Contact, ContactOptions, ContactRows, DiagnosisError, Fault, Layout, Question,
     QuestionedRecording, RecordingRows, Role,
-    baseline::{BLOCKS, Baseline, evaluate_all, own_switches, partition, weighted_fit},
+    baseline::{Baseline, evaluate_all, own_switches, partition, weighted_fit},
     candidates::{candidates, extended_load, groups},
     contact::{find_contacts, force_columns},
     effects::Context,
-    floor::noise_floor,
     gram::BlockMoments,
     instrument_filter::is_common_filter,
+    judged::Judged,
     late::{Delay, Found, Late},
     partition::Partition,
     problem::{Problem, Switch},
@@ -48,6 +48,8 @@ pub struct Investigation {
     pub floor: Vec<f64>,
     /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
     pub misfit: Vec<f64>,
+    /// Whether the calibration recordings leave open what the targets' motion needs, so that both were fitted together.
+    pub undetermined: bool,
     /// Faults of the recordings.
     pub faults: Vec<Fault>,
     /// Whether their repair improves the fit of the model in question.
@@ -133,25 +135,15 @@ fn investigate_as_it_is(
     let question = &Question { recordings: &recordings, ..*question };
     let faults_matter = faults.iter().any(|f| f.suffices) && repair_helps(as_recorded, question)?;
     progress("fitting the model in question");
-    let baseline = Baseline::new(question)?;
-    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-    let mut own_rows = evaluate_all(question, question.model, &fit)?;
-    if let Some(short) =
-        own_rows.iter().find(|r| r.role != Role::Validation && r.rows() < FEWEST_ROWS_PER_BLOCK * BLOCKS)
-    {
-        return Err(DiagnosisError::TooShort {
-            recording: short.name.clone(),
-            rows: short.rows(),
-            blocks: BLOCKS,
-        });
+    let mut judged = Judged::new(question, Baseline::new(question)?)?;
+    // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that
+    // these alone excite, noise decides.
+    let undetermined = !judged.baseline.frozen && judged.noise_exceeds_all();
+    if undetermined {
+        judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
-    prepare(question, &baseline, question.model, &mut own_rows);
-    let floors = question
-        .recordings
-        .iter()
-        .zip(&own_rows)
-        .map(|(r, rows)| noise_floor(&r.raw, &r.data.data, &r.options, &fit, rows))
-        .collect::<Result<Vec<_>, _>>()?;
+    let Judged { baseline, mut own_rows, floors } = judged;
+    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
 
     progress("looking for impacts and ringing");
     let inertial: Vec<(usize, f64)> =
@@ -251,6 +243,7 @@ fn investigate_as_it_is(
         misfit,
         faults,
         faults_matter,
+        undetermined,
         late: None,
         shaking,
         contacts,
@@ -260,9 +253,6 @@ fn investigate_as_it_is(
         mean_independent_share,
     })
 }
-
-/// Fewest rows that a block of time must have to judge anything.
-const FEWEST_ROWS_PER_BLOCK: usize = 8;
 
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.
 const RINGS_PERIODS: f64 = 6.0;
@@ -406,7 +396,12 @@ fn leave_out_at(rows: &mut RecordingRows, window_s: [f64; 2]) {
 }
 
 /// Turns rows into what is asked about: what a frozen model or another simulator leaves.
-fn prepare(question: &Question<'_>, baseline: &Baseline, model: &RobotModel, rows: &mut [RecordingRows]) {
+pub(crate) fn prepare(
+    question: &Question<'_>,
+    baseline: &Baseline,
+    model: &RobotModel,
+    rows: &mut [RecordingRows],
+) {
     if !baseline.frozen {
         return;
     }

@@ -18,6 +18,7 @@ mod floor;
 mod gram;
 mod improve;
 mod instrument_filter;
+mod judged;
 mod late;
 mod linear;
 mod localise;

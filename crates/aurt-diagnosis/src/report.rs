@@ -94,6 +94,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
     }
+    if investigation.undetermined {
+        verdict.notes.push(
+            "the calibration recordings do not determine what the targets' motion needs: the model was fitted to both \
+             together, and what has changed can hide in that; calibrate on motions of all joints"
+                .into(),
+        );
+    }
     let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
     if question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow) {
         verdict.notes.push(format!(

@@ -212,3 +212,35 @@ fn the_wrist_of_a_tx40_is_coupled() {
     assert_eq!(first["joints"], serde_json::json!([4, 5]));
     assert_eq!(first["parameters"]["ratio"]["value"], 1.0);
 }
+
+/// A recording in which one joint moves determines little of the model; that is said, and not taken for noise.
+#[test]
+fn a_calibration_recording_that_determines_little_is_no_excuse() {
+    let Some(_) = real_recordings("a_calibration_recording_that_determines_little_is_no_excuse") else {
+        return;
+    };
+    let example = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/diagnose_ur10e_structure.toml"
+    ));
+    let asked: Vec<String> = example
+        .unwrap()
+        .lines()
+        .map(|line| match line.split_whitespace().next() {
+            Some("calibration") => "calibration = [\"${AURT_DATA}/ur10e/joint_1_only.csv\"]".to_owned(),
+            Some("validation") => "target = [\"${AURT_DATA}/ur10e/excitation_20s.csv\"]".to_owned(),
+            _ => line.to_owned(),
+        })
+        .collect();
+    let folder = Folder::new();
+    folder.write("asked.toml", &asked.join("\n"));
+    let run = folder.aurt(["diagnose", "asked.toml", "--out", "out", "--verdict-only"]);
+    assert_eq!(run.status(), 1, "{}", run.stderr());
+    let verdict = folder.json("out/verdict.json");
+    assert_ne!(verdict["verdict"], "no_mismatch", "{verdict}");
+    let notes: Vec<&str> = verdict["notes"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(notes.iter().any(|note| note.contains("do not determine")), "{notes:?}");
+    for joint in verdict["residual"].as_array().unwrap() {
+        assert!(joint["floor_rms"].as_f64() < joint["baseline_rms"].as_f64(), "{joint}");
+    }
+}
