@@ -7,6 +7,16 @@ use crate::{calibrated::CalibratedParameter, system::Solution};
 /// in the third digit at most.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
+/// `2.764 ± 0.029`: a value with its standard deviation, both to two digits of the latter; without one, to four decimals.
+#[must_use]
+pub fn with_deviation(value: f64, std: f64) -> String {
+    if !(std.is_finite() && std > 0.0) {
+        return format!("{value:.4}");
+    }
+    let digits = (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$} ± {std:.digits$}")
+}
+
 /// By how much the variance of low-frequency estimates exceeds what independent rows would give.
 ///
 /// Measurement noise that is white at the recording's rate leaves the zero-phase filter |H|² with the power
@@ -59,4 +69,17 @@ pub(crate) fn calibrated_parameters(
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_deviation;
+
+    #[test]
+    fn values_have_the_digits_that_their_deviation_allows() {
+        assert_eq!(with_deviation(2.764_27, 0.029_43), "2.764 ± 0.029");
+        assert_eq!(with_deviation(15.809, 1.41), "15.8 ± 1.4");
+        assert_eq!(with_deviation(1234.5, 21.0), "1234 ± 21");
+        assert_eq!(with_deviation(0.5, f64::INFINITY), "0.5000");
+    }
 }

@@ -33,7 +33,7 @@ const MOST_CHANGED_JOINTS: usize = 2;
 const MOST_CONTACTS: usize = 3;
 
 /// What was found, as far as the answer depends on it.
-pub(crate) struct Found<'a> {
+pub(crate) struct Account<'a> {
     /// Physics, the first label first.
     pub(crate) physics: &'a [Finding],
     /// What it leaves.
@@ -46,7 +46,7 @@ pub(crate) struct Found<'a> {
     pub(crate) faults: bool,
 }
 
-impl Found<'_> {
+impl Account<'_> {
     /// The answer.
     pub(crate) fn answer(&self, question: &Question<'_>, investigation: &Investigation) -> Answer {
         if self.shaking {
@@ -86,22 +86,8 @@ impl Found<'_> {
         self.residual.iter().any(|r| r.structure_left)
     }
 
-    /// Whether what was found accounts for the excess over the noise floor.
-    pub(crate) fn accounts(&self) -> bool {
-        let excess = |rms: f64, floor: f64| (rms * rms - floor * floor).max(0.0);
-        // In units of the noise, so that no joint counts for more than another.
-        let sum = |of: fn(&JointResidual) -> f64| -> f64 {
-            let of_joint =
-                |r: &JointResidual| excess(of(r), r.floor_rms) / r.floor_rms.powi(2).max(f64::MIN_POSITIVE);
-            self.residual.iter().map(of_joint).sum()
-        };
-        let before = sum(|r| r.baseline_rms);
-        let accounted = if before > 0.0 { 1.0 - sum(|r| r.unexplained_rms) / before } else { 1.0 };
-        let above =
-            |factor: f64| self.residual.iter().filter(|r| r.unexplained_rms > factor * r.floor_rms).count();
-        let others_are_right = 2 * above(REACHED) <= self.residual.len();
-        let far = above(FAR_ABOVE) > 0 && others_are_right && accounted < ACCOUNTED_AMONG_RIGHT;
-        !(self.structure_left() && accounted < ACCOUNTED || far)
+    fn accounts(&self) -> bool {
+        accounts_for(&self.residual.iter().map(Left::from).collect::<Vec<_>>())
     }
 
     /// Whether contacts, and the physics beside them, are all there is. Outside its windows a contact leaves nothing,
@@ -119,6 +105,41 @@ impl Found<'_> {
         !self.residual.iter().zip(&investigation.misfit).any(left)
             || (!self.physics.is_empty() && self.accounts())
     }
+}
+
+/// What a joint is off by, root mean square.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Left {
+    /// Without what was found.
+    pub(crate) before: f64,
+    /// With it.
+    pub(crate) after: f64,
+    /// What noise alone leaves.
+    pub(crate) floor: f64,
+}
+
+impl From<&JointResidual> for Left {
+    fn from(residual: &JointResidual) -> Self {
+        Self { before: residual.baseline_rms, after: residual.unexplained_rms, floor: residual.floor_rms }
+    }
+}
+
+/// Whether what was found accounts for the excess over the noise floor.
+pub(crate) fn accounts_for(joints: &[Left]) -> bool {
+    // In units of the noise, so that no joint counts for more than another.
+    let excess = |of: fn(&Left) -> f64| -> f64 {
+        let of_joint = |joint: &Left| {
+            let noise = joint.floor.powi(2);
+            (of(joint).powi(2) - noise).max(0.0) / noise.max(f64::MIN_POSITIVE)
+        };
+        joints.iter().map(of_joint).sum()
+    };
+    let before = excess(|joint| joint.before);
+    let accounted = if before > 0.0 { 1.0 - excess(|joint| joint.after) / before } else { 1.0 };
+    let above = |factor: f64| joints.iter().filter(|joint| joint.after > factor * joint.floor).count();
+    let others_are_right = 2 * above(REACHED) <= joints.len();
+    let far = above(FAR_ABOVE) > 0 && others_are_right && accounted < ACCOUNTED_AMONG_RIGHT;
+    !(above(STRUCTURE) > 0 && accounted < ACCOUNTED || far)
 }
 
 /// Whether something was found whose name may not be used: structure that has no name.
@@ -158,24 +179,10 @@ fn coincidences(investigation: &Investigation) -> bool {
 mod tests {
     use super::*;
 
-    /// Joints with a noise floor of 1, from (before, after).
-    fn joints(rms: &[(f64, f64)]) -> Vec<JointResidual> {
-        let one = |(joint, (before, after)): (usize, &(f64, f64))| JointResidual {
-            joint,
-            baseline_rms: *before,
-            unexplained_rms: *after,
-            floor_rms: 1.0,
-            structure_left: *after > STRUCTURE,
-            follows: None,
-            follows_share: 0.0,
-            windows_s: Vec::new(),
-        };
-        rms.iter().enumerate().map(one).collect()
-    }
-
+    /// Of joints with a noise floor of 1, from (before, after).
     fn accounts(rms: &[(f64, f64)]) -> bool {
-        let residual = joints(rms);
-        Found { physics: &[], residual: &residual, contacts: false, shaking: false, faults: false }.accounts()
+        let left = |(before, after): &(f64, f64)| Left { before: *before, after: *after, floor: 1.0 };
+        accounts_for(&rms.iter().map(left).collect::<Vec<_>>())
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use aurt_calibration::with_deviation;
 use serde_json::{Value, json};
 
 use crate::{
@@ -436,29 +437,16 @@ fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A value with its deviation, both to two digits of the latter.
-fn with_deviation(value: f64, std: f64) -> String {
-    if !(std.is_finite() && std > 0.0) {
-        return format!("{value:.4}");
-    }
-    let digits = (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{value:.digits$} ± {std:.digits$}")
-}
-
 fn list(joints: &[usize]) -> String {
     joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{short, with_deviation};
+    use super::short;
 
     #[test]
-    fn values_have_the_digits_that_their_deviation_allows() {
-        assert_eq!(with_deviation(2.764_27, 0.029_43), "2.764 ± 0.029");
-        assert_eq!(with_deviation(15.809, 1.41), "15.8 ± 1.4");
-        assert_eq!(with_deviation(1234.5, 21.0), "1234 ± 21");
-        assert_eq!(with_deviation(0.5, f64::INFINITY), "0.5000");
+    fn values_without_a_deviation_have_four_digits() {
         assert_eq!([short(5.0), short(0.593_439_36), short(-1234.56)], ["5", "0.5934", "-1235"]);
     }
 }

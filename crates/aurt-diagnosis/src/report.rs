@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::{
     Answer, Finding, HeldOut, Investigation, JointResidual, NotDecidable, Question, QuestionedRecording,
     RecordingRows, Role, Shift, Verdict,
-    answer::{Found, STRUCTURE},
+    answer::{Account, STRUCTURE},
     baseline::weighted_fit,
     effects::{self, Presence},
     findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings},
@@ -58,14 +58,14 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         }
         of_names
     });
-    let found = Found {
+    let account = Account {
         physics: &effects,
         residual: of_names.as_ref().unwrap_or(&residual),
         contacts: !touched.is_empty(),
         shaking: !shaking.is_empty(),
         faults: !faults.is_empty(),
     };
-    let verdict = match found.answer(question, investigation) {
+    let verdict = match account.answer(question, investigation) {
         Answer::NoMismatch if !registered_models.is_empty() => Answer::Unexplained,
         answer => answer,
     };
@@ -120,16 +120,13 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     verdict
 }
 
-/// A joint is predicted worse if its held-out error grows by this share.
-const WORSE: f64 = 0.1;
-
 /// A warning where what was found makes held-out data worse on half of the joints: as a rule these are of another robot
 /// than the target.
 fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let held = &verdict.held_out;
     let grows = |(before, after): (&f64, &f64)| after / before;
     let ratios: Vec<f64> = held.rms_before.iter().zip(&held.rms_after).map(grows).collect();
-    let worse = ratios.iter().filter(|r| **r > 1.0 + WORSE).count();
+    let worse = (0..ratios.len()).filter(|joint| held.is_worse(*joint)).count();
     let worst = (0..ratios.len()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]))?;
     let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
     (2 * worse >= ratios.len() && found).then(|| {

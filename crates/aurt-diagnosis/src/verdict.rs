@@ -163,6 +163,20 @@ pub struct HeldOut {
     pub rms_floor: Vec<f64>,
 }
 
+/// A joint is predicted worse if its held-out error grows by this share; less is within what two stretches of time
+/// differ by.
+const WORSE: f64 = 0.05;
+
+impl HeldOut {
+    /// Whether what was found makes a joint's error grow.
+    #[must_use]
+    pub fn is_worse(&self, joint: usize) -> bool {
+        let error = |of: &[f64]| of.get(joint).copied().unwrap_or(f64::NAN);
+        let (before, after) = (error(&self.rms_before), error(&self.rms_after));
+        before > 0.0 && after.is_finite() && after > (1.0 + WORSE) * before
+    }
+}
+
 /// A parameter of the rest of the model that the effects moved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shift {

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use aurt_traits::{ColumnGroup, MeasurementUnit};
+use nalgebra::{Matrix3, Matrix4};
 
-use super::{Fitted, eigen};
+use super::Fitted;
 
 /// The standard parameters of a body in its link's frame, as columns are named, `XX_5`.
 const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
@@ -15,11 +16,28 @@ type Places = [Option<usize>; 10];
 /// A body's pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: positive definite if and only if some distribution of positive mass has
 /// these parameters, which holds if the mass is positive and the principal moments about the centre of mass satisfy the
 /// triangle inequalities (Wensing, Kim, Slotine 2018).
-fn pseudo_inertia(p: &[f64; 10]) -> [[f64; 4]; 4] {
+fn pseudo_inertia(p: &[f64; 10]) -> Matrix4<f64> {
     let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *p;
     let half = 0.5 * (xx + yy + zz);
     // Off the diagonal the tensor of inertia is −∫xy dm.
-    [[half - xx, -xy, -xz, mx], [-xy, half - yy, -yz, my], [-xz, -yz, half - zz, mz], [mx, my, mz, m]]
+    Matrix4::from_row_slice(&[
+        half - xx,
+        -xy,
+        -xz,
+        mx, //
+        -xy,
+        half - yy,
+        -yz,
+        my, //
+        -xz,
+        -yz,
+        half - zz,
+        mz, //
+        mx,
+        my,
+        mz,
+        m,
+    ])
 }
 
 pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
@@ -57,9 +75,8 @@ fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link
         // Part of the parameters alone can be of a body as long as there is mass.
         return mass.is_negative().then(|| {
             format!(
-                "unphysical: the body on link {link} has a negative mass ({mass} {}). If a load was taken off, that is its \
-                 mass; else the motions do not show it, or its torque has another cause: `aurt diagnose` looks for it",
-                unit
+                "unphysical: the body on link {link} has a negative mass ({mass} {unit}). If a load was taken off, that is its \
+                 mass; else the motions do not show it, or its torque has another cause: `aurt diagnose` looks for it"
             )
         });
     };
@@ -67,38 +84,33 @@ fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link
     let standard: [f64; 10] = std::array::from_fn(|i| sign * value(whole[i]).value);
     let pseudo = pseudo_inertia(&standard);
     // Scaled to a unit diagonal, so that kilogrammes and metres weigh alike.
-    let scale: [f64; 4] = std::array::from_fn(|i| pseudo[i][i].abs().max(f64::MIN_POSITIVE).sqrt().recip());
-    let scaled: [[f64; 4]; 4] =
-        std::array::from_fn(|i| std::array::from_fn(|j| scale[i] * pseudo[i][j] * scale[j]));
-    let (_, least) = eigen::symmetric(scaled)[0];
-    let direction: [f64; 4] = std::array::from_fn(|i| scale[i] * least[i]);
+    let scale =
+        Matrix4::from_diagonal(&pseudo.diagonal().map(|d| d.abs().max(f64::MIN_POSITIVE).sqrt().recip()));
+    let scaled = scale * pseudo * scale;
+    // Eigenvalues of what is not finite are searched for ever.
+    if !scaled.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let scaled = scaled.symmetric_eigen();
+    let direction = scale * scaled.eigenvectors.column(scaled.eigenvalues.imin());
     let mut gradient = vec![0.0; columns.len()];
     for (i, place) in whole.iter().enumerate() {
         let mut unit = [0.0; 10];
         unit[i] = sign;
-        let of = pseudo_inertia(&unit);
-        gradient[*place] = (0..4)
-            .flat_map(|r| (0..4).map(move |c| (r, c)))
-            .map(|(r, c)| direction[r] * of[r][c] * direction[c])
-            .sum();
+        gradient[*place] = direction.dot(&(pseudo_inertia(&unit) * direction));
     }
     if !fitted.estimated(columns.clone(), &gradient).is_negative() {
         return None;
     }
-    let moments = principal_moments(&standard);
-    let why = if standard[9] <= 0.0 {
-        format!("its mass is {} {unit}", value(whole[9]))
-    } else if moments[0] < 0.0 {
-        format!(
-            "a principal moment of inertia about its centre of mass is negative ({:.3} {unit} m²)",
-            moments[0]
-        )
-    } else {
-        format!(
-            "of its principal moments of inertia about its centre of mass, {:.3}, {:.3} and {:.3} {unit} m², the largest \
-             exceeds the sum of the others",
-            moments[0], moments[1], moments[2]
-        )
+    let why = match principal_moments(&standard) {
+        None => format!("its mass is {} {unit}", value(whole[9])),
+        Some([least, ..]) if least < 0.0 => format!(
+            "a principal moment of inertia about its centre of mass is negative ({least:.3} {unit} m²)"
+        ),
+        Some([least, middle, largest]) => format!(
+            "of its principal moments of inertia about its centre of mass, {least:.3}, {middle:.3} and {largest:.3} {unit} m², \
+             the largest exceeds the sum of the others"
+        ),
     };
     let amperes = if fitted.is_in_amperes() {
         "give `torque_constants_nm_per_a`, without which bodies do not add up over joints, or "
@@ -112,17 +124,20 @@ fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link
     ))
 }
 
-/// Principal moments of inertia about the centre of mass, ascending.
-fn principal_moments(p: &[f64; 10]) -> [f64; 3] {
+/// Principal moments of inertia about the centre of mass, ascending; none without mass.
+fn principal_moments(p: &[f64; 10]) -> Option<[f64; 3]> {
     let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *p;
     // Steiner: I_c = I_o − (cᵀc 1 − c cᵀ) m with c = (mX, mY, mZ) / m.
-    let about_centre = [
-        [xx - (my * my + mz * mz) / m, xy + mx * my / m, xz + mx * mz / m],
-        [xy + mx * my / m, yy - (mx * mx + mz * mz) / m, yz + my * mz / m],
-        [xz + mx * mz / m, yz + my * mz / m, zz - (mx * mx + my * my) / m],
-    ];
-    let pairs = eigen::symmetric(about_centre);
-    [pairs[0].0, pairs[1].0, pairs[2].0]
+    let (xy, xz, yz) = (xy + mx * my / m, xz + mx * mz / m, yz + my * mz / m);
+    let (xx, yy, zz) =
+        (xx - (my * my + mz * mz) / m, yy - (mx * mx + mz * mz) / m, zz - (mx * mx + my * my) / m);
+    let about_centre = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    if m <= 0.0 || !about_centre.iter().all(|v| v.is_finite()) {
+        return None;
+    }
+    let mut moments = about_centre.symmetric_eigenvalues();
+    moments.as_mut_slice().sort_by(f64::total_cmp);
+    Some(moments.into())
 }
 
 impl Fitted<'_> {
@@ -163,9 +178,9 @@ mod tests {
 
     #[test]
     fn a_box_can_exist_and_has_its_own_moments() {
-        assert!(eigen::symmetric(pseudo_inertia(&load()))[0].0 > 0.0);
+        assert!(pseudo_inertia(&load()).symmetric_eigenvalues().min() > 0.0);
         let expected = [2.8 * 0.02 / 12.0, 2.8 * 0.05 / 12.0, 2.8 * 0.05 / 12.0];
-        for (found, wanted) in principal_moments(&load()).into_iter().zip(expected) {
+        for (found, wanted) in principal_moments(&load()).unwrap().into_iter().zip(expected) {
             assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
         }
     }
@@ -174,8 +189,16 @@ mod tests {
     fn moments_that_break_the_triangle_inequality_are_of_no_body() {
         let mut flat = load();
         flat[5] += 0.03;
-        let moments = principal_moments(&flat);
+        let moments = principal_moments(&flat).unwrap();
         assert!(moments[0] > 0.0 && moments[2] > moments[0] + moments[1], "{moments:?}");
-        assert!(eigen::symmetric(pseudo_inertia(&flat))[0].0 < 0.0);
+        assert!(pseudo_inertia(&flat).symmetric_eigenvalues().min() < 0.0);
+    }
+
+    #[test]
+    fn what_has_no_mass_has_no_moments() {
+        assert_eq!(principal_moments(&[0.0; 10]), None);
+        let mut lifted = load();
+        lifted[9] = -1.0;
+        assert_eq!(principal_moments(&lifted), None);
     }
 }

@@ -4,7 +4,6 @@
 //! model, or that the recordings do not show, hides in the value.
 
 mod body;
-mod eigen;
 mod friction;
 
 use std::ops::Range;
@@ -14,6 +13,7 @@ use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use crate::{
     JointRange,
     calibrated::{CalibratedParameter, CalibrationOptions},
+    uncertainty::with_deviation,
 };
 
 /// A contradiction is one if it exceeds this many standard deviations.
@@ -48,11 +48,8 @@ impl Estimated {
 }
 
 impl std::fmt::Display for Estimated {
-    /// Both to two digits of the deviation, at most six decimals.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let scale = if self.std > 0.0 { self.std } else { self.value.abs() };
-        let digits = if scale > 0.0 { (1.0 - scale.log10().floor()).clamp(0.0, 6.0) as usize } else { 1 };
-        write!(f, "{:.digits$} ± {:.digits$}", self.value, self.std)
+        f.write_str(&with_deviation(self.value, self.std))
     }
 }
 

@@ -4,16 +4,6 @@ use serde_json::Value;
 
 use crate::support::{Folder, numbers, real_recordings};
 
-/// A folder with cases made by the simulator from a plan.
-fn concealed(plan: &str, seed: &str) -> Folder {
-    let folder = Folder::new();
-    folder.write("plan.toml", plan);
-    folder
-        .aurt(["conceal", "--plan", "plan.toml", "--seed", seed, "--cases", "cases", "--sealed", "sealed"])
-        .succeeded();
-    folder
-}
-
 /// The verdict on a case, and whether the exit status fits it.
 #[track_caller]
 fn verdict(folder: &Folder, case: &str, more: &[&str]) -> Value {
@@ -39,7 +29,7 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
     let plan = "[singles]\nrobots = ['ur10e']\n\
                 effects = ['rotor_inertia', 'joint_coupling_friction', 'viscous_asymmetry']\n\
                 strengths = ['medium']\ntrials = 1\n";
-    let folder = concealed(plan, "2024");
+    let folder = Folder::new().with_concealed(plan, "2024");
     for case in ["case_0001", "case_0002", "case_0003"] {
         let hidden = &truth(&folder, case)["effects"][0];
         let found = verdict(&folder, case, &[]);
@@ -69,7 +59,7 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
 fn strangers_stay_unexplained_and_nulls_are_null() {
     let plan = "[strangers]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
                 [nulls]\nrobots = ['ur10e']\ncount = 1\n";
-    let folder = concealed(plan, "2025");
+    let folder = Folder::new().with_concealed(plan, "2025");
     for case in ["case_0001", "case_0002"] {
         let null = truth(&folder, case)["effects"].as_array().unwrap().is_empty();
         let found = verdict(&folder, case, &[]);
@@ -81,13 +71,7 @@ fn strangers_stay_unexplained_and_nulls_are_null() {
 /// experiment runs as it is.
 #[test]
 fn the_improved_experiment_has_what_was_left_out() {
-    let folder = Folder::new().with_demo(&[
-        "mdh.csv",
-        "experiment.toml",
-        "exciting_motion.csv",
-        "other_motion.csv",
-        "point_to_point.csv",
-    ]);
+    let folder = Folder::new().with_whole_demo();
     let whole = folder.read("experiment.toml");
     let complete = folder.aurt(["diagnose", "experiment.toml", "--out", "complete", "--quiet"]);
     assert_eq!(complete.status(), 0, "{}", complete.stderr());
@@ -110,13 +94,7 @@ fn the_improved_experiment_has_what_was_left_out() {
 
 /// The demo's experiment without its arm terms, with another recording of the same robot as target.
 fn unchanged_target() -> Folder {
-    let folder = Folder::new().with_demo(&[
-        "mdh.csv",
-        "experiment.toml",
-        "exciting_motion.csv",
-        "other_motion.csv",
-        "point_to_point.csv",
-    ]);
+    let folder = Folder::new().with_whole_demo();
     let whole = folder.read("experiment.toml");
     let (terms, recordings) = (whole.find("[[arm_terms]]").unwrap(), whole.find("[recordings]").unwrap());
     let after = recordings + 1 + whole[recordings + 1..].find("\n[").unwrap();

@@ -132,19 +132,10 @@ fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
     let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
     for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
-        let library = folder.path(&format!("{fault}{DLL_SUFFIX}"));
-        let compiler = Command::new("cc")
-            .args(["-shared", "-fPIC", &format!("-D{fault}"), "-I"])
-            .arg(crates.join("aurt-traits/include"))
-            .arg(crates.join("aurt-plugins/tests/fixtures/faulty.c"))
-            .arg("-o")
-            .arg(&library)
-            .output();
-        let Ok(output) = compiler else {
-            println!("skipped: there is no C compiler `cc`");
+        let defined = format!("-D{fault}");
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
         let sweep = "[sweep.grid]\n\"joint_dynamics.hysteresis.model\" = [\"sign\", \"faulty\", \"tanh\"]\n";
         folder.write("experiment.toml", &format!("{base}{sweep}"));

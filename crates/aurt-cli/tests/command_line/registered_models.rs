@@ -13,31 +13,9 @@ use serde_json::Value;
 
 use crate::support::{Folder, numbers, text};
 
-/// The library of laws that no effect has; nothing, with a reason printed, where there is no C compiler.
+/// The library of laws that no effect has.
 fn strange_friction(folder: &Folder) -> Option<PathBuf> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let library = folder.path(&format!("{DLL_PREFIX}strange_friction{DLL_SUFFIX}"));
-    let compiler = Command::new("cc")
-        .args(["-std=c99", "-O2", "-shared", "-fPIC", "-I"])
-        .arg(here.join("../aurt-traits/include"))
-        .arg(here.join("tests/fixtures/strange_friction.c"))
-        .arg("-o")
-        .arg(&library)
-        .arg("-lm")
-        .output();
-    let Ok(output) = compiler else {
-        println!("skipped: there is no C compiler `cc`");
-        return None;
-    };
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(library)
-}
-
-fn concealed(folder: &Folder, plan: &str, seed: &str) {
-    folder.write("plan.toml", plan);
-    folder
-        .aurt(["conceal", "--plan", "plan.toml", "--seed", seed, "--cases", "cases", "--sealed", "sealed"])
-        .succeeded();
+    folder.library("strange_friction", "aurt-cli/tests/fixtures/strange_friction.c", &["-std=c99", "-O2"])
 }
 
 fn verdict(folder: &Folder, out: &str) -> Value {
@@ -141,28 +119,12 @@ fn a_library_changes_nothing_where_its_laws_are_not() {
 
 #[test]
 fn a_library_that_fails_is_a_note_and_not_the_end() {
-    let folder = Folder::new().with_demo(&[
-        "mdh.csv",
-        "experiment.toml",
-        "exciting_motion.csv",
-        "other_motion.csv",
-        "point_to_point.csv",
-    ]);
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Folder::new().with_whole_demo();
     for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
-        let library = folder.path(&format!("{fault}{DLL_SUFFIX}"));
-        let compiler = Command::new("cc")
-            .args(["-shared", "-fPIC", &format!("-D{fault}"), "-I"])
-            .arg(here.join("../aurt-traits/include"))
-            .arg(here.join("../aurt-plugins/tests/fixtures/faulty.c"))
-            .arg("-o")
-            .arg(&library)
-            .output();
-        let Ok(output) = compiler else {
-            println!("skipped: there is no C compiler `cc`");
+        let defined = format!("-D{fault}");
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let library = text(&library);
         let arguments =
             ["--plugin", &library, "diagnose", "experiment.toml", "--out", fault, "--verdict-only"];

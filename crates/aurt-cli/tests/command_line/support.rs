@@ -1,6 +1,7 @@
 //! Running the command in a folder of its own.
 
 use std::{
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
     fs,
     path::{Path, PathBuf},
     process::{Command, Output},
@@ -52,6 +53,47 @@ impl Folder {
             fs::copy(DEMO.path("demo").join(name), self.path(name)).unwrap();
         }
         self
+    }
+
+    /// Copies all that the demo's experiment needs into this folder.
+    pub fn with_whole_demo(self) -> Self {
+        self.with_demo(&[
+            "mdh.csv",
+            "experiment.toml",
+            "exciting_motion.csv",
+            "other_motion.csv",
+            "point_to_point.csv",
+        ])
+    }
+
+    /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
+    pub fn with_concealed(self, plan: &str, seed: &str) -> Self {
+        self.write("plan.toml", plan);
+        let folders = ["--cases", "cases", "--sealed", "sealed"];
+        self.aurt(["conceal", "--plan", "plan.toml", "--seed", seed].into_iter().chain(folders)).succeeded();
+        self
+    }
+
+    /// A library of models compiled here from C, the source below `crates`; nothing, with a reason printed, where there
+    /// is no C compiler.
+    pub fn library(&self, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let library = self.path(&format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"));
+        let compiler = Command::new("cc")
+            .args(["-shared", "-fPIC", "-I"])
+            .arg(crates.join("aurt-traits/include"))
+            .args(options)
+            .arg(crates.join(source))
+            .arg("-o")
+            .arg(&library)
+            .arg("-lm")
+            .output();
+        let Ok(output) = compiler else {
+            println!("skipped: there is no C compiler `cc`");
+            return None;
+        };
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Some(library)
     }
 
     /// Runs `aurt` in this folder.

@@ -2,8 +2,7 @@
 
 use super::REGISTERED;
 use crate::{
-    JointResidual,
-    answer::{Found, STRUCTURE},
+    answer::{Left, STRUCTURE, accounts_for},
     selection::{Chosen, Group, Selection, Selector},
 };
 
@@ -60,21 +59,13 @@ fn on_top(
 
 /// Whether a selection accounts for the mismatch, as the answer judges it, on held-out blocks.
 fn accounts(floor: &[f64], selection: &Selection) -> bool {
-    let joint = |(joint, floor): (usize, &f64)| {
-        let (floor_rms, unexplained_rms) = (floor.sqrt(), selection.after[joint].sqrt());
-        JointResidual {
-            joint,
-            baseline_rms: selection.before[joint].sqrt(),
-            unexplained_rms,
-            floor_rms,
-            structure_left: unexplained_rms > STRUCTURE * floor_rms,
-            follows: None,
-            follows_share: 0.0,
-            windows_s: Vec::new(),
-        }
+    let joint = |((before, after), floor): ((&f64, &f64), &f64)| Left {
+        before: before.sqrt(),
+        after: after.sqrt(),
+        floor: floor.sqrt(),
     };
-    let residual: Vec<JointResidual> = floor.iter().enumerate().map(joint).collect();
-    Found { physics: &[], residual: &residual, contacts: false, shaking: false, faults: false }.accounts()
+    let joints: Vec<Left> = selection.before.iter().zip(&selection.after).zip(floor).map(joint).collect();
+    accounts_for(&joints)
 }
 
 /// Whether a selection beats another on held-out blocks: by what an effect must bring on some joint, and on the whole.

@@ -175,24 +175,37 @@ fn evaluate_group<T: Lanes>(
     for ((lanes, joint), [position, ..]) in joints.iter_mut().zip(plan.joints).zip(&plan.series) {
         joint_angles(joint, position, group, &mut lanes.angles);
     }
-    for (i, (joint, place)) in plan.joints.iter().zip(plan.places).enumerate() {
-        let (before, here) = joints.split_at_mut(i);
-        let angles = &here[0].angles[..group.len()];
-        let [_, velocity, acceleration] = plan.series[i];
-        let rates = Rates { sign: joint.sign, velocity, acceleration };
-        match before.split_last_mut() {
-            None => first_link(plan.gravity_m_s2, place, &rates, group, angles, links),
-            Some((previous, earlier)) => {
-                next_link(place, &rates, group, angles, links);
-                carry(earlier, place, angles);
-                carry_previous(previous, place, angles);
-            }
-        }
+    for (i, joint) in plan.joints.iter().enumerate() {
+        advance(plan, i, group, joints, links);
         let Some((own, others)) = plan.blocks_of(i).split_last() else { return };
         // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
         unsafe {
-            other_blocks(links, before, others, group, to);
+            other_blocks(links, &joints[..i], others, group, to);
             own_block(links, joint.sign, *own, group, to);
+        }
+    }
+}
+
+/// From link i − 1 to link i: its motion, and the twists of the joints before it in its frame.
+#[inline(always)]
+fn advance<T: Lanes>(
+    plan: &Plan<'_>,
+    i: usize,
+    group: &[usize],
+    joints: &mut [JointLanes<T>],
+    links: &mut [LinkMotion<T>; GROUP],
+) {
+    let place = &plan.places[i];
+    let (before, here) = joints.split_at_mut(i);
+    let angles = &here[0].angles[..group.len()];
+    let [_, velocity, acceleration] = plan.series[i];
+    let rates = Rates { sign: plan.joints[i].sign, velocity, acceleration };
+    match before.split_last_mut() {
+        None => first_link(plan.gravity_m_s2, place, &rates, group, angles, links),
+        Some((previous, earlier)) => {
+            next_link(place, &rates, group, angles, links);
+            carry(earlier, place, angles);
+            carry_previous(previous, place, angles);
         }
     }
 }

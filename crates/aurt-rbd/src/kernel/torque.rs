@@ -1,12 +1,10 @@
 use aurt_traits::{Dispatch, MotionView};
 
 use super::lanes::{self, Lanes, Plain2};
-use super::motion::{
-    GROUP, JointLanes, LinkMotion, Rates, Twist, carry, carry_previous, first_link, joint_angles, next_link,
-};
+use super::motion::{GROUP, JointLanes, LinkMotion, Twist, joint_angles};
 use super::plan::Plan;
 use super::turn::{Vector, dot};
-use super::{FEW_JOINTS, Groups};
+use super::{FEW_JOINTS, Groups, advance};
 use crate::{INERTIAL_PARAMETERS, SerialChain};
 
 /// Where torques go: joint after joint, and the distance between two joints' first samples.
@@ -105,25 +103,14 @@ fn torque_group<T: Lanes>(
     for ((lanes, joint), [position, ..]) in joints.iter_mut().zip(plan.joints).zip(&plan.series) {
         joint_angles(joint, position, group, &mut lanes.angles);
     }
-    for (i, (joint, place)) in plan.joints.iter().zip(plan.places).enumerate() {
-        let (before, here) = joints.split_at_mut(i);
-        let angles = &here[0].angles[..group.len()];
-        let [_, velocity, acceleration] = plan.series[i];
-        let rates = Rates { sign: joint.sign, velocity, acceleration };
-        match before.split_last_mut() {
-            None => first_link(plan.gravity_m_s2, place, &rates, group, angles, &mut links),
-            Some((previous, earlier)) => {
-                next_link(place, &rates, group, angles, &mut links);
-                carry(earlier, place, angles);
-                carry_previous(previous, place, angles);
-            }
-        }
+    for (i, joint) in plan.joints.iter().enumerate() {
+        advance(plan, i, group, joints, &mut links);
         let sign = T::splat(joint.sign);
         let (torques_before, own) = torques.split_at_mut(i);
         for (member, link) in links.iter().enumerate().take(group.len()) {
             let wrench = wrench(link, &standard[i]);
             own[0][member] = wrench.moment[2] * sign;
-            for (torque, joint) in torques_before.iter_mut().zip(&*before) {
+            for (torque, joint) in torques_before.iter_mut().zip(&joints[..i]) {
                 torque[member] = wrench.along(&joint.twists[member], torque[member]);
             }
         }

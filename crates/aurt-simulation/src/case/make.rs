@@ -8,6 +8,7 @@ use super::layout::{RecordingSettings, Role, Slot, slots};
 use super::probe::{Bench, Probed, bring_to_strength};
 use super::request::{CaseRequest, CaseType};
 use super::truth::{TrueEffect, Truth, ValidationFloor};
+use super::world::World;
 use crate::effects::{Draw, Effect, EffectKind, Hidden, catalogue, read_effect};
 use crate::fit::{ProcessedFit, processed_motion};
 use crate::random::Random;
@@ -68,6 +69,7 @@ pub fn make_case(
     files.extend(recordings.iter().enumerate().map(|(k, r)| (file_name(k), r.csv())));
     let truth = Truth {
         case: name.to_owned(),
+        world: World::Clean,
         seed,
         robot: request.robot.clone(),
         rotors,
@@ -78,6 +80,8 @@ pub fn make_case(
             .zip(&probed)
             .map(|(kind, p)| true_effect(kind, p, &bench.robot, &slots, later))
             .collect(),
+        background: Vec::new(),
+        reference: None,
         noise_nm: bench.robot.drives.iter().map(|d| d.torque_noise_nm).collect(),
         validation: floors(&bench, &slots, &recordings, &logger)?,
     };

@@ -8,6 +8,7 @@ mod plan;
 mod probe;
 mod request;
 mod truth;
+mod world;
 
 pub use conceal::{Concealed, Progress, conceal};
 pub use layout::{RecordingSettings, Role};
@@ -15,3 +16,4 @@ pub use make::{Case, make_case};
 pub use plan::{NullPlan, PairPlan, Plan, SinglePlan};
 pub use request::{CaseRequest, CaseType};
 pub use truth::{TrueEffect, Truth, ValidationFloor};
+pub use world::World;

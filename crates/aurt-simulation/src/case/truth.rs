@@ -3,7 +3,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::request::CaseType;
+use super::{request::CaseType, world::World};
 use crate::effects::Family;
 use crate::{Rotors, SimulationError, Strength};
 
@@ -12,6 +12,9 @@ use crate::{Rotors, SimulationError, Strength};
 pub struct Truth {
     /// Name of the case's folder.
     pub case: String,
+    /// The world that made it.
+    #[serde(default)]
+    pub world: World,
     /// Seed from which the case can be made again.
     pub seed: u64,
     /// The robot.
@@ -22,8 +25,14 @@ pub struct Truth {
     pub case_type: CaseType,
     /// How strong the effects were to be.
     pub strength: Strength,
-    /// The effects.
+    /// The effects that are to be found.
     pub effects: Vec<TrueEffect>,
+    /// What else the experiment does not declare, weaker than the effects: to name it is neither right nor wrong.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub background: Vec<TrueEffect>,
+    /// Name of the same recordings without the effects. What is claimed of those is no news, and does not count here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
     /// Standard deviation of the measured torques' noise, Nm per joint.
     pub noise_nm: Vec<f64>,
     /// What can be reached on the held-out recordings.

@@ -157,19 +157,10 @@ pub fn follows(residual: &JointResidual) -> String {
 /// A residual up to this multiple of the noise floor is noise as far as anyone can tell.
 const NEAR_NOISE: f64 = 1.25;
 
-/// A joint is predicted worse if its held-out error grows by this share; less is within what two stretches of time
-/// differ by.
-const WORSE: f64 = 0.05;
-
-/// Held-out error of a joint before and after, where both are known.
-fn held_out(verdict: &Verdict, joint: usize) -> Option<[f64; 2]> {
-    let held = &verdict.held_out;
-    let pair = [*held.rms_before.get(joint)?, *held.rms_after.get(joint)?];
-    (pair.iter().all(|v| v.is_finite()) && pair[0] > 0.0).then_some(pair)
-}
-
-fn grows([before, after]: [f64; 2]) -> bool {
-    after > (1.0 + WORSE) * before
+/// Whether a joint's error was measured on held-out data, before and after.
+fn is_judged(verdict: &Verdict, joint: usize) -> bool {
+    let known = |of: &[f64]| of.get(joint).is_some_and(|v| v.is_finite());
+    known(&verdict.held_out.rms_before) && known(&verdict.held_out.rms_after)
 }
 
 /// Whether held-out data speak against what the headline is about, the first finding of the first group: the error grows
@@ -177,26 +168,27 @@ fn grows([before, after]: [f64; 2]) -> bool {
 fn fails_on_held_out(verdict: &Verdict, asked: Asked) -> bool {
     let groups = groups(verdict, asked);
     let Some((_, first)) = groups.iter().find_map(|g| g.findings.first()) else { return false };
-    let pairs: Vec<[f64; 2]> = first.joints.iter().filter_map(|j| held_out(verdict, *j)).collect();
-    let worse = pairs.iter().filter(|p| grows(**p)).count();
-    !pairs.is_empty() && 2 * worse >= pairs.len()
+    let judged: Vec<usize> = first.joints.iter().copied().filter(|j| is_judged(verdict, *j)).collect();
+    let worse = judged.iter().filter(|j| verdict.held_out.is_worse(**j)).count();
+    !judged.is_empty() && 2 * worse >= judged.len()
 }
 
 /// What held-out data say against a finding, where they do: on which of its joints the error grows.
 pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<String> {
-    let known: Vec<(usize, [f64; 2])> =
-        finding.joints.iter().filter_map(|j| Some((*j, held_out(verdict, *j)?))).collect();
-    let worse: Vec<String> = known
+    let held = &verdict.held_out;
+    let judged: Vec<usize> = finding.joints.iter().copied().filter(|j| is_judged(verdict, *j)).collect();
+    let worse: Vec<String> = judged
         .iter()
-        .filter(|(_, pair)| grows(*pair))
-        .map(|(j, [before, after])| {
-            format!("joint {j} ({} → {} {unit})", significant(*before, 3), significant(*after, 3))
+        .filter(|j| held.is_worse(**j))
+        .map(|j| {
+            let [before, after] = [&held.rms_before, &held.rms_after].map(|of| significant(of[*j], 3));
+            format!("joint {j} ({before} → {after} {unit})")
         })
         .collect();
     if worse.is_empty() {
         return None;
     }
-    let all = worse.len() == known.len();
+    let all = worse.len() == judged.len();
     let rest = if all { String::new() } else { ", and not on the others".into() };
     Some(format!(
         "does not hold on data that took no part: with all that was found their error grows on {}{rest}",
