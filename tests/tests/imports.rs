@@ -70,3 +70,37 @@ fn crates_import_what_the_architecture_page_allows() {
     let missing: Vec<_> = allowed.keys().filter(|name| !imports.contains_key(*name)).collect();
     assert!(missing.is_empty(), "ARCHITECTURE.md lists {missing:?}, which do not exist");
 }
+
+/// The rooms of the diagnosis in the order in which the table of its `lib.rs` lists them.
+fn rooms() -> Vec<String> {
+    let lib = std::fs::read_to_string(Path::new(ROOT).join("crates/aurt-diagnosis/src/lib.rs")).unwrap();
+    lib.lines()
+        .filter_map(|line| line.strip_prefix("//! | [`")?.split('`').next().map(str::to_owned))
+        .collect()
+}
+
+#[test]
+fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
+    let rooms = rooms();
+    assert!(rooms.len() >= 10, "{rooms:?}");
+    let mut back = Vec::new();
+    for (place, room) in rooms.iter().enumerate() {
+        let folder = Path::new(ROOT).join("crates/aurt-diagnosis/src").join(room);
+        let mut folders = vec![folder];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(&folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let text = std::fs::read_to_string(&path).unwrap();
+                let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+                let later =
+                    rooms[place + 1..].iter().filter(|later| code.contains(&format!("crate::{later}")));
+                back.extend(later.map(|later| format!("{} imports {later}", path.display())));
+            }
+        }
+    }
+    assert!(back.is_empty(), "{back:#?}");
+}

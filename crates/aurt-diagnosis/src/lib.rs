@@ -1,62 +1,48 @@
 //! Locating the mismatch between a robot model and recordings, and naming the physics left out.
 //!
-//! Data flow: [`Question`] → [`investigate`] (baseline, candidates of all [`effects`], selection by
-//! cross-validation over blocks of time) → [`Verdict`].
+//! The rooms stand in the order of the walk of the data; each imports only from those before it:
+//!
+//! | room | what it does |
+//! |---|---|
+//! | [`recordings`] | rows of the recordings, their faults, and which of them fit and which judge |
+//! | [`request`] | what is asked, and the settings that decide |
+//! | [`noise`] | what noise alone leaves |
+//! | [`hypotheses`] | the physics that can be missing, one effect a file |
+//! | [`evidence`] | second moments of all columns; nested fits and cross-validation |
+//! | [`search`] | which hypotheses describe the recordings |
+//! | [`transmission`] | what lies above the filters: elastic gears, backlash |
+//! | [`contact`] | external forces, local in time |
+//! | [`investigation`] | the walk through all rooms |
+//! | [`verdict`] | what may be said of what was found |
+//! | [`comparison`] | simpler methods on the same columns |
+//! | [`improvement`] | the experiment with what was found |
 
-mod answer;
-mod baseline;
-mod candidates;
-mod comparison;
-mod confidence;
-mod contact;
-mod diagnose;
-pub mod effects;
+pub mod comparison;
+pub mod contact;
 mod error;
-mod faults;
-mod findings;
-mod floor;
-mod gram;
-mod improve;
-mod instrument_filter;
-mod judged;
-mod late;
-mod linear;
-mod localise;
-mod partition;
-mod paths;
-mod periodogram;
-mod problem;
-mod question;
-mod registered;
-mod report;
-mod residuals;
-mod rows;
-mod selection;
-mod series;
-mod simulated;
-mod verdict;
-mod wideband;
+pub mod evidence;
+pub mod hypotheses;
+pub mod improvement;
+pub mod investigation;
+pub mod noise;
+pub mod recordings;
+pub mod request;
+pub mod search;
+pub mod transmission;
+pub mod verdict;
 
-pub use baseline::Baseline;
-pub use candidates::Candidate;
 pub use comparison::{Method, MethodFinding, MethodVerdict};
 pub use contact::{Contact, ContactOptions, ContactRows, ForceColumns, find_contacts, force_columns};
-pub use diagnose::{Investigation, investigate};
 pub use error::DiagnosisError;
-pub use faults::{Fault, RecordingFaults};
-pub use improve::{Improvement, improved_experiment, improvement};
-pub use late::{Delay, Late};
-pub use partition::Partition;
-pub use paths::{from_folder, with_file_names};
-pub use problem::{Problem, Switch};
-pub use question::{Question, QuestionedRecording, Spoilt};
-pub use registered::RegisteredModel;
-pub use report::verdict as write_verdict;
-pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};
-pub use selection::{Chosen, Group, Selection, SelectionOptions};
-pub use series::{JointSeriesRows, RecordingSeries, series};
+pub use evidence::{Baseline, Problem};
+pub use hypotheses::{Candidate, Group, RegisteredModel, Switch, effects};
+pub use improvement::{Improvement, improved_experiment, improvement};
+pub use investigation::{Delay, Investigation, Late, investigate};
+pub use recordings::{Fault, Fit, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role};
+pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
+pub use search::{Chosen, Selection};
+pub use transmission::{FullRate, InertiaColumns, Shaking, find_shaking};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, RegisteredFinding, Shift,
-    Verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, JointSeriesRows, NotDecidable,
+    RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
 };
-pub use wideband::{FullRate, InertiaColumns, Shaking, find_shaking};

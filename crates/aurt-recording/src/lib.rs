@@ -37,12 +37,14 @@
 mod csv;
 mod error;
 mod long;
+mod noise;
 mod preprocess;
 mod recording;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, read_recording};
 pub use error::RecordingError;
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
+pub use noise::white_level;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,

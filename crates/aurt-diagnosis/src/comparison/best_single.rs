@@ -2,14 +2,15 @@
 
 use rayon::prelude::*;
 
-use crate::{Investigation, baseline::weighted_fit};
+use crate::evidence::baseline::weighted_fit;
+use crate::investigation::Investigation;
 
 /// The group with the lowest Σ_j log MSE_j on held-out blocks, if it is lower than without.
 pub(super) fn select(investigation: &Investigation) -> Option<usize> {
     let problem = &investigation.problem;
     let (_, weights) = weighted_fit(problem, &investigation.base_switches, &investigation.floor);
     let nested = problem.nest(&investigation.base_switches, &weights);
-    let error = |group: &[crate::Switch]| -> f64 {
+    let error = |group: &[crate::hypotheses::group::Switch]| -> f64 {
         let [calibration, target] = problem.held_out(&nested, group);
         (0..problem.joints())
             .map(|j| {

@@ -9,7 +9,8 @@ mod standard;
 
 use serde::Serialize;
 
-use crate::{Answer, Investigation};
+use crate::investigation::Investigation;
+use crate::verdict::Answer;
 
 /// A method of selection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,8 @@
 //! Sparse regression over all candidate columns at once.
 
 use super::standard::{Standard, Standardised, dot};
-use crate::{Investigation, linear::Cholesky};
+use crate::evidence::linear::Cholesky;
+use crate::investigation::Investigation;
 
 /// How coefficients are made few.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

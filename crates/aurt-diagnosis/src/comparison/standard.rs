@@ -1,6 +1,10 @@
 //! Candidate columns freed of the baseline, of unit length, with the strongest kept.
 
-use crate::{Investigation, Switch, baseline::weighted_fit, gram::Moments, linear::Cholesky};
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::gram::Moments;
+use crate::evidence::linear::Cholesky;
+use crate::hypotheses::group::Switch;
+use crate::investigation::Investigation;
 
 /// Columns that are kept: those most correlated with what the baseline leaves ("sure independence screening",
 /// Fan & Lv 2008).

@@ -1,6 +1,7 @@
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 
-use crate::{DiagnosisError, RecordingRows};
+use crate::error::DiagnosisError;
+use crate::recordings::rows::RecordingRows;
 
 /// The torques of a force of 1 N on a link, at the origin of its frame, along the axes of the base frame: what the
 /// drives have to add to hold against it, −Jᵀ e_k.

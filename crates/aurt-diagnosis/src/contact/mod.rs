@@ -19,7 +19,7 @@ pub use columns::{ForceColumns, force_columns};
 
 use search::LinkSearch;
 
-use crate::RecordingRows;
+use crate::recordings::rows::RecordingRows;
 
 /// A contact that was found.
 #[derive(Debug, Clone, PartialEq)]

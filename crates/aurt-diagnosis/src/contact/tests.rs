@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::*;
-use crate::{Role, rows::JointRows};
+use crate::recordings::rows::{JointRows, Role};
 
 /// Lengths of a planar arm of three links whose axes point along y, m.
 const LENGTHS_M: [f64; 3] = [0.5, 0.4, 0.3];

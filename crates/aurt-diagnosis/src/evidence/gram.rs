@@ -1,0 +1,112 @@
+use aurt_calibration::add_gram;
+use rayon::prelude::*;
+
+use crate::recordings::partition::Partition;
+use crate::recordings::rows::{RecordingRows, Role};
+
+/// Second moments of one joint's rows over one part of the data: XᵀX, Xᵀy, yᵀy.
+#[derive(Debug, Clone)]
+pub struct Moments {
+    /// Number of columns.
+    pub columns: usize,
+    /// XᵀX, column-major.
+    pub gram: Vec<f64>,
+    /// Xᵀy.
+    pub right: Vec<f64>,
+    /// yᵀy.
+    pub square: f64,
+    /// Number of rows.
+    pub rows: f64,
+}
+
+impl Moments {
+    fn zero(columns: usize) -> Self {
+        Self {
+            columns,
+            gram: vec![0.0; columns * columns],
+            right: vec![0.0; columns],
+            square: 0.0,
+            rows: 0.0,
+        }
+    }
+
+    fn add(&mut self, other: &Self, sign: f64) {
+        for (a, b) in self.gram.iter_mut().zip(&other.gram) {
+            *a += sign * b;
+        }
+        for (a, b) in self.right.iter_mut().zip(&other.right) {
+            *a += sign * b;
+        }
+        self.square += sign * other.square;
+        self.rows += sign * other.rows;
+    }
+}
+
+/// Moments of every joint by block and by kind of recording (calibration or target).
+#[derive(Debug, Clone)]
+pub struct BlockMoments {
+    /// `[block][kind][joint]`, kind 0 calibration, 1 target.
+    pub parts: Vec<[Vec<Moments>; 2]>,
+    /// Sum over blocks, `[kind][joint]`.
+    pub total: [Vec<Moments>; 2],
+}
+
+impl BlockMoments {
+    /// Accumulates the moments of `recordings` over the blocks of `partition`.
+    #[must_use]
+    pub fn accumulate(recordings: &[RecordingRows], partition: &Partition) -> Self {
+        let joints = recordings.first().map_or(0, |r| r.joints.len());
+        let columns = |j: usize| {
+            recordings.first().map_or(0, |r| {
+                let rows = r.joints[j].measurement.len();
+                r.joints[j].data.len().checked_div(rows).unwrap_or(0)
+            })
+        };
+        let parts: Vec<[Vec<Moments>; 2]> = partition
+            .blocks
+            .par_iter()
+            .map(|block| {
+                let mut part: [Vec<Moments>; 2] =
+                    [0, 1].map(|_| (0..joints).map(|j| Moments::zero(columns(j))).collect());
+                for (r, start, end) in block {
+                    let recording = &recordings[*r];
+                    let kind = usize::from(recording.role == Role::Target);
+                    for (joint, moments) in recording.joints.iter().zip(&mut part[kind]) {
+                        add_rows(moments, &joint.data, &joint.measurement, *start, *end);
+                        moments.rows += joint.counted(*start, *end);
+                    }
+                }
+                part
+            })
+            .collect();
+        let mut total: [Vec<Moments>; 2] =
+            [0, 1].map(|_| (0..joints).map(|j| Moments::zero(columns(j))).collect());
+        for part in &parts {
+            for (sum, moments) in total.iter_mut().flatten().zip(part.iter().flatten()) {
+                sum.add(moments, 1.0);
+            }
+        }
+        Self { parts, total }
+    }
+
+    /// Moments of everything but one block.
+    #[must_use]
+    pub fn without(&self, block: usize) -> [Vec<Moments>; 2] {
+        let mut rest = self.total.clone();
+        for (sum, moments) in rest.iter_mut().flatten().zip(self.parts[block].iter().flatten()) {
+            sum.add(moments, -1.0);
+        }
+        rest
+    }
+}
+
+fn add_rows(moments: &mut Moments, data: &[f64], measurement: &[f64], start: usize, end: usize) {
+    let (rows, columns) = (measurement.len(), moments.columns);
+    add_gram(data, rows, columns, start..end, &mut moments.gram);
+    let y = &measurement[start..end];
+    for (k, sum) in moments.right.iter_mut().enumerate() {
+        let column = &data[k * rows + start..k * rows + end];
+        *sum += column.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
+    }
+    moments.square += y.iter().map(|v| v * v).sum::<f64>();
+}

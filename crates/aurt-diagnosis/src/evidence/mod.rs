@@ -1,0 +1,13 @@
+//! Second moments of all columns in blocks of time: nested fits, cross-validation, and what can be decided at all.
+
+pub(crate) mod account;
+pub mod baseline;
+pub(crate) mod decidable;
+pub(crate) mod gram;
+pub(crate) mod judged;
+pub(crate) mod linear;
+pub(crate) mod problem;
+pub(crate) mod residuals;
+
+pub use baseline::Baseline;
+pub use problem::Problem;

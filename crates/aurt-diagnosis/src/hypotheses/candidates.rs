@@ -1,0 +1,102 @@
+//! What effects propose, as columns of one model and as hypotheses over them.
+
+use std::sync::Arc;
+
+use aurt_plugins::Registry;
+use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
+use serde_json::Value;
+
+use crate::error::DiagnosisError;
+use crate::hypotheses::effects;
+use crate::hypotheses::effects::{Addition, Context, Effect, Proposal};
+use crate::hypotheses::registered::{Proposed, REGISTERED, RegisteredModel};
+use crate::recordings::rows::{Instrument, Layout};
+use crate::request::Question;
+
+/// A proposal of an effect, with its place among the columns.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Identifier of the effect; `registered_model` for one that is of none.
+    pub effect: &'static str,
+    /// The registered model that it is, if it is of no effect.
+    pub registered: Option<RegisteredModel>,
+    /// What it proposes.
+    pub proposal: Proposal,
+    /// Its columns.
+    pub columns: Vec<usize>,
+    /// Names of its coefficients, without the joint.
+    pub names: Vec<String>,
+}
+
+/// Asks every effect for proposals and adds their terms to the model; registered models come last.
+pub(crate) fn candidates(
+    question: &Question<'_>,
+    registry: &Registry,
+    context: &Context<'_>,
+    friction_may_be_late: bool,
+    unasked: impl Fn(&str) -> bool,
+    registered: Vec<Proposed>,
+) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
+    let own = question.model;
+    let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
+    let mut proposed: Vec<(&'static str, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
+    for effect in effects::all().into_iter().filter(|e| !unasked(e.id())) {
+        for proposal in effect.proposals(context) {
+            if !friction_may_be_late
+                && matches!(proposal.addition, Addition::Instrument(_, Instrument::DelayOfAll))
+            {
+                continue;
+            }
+            let term = match &proposal.addition {
+                Addition::Term(configuration) => {
+                    let term = build_term(registry, effect, configuration)?;
+                    terms.push(term);
+                    Some(terms.len() - 1)
+                }
+                Addition::Instrument(..) => None,
+            };
+            proposed.push((effect.id(), None, proposal, term));
+        }
+    }
+    for Proposed { model, proposal, term } in registered {
+        terms.push(term);
+        proposed.push((REGISTERED, Some(model), proposal, Some(terms.len() - 1)));
+    }
+    let model =
+        RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
+            .map_err(|errors| DiagnosisError::Candidate {
+                effect: "candidates",
+                reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+            })?;
+    let layout = Layout::new(&model);
+    let candidates = proposed
+        .into_iter()
+        .map(|(effect, registered, proposal, term)| {
+            let (columns, names) = match (&proposal.addition, term) {
+                (Addition::Instrument(joint, which), _) => {
+                    (vec![layout.instrument(*joint, *which)], vec![String::new()])
+                }
+                (Addition::Term(_), Some(k)) => {
+                    let columns: Vec<usize> = model.group(ColumnGroup::ArmTerm(k)).collect();
+                    let names =
+                        model.arm_terms()[k].columns(model.joints()).into_iter().map(|p| p.name).collect();
+                    (columns, names)
+                }
+                (Addition::Term(_), None) => (Vec::new(), Vec::new()),
+            };
+            Candidate { effect, registered, proposal, columns, names }
+        })
+        .collect();
+    Ok((model, candidates))
+}
+
+fn build_term(
+    registry: &Registry,
+    effect: &dyn Effect,
+    configuration: &Value,
+) -> Result<Box<dyn ArmTerm>, DiagnosisError> {
+    registry.build_from_json::<dyn ArmTerm>(configuration).map_err(|errors| DiagnosisError::Candidate {
+        effect: effect.id(),
+        reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+    })
+}

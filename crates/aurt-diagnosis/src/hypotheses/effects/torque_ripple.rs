@@ -1,0 +1,79 @@
+//! `torque_ripple`: a torque that repeats with the joint angle.
+//!
+//! # What it is
+//! τ = A sin(N q + φ): magnets cog, commutation is imperfect, and the wave generator of a harmonic drive
+//! deforms its teeth twice per motor turn.
+//!
+//! - `order`: N, cycles per turn of the joint. Twice the gear ratio for harmonic drives, gear ratio times poles
+//!   for cogging: often 100–300, for direct drives as low as 1–20;
+//! - `amplitude_nm`: A, 1–5 % of the rated torque.
+//!
+//! # How it shows
+//! Against angle, the residual is a wave whose crests stay where they are, at every speed and in both
+//! directions. In time its frequency is N |q̇|/2π, which rises and falls with speed and soon passes the cut-off
+//! of the filters; the evidence is then in the raw recording alone.
+//!
+//! # Easily confused with
+//! - aliasing: sampled too slowly, a fast ripple shows up at a wrong, moving frequency.
+//! - `spring` and gravity, for orders of a few turns per range.
+//! - `joint_elasticity`: rings at a frequency that does not change with speed.
+//!
+//! # What to record to be sure
+//! Slow constant velocity over the joint's whole range, so slow that N |q̇|/2π stays below the filters, in both
+//! directions.
+//!
+//! # References
+//! - T. D. Tuttle, W. P. Seering (1996), *A nonlinear model of a harmonic drive gear transmission*.
+//! - J. Y. Hung, Z. Ding (1993), *Design of currents to reduce torque ripple in brushless permanent magnet
+//!   motors*.
+
+use serde_json::json;
+
+use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal};
+
+pub(super) struct TorqueRipple;
+
+impl Effect for TorqueRipple {
+    fn id(&self) -> &'static str {
+        "torque_ripple"
+    }
+
+    fn family(&self) -> Family {
+        Family::P
+    }
+
+    fn title(&self) -> &'static str {
+        "torque ripple (a force that repeats with the joint angle)"
+    }
+
+    fn decider(&self) -> &'static str {
+        "slow constant velocity over the joint's whole range"
+    }
+
+    fn source(&self) -> &'static str {
+        include_str!("torque_ripple.rs")
+    }
+
+    fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
+        crate::hypotheses::periodogram::orders(context)
+            .into_iter()
+            .map(|(joint, order)| {
+                let term = json!({
+                    "model": "torque_ripple", "joints": [joint], "cycles_per_revolution": order,
+                });
+                Proposal::on_joint(joint, term, vec![]).with("order", order)
+            })
+            .collect()
+    }
+
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let mut parameters = proposal.fixed_parameters();
+        if let [(_, sine, sine_std), (_, cosine, cosine_std), ..] = fitted {
+            let amplitude = sine.hypot(*cosine);
+            // The deviation along the direction of the amplitude.
+            let along = (sine * sine_std).hypot(cosine * cosine_std) / amplitude.max(f64::MIN_POSITIVE);
+            parameters.insert("amplitude_nm".to_owned(), (json!(amplitude), json!(along)));
+        }
+        parameters
+    }
+}

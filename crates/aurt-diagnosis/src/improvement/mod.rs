@@ -1,0 +1,266 @@
+//! The experiment that has the named physics.
+
+use std::path::PathBuf;
+
+use aurt_plugins::Origin;
+use serde_json::Value;
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
+
+use crate::error::DiagnosisError;
+use crate::evidence::baseline::weighted_fit;
+use crate::hypotheses::effects::Addition;
+use crate::investigation::Investigation;
+use crate::recordings::rows::{Instrument, Role};
+use crate::request::Question;
+
+/// What has to be added to an experiment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Improvement {
+    /// Arm terms, each as its configuration, with the recordings in which it acts if not in all.
+    pub terms: Vec<(Value, Option<Vec<String>>)>,
+    /// Factors on the instrument's gains, joint by joint.
+    pub gain_factors: Option<Vec<f64>>,
+    /// Delays of the measurement, joint by joint, s.
+    pub delay_s: Option<Vec<f64>>,
+    /// Whether target recordings join the calibration ones.
+    pub calibrate_on_target: bool,
+    /// Libraries that the terms' models are from.
+    pub libraries: Vec<PathBuf>,
+    /// What could not be put into the experiment, and why.
+    pub notes: Vec<String>,
+}
+
+/// What the chosen effects add to an experiment.
+#[must_use]
+pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Improvement {
+    let joints = question.model.joints();
+    let all = investigation.switches();
+    let (fit, _) = weighted_fit(&investigation.problem, &all, &investigation.floor);
+    let value = |column: usize, target_only: bool| {
+        all.iter()
+            .position(|s| s.column == column && s.target_only == target_only)
+            .map_or(0.0, |k| fit.coefficients[k])
+    };
+    let targets: Vec<String> = question
+        .recordings
+        .iter()
+        .filter(|r| r.role != Role::Calibration)
+        .map(|r| r.data.name.clone())
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let mut improvement = Improvement {
+        calibrate_on_target: investigation.problem.has_target() && investigation.problem.has_reference(),
+        ..Improvement::default()
+    };
+    if let Some(late) = &investigation.late {
+        if late.delay.target_only && investigation.problem.has_reference() {
+            improvement.notes.push(
+                "the delay is in the target recordings only; `[instrument]` holds for all recordings, so it was not \
+                 added"
+                    .into(),
+            );
+        } else {
+            improvement.delay_s = Some(vec![late.delay.delay_s; joints]);
+        }
+    }
+    for chosen in &investigation.selection.chosen {
+        let group = &investigation.groups[chosen.group];
+        let candidate = &investigation.candidates[group.candidate];
+        if let Some(Origin::Library(library)) = candidate.registered.as_ref().map(|r| &r.origin)
+            && !improvement.libraries.contains(&library.path)
+        {
+            improvement.libraries.push(library.path.clone());
+        }
+        let scope = (group.target_only() && investigation.problem.has_reference()).then(|| targets.clone());
+        match &candidate.proposal.addition {
+            Addition::Term(configuration) => add_term(&mut improvement.terms, configuration, scope),
+            Addition::Instrument(joint, which) => {
+                let found = value(candidate.columns[0], group.target_only());
+                if scope.is_some() {
+                    improvement.notes.push(format!(
+                        "{} on joint {joint} is in the target recordings only; `[instrument]` holds for all \
+                         recordings, so it was not added",
+                        group.effect
+                    ));
+                    continue;
+                }
+                match which {
+                    Instrument::Gain => {
+                        improvement.gain_factors.get_or_insert_with(|| vec![1.0; joints])[*joint] /=
+                            1.0 + found;
+                    }
+                    // Undone by a shift; see above.
+                    Instrument::Delay | Instrument::DelayOfAll => {}
+                    Instrument::Jerk => improvement.notes.push(format!(
+                        "the elastic transmission of joint {joint} has no term that a calibrated model could \
+                         carry; the improved experiment does without it"
+                    )),
+                }
+            }
+        }
+    }
+    improvement
+}
+
+/// Adds a term; one that differs from an earlier one in its joints alone joins it.
+fn add_term(
+    terms: &mut Vec<(Value, Option<Vec<String>>)>,
+    configuration: &Value,
+    scope: Option<Vec<String>>,
+) {
+    let key = |value: &Value| {
+        let mut rest = value.clone();
+        if let Some(table) = rest.as_object_mut() {
+            table.remove("joints");
+        }
+        rest
+    };
+    let joined = terms.iter_mut().find(|(other, s)| {
+        *s == scope
+            && other.get("joints").is_some()
+            && configuration.get("joints").is_some()
+            && key(other) == key(configuration)
+    });
+    match joined {
+        Some((other, _)) => {
+            if let (Some(Value::Array(list)), Some(Value::Array(more))) =
+                (other.get_mut("joints"), configuration.get("joints"))
+            {
+                list.extend(more.iter().cloned());
+                list.sort_by_key(Value::as_u64);
+            }
+        }
+        None => terms.push((configuration.clone(), scope)),
+    }
+}
+
+/// The experiment's text with the improvement in it; comments and order are kept.
+///
+/// # Errors
+/// [`DiagnosisError::Improvement`] if the text is not an experiment that can be extended.
+pub fn improved_experiment(source: &str, improvement: &Improvement) -> Result<String, DiagnosisError> {
+    let refuse = |reason: String| DiagnosisError::Improvement { reason };
+    let mut document: DocumentMut = source.parse().map_err(|e| refuse(format!("{e}")))?;
+    if improvement.calibrate_on_target
+        && let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut)
+    {
+        let targets: Vec<toml_edit::Value> = recordings
+            .remove("target")
+            .and_then(|t| t.as_array().cloned())
+            .map(|a| a.iter().cloned().collect())
+            .unwrap_or_default();
+        if let Some(calibration) = recordings.get_mut("calibration").and_then(Item::as_array_mut) {
+            for mut target in targets {
+                target.decor_mut().clear();
+                calibration.push(target);
+            }
+        }
+    }
+    if !improvement.libraries.is_empty() {
+        let plugins = document.entry("plugins").or_insert_with(|| Item::Table(Table::new()));
+        let list = plugins
+            .as_table_like_mut()
+            .map(|table| table.entry("libraries").or_insert_with(|| Item::Value(Array::new().into())));
+        let Some(list) = list.and_then(Item::as_array_mut) else {
+            return Err(refuse("`libraries` of `plugins` is not a list".into()));
+        };
+        list.extend(improvement.libraries.iter().map(|path| path.to_string_lossy().into_owned()));
+    }
+    for (configuration, scope) in &improvement.terms {
+        let mut table = Table::new();
+        for (name, value) in configuration.as_object().into_iter().flatten() {
+            table.insert(name, Item::Value(toml_value(value)));
+        }
+        if let Some(names) = scope {
+            table.insert(
+                "recordings",
+                Item::Value(names.iter().map(String::as_str).collect::<Array>().into()),
+            );
+        }
+        let terms = document.entry("arm_terms").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+        match terms {
+            Item::ArrayOfTables(terms) => terms.push(table),
+            Item::Value(toml_edit::Value::Array(terms)) => {
+                terms.push(toml_edit::Value::InlineTable(table.into_inline_table()));
+            }
+            _ => return Err(refuse("`arm_terms` is neither a list of tables nor an array".into())),
+        }
+    }
+    if improvement.gain_factors.is_some() || improvement.delay_s.is_some() {
+        let instrument = document.entry("instrument").or_insert_with(|| Item::Table(Table::new()));
+        let Some(instrument) = instrument.as_table_like_mut() else {
+            return Err(refuse("`instrument` is not a table".into()));
+        };
+        if let Some(factors) = &improvement.gain_factors {
+            combine(instrument, "gains", factors, |old, factor| old * factor, 1.0);
+        }
+        if let Some(delays) = &improvement.delay_s {
+            combine(instrument, "delay_s", delays, |old, delay| old + delay, 0.0);
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// Combines a list of an instrument's key with another, joint by joint.
+fn combine(
+    table: &mut dyn toml_edit::TableLike,
+    key: &str,
+    with: &[f64],
+    how: impl Fn(f64, f64) -> f64,
+    default: f64,
+) {
+    let old: Vec<f64> = table
+        .get(key)
+        .and_then(Item::as_array)
+        .map(|a| {
+            a.iter().map(|v| v.as_float().or(v.as_integer().map(|i| i as f64)).unwrap_or(default)).collect()
+        })
+        .unwrap_or_default();
+    let combined: Array =
+        with.iter().enumerate().map(|(j, w)| how(old.get(j).copied().unwrap_or(default), *w)).collect();
+    table.insert(key, Item::Value(combined.into()));
+}
+
+/// A JSON value as a TOML value; null, which TOML does not have, becomes false.
+fn toml_value(value: &Value) -> toml_edit::Value {
+    match value {
+        Value::Null => false.into(),
+        Value::Bool(b) => (*b).into(),
+        Value::Number(n) => match n.as_i64() {
+            Some(i) => i.into(),
+            None => n.as_f64().unwrap_or(0.0).into(),
+        },
+        Value::String(s) => s.as_str().into(),
+        Value::Array(list) => list.iter().map(toml_value).collect::<Array>().into(),
+        Value::Object(map) => {
+            let mut table = InlineTable::new();
+            for (name, item) in map {
+                table.insert(name, toml_value(item));
+            }
+            table.into()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn comments_stay_and_terms_of_equal_kind_share_a_table() {
+        let source = "schema = 1 # first\n[recordings]\ncalibration = [\"a.csv\"]\ntarget = [\"b.csv\"]\n";
+        let mut improvement = Improvement { calibrate_on_target: true, ..Improvement::default() };
+        add_term(&mut improvement.terms, &json!({"model": "spring", "joints": [2]}), None);
+        add_term(&mut improvement.terms, &json!({"model": "spring", "joints": [0]}), None);
+        add_term(&mut improvement.terms, &json!({"model": "payload", "link": 5}), Some(vec!["b.csv".into()]));
+        improvement.gain_factors = Some(vec![1.0, 0.5]);
+        let text = improved_experiment(source, &improvement).unwrap();
+        assert!(text.starts_with("schema = 1 # first"), "{text}");
+        assert!(text.contains("calibration = [\"a.csv\", \"b.csv\"]") && !text.contains("target"), "{text}");
+        assert!(text.contains("joints = [0, 2]"), "{text}");
+        assert!(text.contains("recordings = [\"b.csv\"]"), "{text}");
+        assert!(text.contains("gains = [1.0, 0.5]"), "{text}");
+    }
+}

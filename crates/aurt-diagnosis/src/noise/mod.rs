@@ -1,0 +1,3 @@
+//! What noise alone leaves of a recording.
+
+pub mod floor;

@@ -1,0 +1,9 @@
+//! Rows of the recordings: what is wrong with them, and which of them fit and which judge.
+
+pub mod faults;
+pub(crate) mod partition;
+pub(crate) mod rows;
+
+pub use faults::{Fault, RecordingFaults};
+pub use partition::Partition;
+pub use rows::{Fit, Instrument, Layout, RecordingRows, Role};

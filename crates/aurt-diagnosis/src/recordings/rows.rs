@@ -1,0 +1,338 @@
+use aurt_calibration::{for_each_row_block, for_each_tile};
+use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
+use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
+use serde::{Deserialize, Serialize};
+
+use crate::error::DiagnosisError;
+
+/// What part a recording takes in a diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// The model's structure is calibrated on it.
+    Calibration,
+    /// The question is what it shows beyond the model.
+    Target,
+    /// Takes no part in selection or fitting; supplies the reported improvement.
+    Validation,
+}
+
+/// The filtered, decimated rows of one recording, joint by joint, over all columns of a robot model.
+#[derive(Debug, Clone)]
+pub struct RecordingRows {
+    /// Name of the recording.
+    pub name: String,
+    /// Its part.
+    pub role: Role,
+    /// Rows per second.
+    pub rate_hz: f64,
+    /// Time of each row, s.
+    pub time_s: Vec<f64>,
+    /// First row of each segment, and the number of rows at the end.
+    pub segment_starts: Vec<usize>,
+    /// The joints' rows.
+    pub joints: Vec<JointRows>,
+}
+
+/// Which columns each joint's rows have: those of the robot model, then instrument columns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of coefficients.
+    pub coefficients: usize,
+    /// The coefficients of each joint's row, in the order of its columns.
+    pub rows: Vec<Vec<usize>>,
+    /// First instrument coefficient; see [`Layout::instrument`].
+    pub first_instrument: usize,
+}
+
+/// A column that is made of the baseline's own prediction ŷ_j.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Instrument {
+    /// ŷ_j: its coefficient is a gain error.
+    Gain,
+    /// d²ŷ_j/dt²: the motor-side inertia behind an elastic transmission, in s².
+    Jerk,
+    /// −dτ_j/dt of the rigid bodies' part τ_j of ŷ_j: its coefficient is a delay of the measurement in s. One clock
+    /// stamps all joints, so they share one coefficient. Friction is left out: its step at a reversal is smeared by
+    /// filters and by presliding, which looks like a delay.
+    Delay,
+    /// The same of the whole of ŷ_j.
+    DelayOfAll,
+}
+
+impl Instrument {
+    /// All of them, in column order.
+    pub const ALL: [Self; 4] = [Self::Gain, Self::Jerk, Self::Delay, Self::DelayOfAll];
+
+    /// Those of which each joint has its own coefficient.
+    const OWN: usize = 2;
+}
+
+impl Layout {
+    /// The layout of a model's rows followed by the instrument columns of each joint.
+    #[must_use]
+    pub fn new(model: &RobotModel) -> Self {
+        let first = model.parameters().len();
+        let joints = model.joints();
+        let rows = (0..joints)
+            .map(|j| {
+                let mut row = model.row_columns(j).to_vec();
+                row.extend(Instrument::ALL.map(|which| Self::instrument_after(first, joints, j, which)));
+                row
+            })
+            .collect();
+        Self { coefficients: first + joints * Instrument::OWN + 2, rows, first_instrument: first }
+    }
+
+    /// The coefficient of an instrument column.
+    #[must_use]
+    pub const fn instrument(&self, joint: usize, which: Instrument) -> usize {
+        Self::instrument_after(self.first_instrument, self.rows.len(), joint, which)
+    }
+
+    const fn instrument_after(first: usize, joints: usize, joint: usize, which: Instrument) -> usize {
+        match which {
+            Instrument::Gain => first + joint * Instrument::OWN,
+            Instrument::Jerk => first + joint * Instrument::OWN + 1,
+            Instrument::Delay => first + joints * Instrument::OWN,
+            Instrument::DelayOfAll => first + joints * Instrument::OWN + 1,
+        }
+    }
+}
+
+/// The rows of one joint.
+#[derive(Debug, Clone, Default)]
+pub struct JointRows {
+    /// Row values, column after column in the order of [`Layout::rows`].
+    pub data: Vec<f64>,
+    /// Measurement (less what a frozen model or another simulator predicts).
+    pub measurement: Vec<f64>,
+    /// Angle at each row, rad.
+    pub position_rad: Vec<f64>,
+    /// Velocity at each row, rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Acceleration at each row, rad/s².
+    pub acceleration_rad_s2: Vec<f64>,
+    /// Whether each row counts: it does not while the joint stands, where the sign of its velocity is that of
+    /// noise. Rows that do not count are zero.
+    pub counts: Vec<bool>,
+}
+
+impl RecordingRows {
+    /// Evaluates `model` over a recording's segments.
+    ///
+    /// # Errors
+    /// If a segment has no measurement, or a model fails.
+    pub fn evaluate(
+        name: &str,
+        role: Role,
+        data: &Preprocessed,
+        model: &RobotModel,
+        load: &LoadTorque,
+        baseline: &Fit<'_>,
+    ) -> Result<Self, DiagnosisError> {
+        let rows: usize = data.segments.iter().map(Segment::rows).sum();
+        let mut joints: Vec<JointRows> = (0..model.joints())
+            .map(|j| {
+                let columns = model.row_columns(j).len() + Instrument::ALL.len();
+                JointRows { data: vec![0.0; rows * columns], ..JointRows::default() }
+            })
+            .collect();
+        let mut time_s = Vec::with_capacity(rows);
+        let mut segment_starts = vec![0];
+        let mut rate_hz = 1.0;
+        for segment in &data.segments {
+            let first = time_s.len();
+            let count = segment.rows();
+            let motion = segment.motion.view();
+            let picked = |series: &[f64]| {
+                series.iter().step_by(segment.decimation).take(count).copied().collect::<Vec<_>>()
+            };
+            rate_hz = segment.rate_hz / segment.decimation as f64;
+            time_s.extend(picked(motion.time_s()));
+            let measurement = segment
+                .measurement
+                .as_ref()
+                .ok_or_else(|| DiagnosisError::NoMeasurement { recording: name.to_owned() })?;
+            for (j, joint) in joints.iter_mut().enumerate() {
+                joint.measurement.extend_from_slice(&measurement[j][..count]);
+                joint.position_rad.extend(picked(motion.position_rad(j)));
+                joint.velocity_rad_s.extend(picked(motion.velocity_rad_s(j)));
+                joint.acceleration_rad_s2.extend(picked(motion.acceleration_rad_s2(j)));
+            }
+            for_each_row_block(model, segment, load, |block| {
+                for (j, joint) in joints.iter_mut().enumerate() {
+                    let slots = model.row_slots(j);
+                    for (k, slot) in slots.enumerate() {
+                        let start = k * rows + first + block.first_row;
+                        joint.data[start..start + block.rows].copy_from_slice(block.column(slot));
+                    }
+                }
+            })?;
+            for (j, joint) in joints.iter_mut().enumerate() {
+                let start = model.row_columns(j).len() * rows;
+                instrument_rows(segment, j, baseline, &mut joint.data[start..], rows, first, count)?;
+            }
+            segment_starts.push(time_s.len());
+        }
+        let mut rows = Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints };
+        rows.leave_out_standing();
+        Ok(rows)
+    }
+
+    /// Leaves out the rows of a joint that stays below the rest velocity for some time.
+    fn leave_out_standing(&mut self) {
+        let shortest = (STANDING_S * self.rate_hz).ceil().max(2.0) as usize;
+        for joint in &mut self.joints {
+            let slow: Vec<bool> = joint.velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
+            joint.counts = vec![true; slow.len()];
+            let mut start = 0;
+            while start < slow.len() {
+                let length = slow[start..].iter().take_while(|s| **s).count();
+                if length >= shortest {
+                    joint.counts[start..start + length].fill(false);
+                }
+                start += length.max(1);
+            }
+            joint.silence();
+        }
+    }
+
+    /// Number of rows per joint.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+}
+
+/// The model that is questioned, fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct Fit<'a> {
+    /// Its structure.
+    pub model: &'a RobotModel,
+    /// Its load torque.
+    pub load: &'a LoadTorque,
+    /// Its coefficients.
+    pub coefficients: &'a [f64],
+}
+
+/// Writes the instrument columns of one joint: the prediction and its time derivatives, taken at the
+/// recording's own rate and then filtered and decimated like every other column.
+fn instrument_rows(
+    segment: &Segment,
+    joint: usize,
+    fit: &Fit<'_>,
+    data: &mut [f64],
+    rows: usize,
+    first: usize,
+    count: usize,
+) -> Result<(), DiagnosisError> {
+    let samples = segment.motion.samples();
+    let rigid = fit.model.group(ColumnGroup::RigidBody);
+    let mut series = vec![0.0; Instrument::ALL.len() * samples];
+    let mut load = vec![0.0; samples];
+    for_each_tile(fit.model, segment, fit.load, |start, tile| {
+        let span = start..start + tile.samples();
+        for (slot, column) in fit.model.row_slots(joint).zip(fit.model.row_columns(joint)) {
+            let coefficient = fit.coefficients[*column];
+            if coefficient == 0.0 {
+                continue;
+            }
+            for (o, value) in series[span.clone()].iter_mut().zip(tile.slot(slot)) {
+                *o += coefficient * value;
+            }
+            if rigid.contains(column) {
+                for (o, value) in load[span.clone()].iter_mut().zip(tile.slot(slot)) {
+                    *o += coefficient * value;
+                }
+            }
+        }
+    })?;
+    let (prediction, derivatives) = series.split_at_mut(samples);
+    let (jerk, delays) = derivatives.split_at_mut(samples);
+    let (delay, delay_of_all) = delays.split_at_mut(samples);
+    for k in 1..samples.saturating_sub(1) {
+        jerk[k] =
+            (prediction[k + 1] - 2.0 * prediction[k] + prediction[k - 1]) * segment.rate_hz * segment.rate_hz;
+        delay_of_all[k] = -(prediction[k + 1] - prediction[k - 1]) * 0.5 * segment.rate_hz;
+        delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
+    }
+    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, Instrument::ALL.len(), segment.decimation);
+    let mut write = |tile: DecimatedTile<'_>| {
+        let take = tile.rows().min(count.saturating_sub(tile.first_row()));
+        for k in 0..Instrument::ALL.len() {
+            let to = k * rows + first + tile.first_row();
+            data[to..to + take].copy_from_slice(&tile.column(k)[..take]);
+        }
+    };
+    bank.push(&series, samples, samples, &mut write);
+    Ok(bank.finish(&mut write)?)
+}
+
+/// A joint stands if it stays below this speed, rad/s …
+const STANDING_RAD_S: f64 = 0.03;
+
+/// … for at least this time, s. Reversals are shorter.
+const STANDING_S: f64 = 0.4;
+
+impl JointRows {
+    /// Sets the rows that do not count to zero.
+    pub fn silence(&mut self) {
+        let rows = self.counts.len();
+        for (k, _) in self.counts.iter().enumerate().filter(|(_, c)| !**c) {
+            self.measurement[k] = 0.0;
+            self.data.iter_mut().skip(k).step_by(rows.max(1)).for_each(|v| *v = 0.0);
+        }
+    }
+
+    /// Number of rows in `start..end` that count.
+    #[must_use]
+    pub fn counted(&self, start: usize, end: usize) -> f64 {
+        self.counts[start..end].iter().filter(|c| **c).count() as f64
+    }
+
+    /// Column `k` of the joint's row columns.
+    #[must_use]
+    pub fn column(&self, k: usize) -> &[f64] {
+        let rows = self.measurement.len();
+        &self.data[k * rows..(k + 1) * rows]
+    }
+
+    /// y − Σ coefficient · column, `coefficients` in the order of the joint's row columns.
+    #[must_use]
+    pub fn residual(&self, coefficients: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut residual = self.measurement.clone();
+        for (k, coefficient) in coefficients.enumerate().filter(|(_, c)| *c != 0.0) {
+            for (r, value) in residual.iter_mut().zip(self.column(k)) {
+                *r -= coefficient * value;
+            }
+        }
+        residual
+    }
+}
+
+/// Share of independent values in a residual: 1 / (1 + 2 Σ ρ_k), ρ_k its autocorrelation up to where it first
+/// falls below 0.05 (at most `longest` lags).
+#[must_use]
+pub fn independent_share(residual: &[f64], longest: usize) -> f64 {
+    let n = residual.len();
+    if n < 4 {
+        return 1.0;
+    }
+    let mean = residual.iter().sum::<f64>() / n as f64;
+    let power: f64 = residual.iter().map(|r| (r - mean).powi(2)).sum();
+    if power == 0.0 {
+        return 1.0;
+    }
+    let mut sum = 0.0;
+    for lag in 1..longest.min(n / 2) {
+        let product: f64 =
+            residual[..n - lag].iter().zip(&residual[lag..]).map(|(a, b)| (a - mean) * (b - mean)).sum();
+        let correlation = product / power;
+        if correlation < 0.05 {
+            break;
+        }
+        sum += correlation;
+    }
+    1.0 / (1.0 + 2.0 * sum)
+}

@@ -1,0 +1,7 @@
+//! Which hypotheses describe the recordings.
+
+pub(crate) mod instrument_filter;
+pub(crate) mod registered;
+pub(crate) mod selection;
+
+pub use selection::{Chosen, Selection, Selector};

@@ -1,0 +1,80 @@
+//! When a registered model is taken: the vocabulary comes first.
+
+use crate::evidence::account::{Left, STRUCTURE, accounts_for};
+use crate::hypotheses::group::Group;
+use crate::hypotheses::registered::REGISTERED;
+use crate::search::selection::{Chosen, Selection, Selector};
+
+/// Selection with the vocabulary's groups, and then with those of registered models, which follow them in `groups`.
+///
+/// - What the vocabulary accounts for keeps its name. Registered models are then asked for what is left on joints
+///   where that is more than noise, on top of what was named.
+/// - Where the vocabulary finds nothing, or what it finds does not account for the mismatch, everything is tried
+///   together from the beginning, since several effects imitate a law that none of them is. A registered model has
+///   to beat the vocabulary by more than a tie, and the result to be better on held-out blocks than without it.
+///
+/// Without registered models the selection is that of the vocabulary.
+pub(crate) fn choose(selector: &Selector<'_>, groups: &[Group], mut progress: impl FnMut(&str)) -> Selection {
+    let known = groups.iter().position(|g| g.effect == REGISTERED).unwrap_or(groups.len());
+    let vocabulary = Selector { groups: &groups[..known], ..*selector };
+    let named = vocabulary.run(&mut progress);
+    if known == groups.len() {
+        return named;
+    }
+    if !named.chosen.is_empty() && accounts(selector.floor, &named) {
+        progress("asking registered models for what is left");
+        return on_top(&vocabulary, groups, known, named, progress);
+    }
+    progress("trying registered models");
+    let together = Selector { groups, ..*selector }.run(progress);
+    let registered = together.chosen.iter().any(|c| c.group >= known);
+    if registered && better(selector, &named, &together) { together } else { named }
+}
+
+/// Adds registered models to what was named, on joints where more than noise is left.
+fn on_top(
+    vocabulary: &Selector<'_>,
+    groups: &[Group],
+    known: usize,
+    named: Selection,
+    progress: impl FnMut(&str),
+) -> Selection {
+    let left = |joint: &usize| named.after[*joint] > STRUCTURE * STRUCTURE * vocabulary.floor[*joint];
+    let asked: Vec<usize> = (known..groups.len()).filter(|g| groups[*g].joints.iter().all(&left)).collect();
+    let registered: Vec<Group> = asked.iter().map(|g| groups[*g].clone()).collect();
+    let base = vocabulary.final_switches(&named);
+    let further = Selector { baseline: &base, groups: &registered, ..*vocabulary }.run(progress);
+    let mut both = named;
+    if !further.chosen.is_empty() {
+        both.after = further.after;
+        both.chosen.extend(further.chosen.into_iter().map(|c| Chosen {
+            group: asked[c.group],
+            rivals: Vec::new(),
+            ..c
+        }));
+    }
+    both
+}
+
+/// Whether a selection accounts for the mismatch, as the answer judges it, on held-out blocks.
+fn accounts(floor: &[f64], selection: &Selection) -> bool {
+    let joint = |((before, after), floor): ((&f64, &f64), &f64)| Left {
+        before: before.sqrt(),
+        after: after.sqrt(),
+        floor: floor.sqrt(),
+    };
+    let joints: Vec<Left> = selection.before.iter().zip(&selection.after).zip(floor).map(joint).collect();
+    accounts_for(&joints)
+}
+
+/// Whether a selection beats another on held-out blocks: by what an effect must bring on some joint, and on the whole.
+fn better(selector: &Selector<'_>, named: &Selection, together: &Selection) -> bool {
+    let least = -(1.0 - selector.options.reduction).ln();
+    let gains: Vec<f64> = (0..named.after.len())
+        .map(|j| {
+            let floor = selector.floor[j].max(f64::MIN_POSITIVE);
+            (named.after[j].max(floor) / together.after[j].max(floor)).ln()
+        })
+        .collect();
+    gains.iter().any(|gain| *gain > least) && gains.iter().sum::<f64>() > 0.0
+}

@@ -1,0 +1,115 @@
+use aurt_calibration::for_each_tile;
+use aurt_recording::{Segment, white_level};
+use aurt_traits::{ColumnGroup, MotionView};
+
+use super::inertia::InertiaColumns;
+use crate::error::DiagnosisError;
+use crate::recordings::rows::Fit;
+
+/// What a fitted model leaves of a segment at the recording's own rate, before any filter, joint by joint.
+#[derive(Debug, Clone)]
+pub struct FullRate {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Stamps, s.
+    pub time_s: Vec<f64>,
+    /// Measured less predicted.
+    pub residual: Vec<Vec<f64>>,
+    /// The part of the prediction that the rigid bodies need: the torque that the gear transmits.
+    pub load: Vec<Vec<f64>>,
+    /// Standard deviation of the measurement's white noise.
+    pub noise: Vec<f64>,
+    /// Whether a joint moves, and neither it has just reversed, started or stopped nor is about to.
+    pub calm: Vec<Vec<bool>>,
+    /// Inertia along the motion.
+    pub inertia: InertiaColumns,
+}
+
+/// A joint rests below this speed, rad/s.
+const REST_RAD_S: f64 = 0.01;
+/// Dry friction that changes its sign shakes its own joint for this time before (the filtered motion is not exact)
+/// and after, s …
+const OWN_S: f64 = 0.07;
+/// … and other joints for this time, s.
+const OTHERS_S: f64 = 0.04;
+/// The inertia matrix is evaluated this often, s.
+const INERTIA_STEP_S: f64 = 0.02;
+
+impl FullRate {
+    /// Evaluates a model over a segment; `None` if it has no measurement of its own rate.
+    ///
+    /// # Errors
+    /// What the model reports.
+    pub fn evaluate(
+        segment: &Segment,
+        fit: &Fit<'_>,
+        inertial: &[(usize, f64)],
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let Some(measured) = &segment.raw_measurement else { return Ok(None) };
+        let motion = segment.motion.view();
+        let (samples, joints) = (motion.samples(), fit.model.joints());
+        let rigid = fit.model.group(ColumnGroup::RigidBody);
+        let mut residual: Vec<Vec<f64>> = measured.iter().map(|m| m[..samples].to_vec()).collect();
+        let noise = residual.iter().map(|m| white_level(m)).collect();
+        let mut load = vec![vec![0.0; samples]; joints];
+        for_each_tile(fit.model, segment, fit.load, |start, tile| {
+            for joint in 0..joints {
+                let span = start..start + tile.samples();
+                let (left, transmitted) = (&mut residual[joint][span.clone()], &mut load[joint][span]);
+                for (slot, column) in fit.model.row_slots(joint).zip(fit.model.row_columns(joint)) {
+                    let coefficient = fit.coefficients[*column];
+                    if coefficient == 0.0 {
+                        continue;
+                    }
+                    for (l, value) in left.iter_mut().zip(tile.slot(slot)) {
+                        *l -= coefficient * value;
+                    }
+                    if rigid.contains(column) {
+                        for (t, value) in transmitted.iter_mut().zip(tile.slot(slot)) {
+                            *t += coefficient * value;
+                        }
+                    }
+                }
+            }
+        })?;
+        let step = ((INERTIA_STEP_S * segment.rate_hz).round() as usize).max(1);
+        Ok(Some(Self {
+            rate_hz: segment.rate_hz,
+            time_s: motion.time_s().to_vec(),
+            residual,
+            load,
+            noise,
+            calm: calm(motion, segment.rate_hz),
+            inertia: InertiaColumns::evaluate(&**fit.model.rigid_body(), inertial, motion, step)?,
+        }))
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.residual.len()
+    }
+}
+
+fn calm(motion: MotionView<'_>, rate_hz: f64) -> Vec<Vec<bool>> {
+    let (samples, joints) = (motion.samples(), motion.joints());
+    let mut calm = vec![vec![true; samples]; joints];
+    let reach = |seconds: f64| (seconds * rate_hz).ceil() as usize;
+    for joint in 0..joints {
+        let velocity = motion.velocity_rad_s(joint);
+        let rests = |k: usize| velocity[k].abs() < REST_RAD_S;
+        for k in 0..samples {
+            if rests(k) {
+                calm[joint][k] = false;
+            }
+            let jolts = k > 0 && (rests(k) != rests(k - 1) || velocity[k] * velocity[k - 1] < 0.0);
+            if jolts {
+                for (other, series) in calm.iter_mut().enumerate() {
+                    let reach = reach(if other == joint { OWN_S } else { OTHERS_S });
+                    series[k.saturating_sub(reach)..(k + reach).min(samples)].fill(false);
+                }
+            }
+        }
+    }
+    calm
+}

@@ -1,0 +1,191 @@
+use std::collections::BTreeMap;
+
+use aurt_traits::Slot;
+use serde::{Deserialize, Serialize};
+
+use crate::hypotheses::effects::{Family, ParameterValue};
+
+/// The answer in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// What is left is noise.
+    NoMismatch,
+    /// The missing physics has a name.
+    Named,
+    /// A class of effects that these data cannot separate.
+    Ambiguous,
+    /// Structure is there, and no known effect accounts for it.
+    Unexplained,
+}
+
+/// A diagnosis, as `verdict.json` carries it. Joints count from 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// The answer.
+    pub verdict: Answer,
+    /// The effects, strongest first.
+    pub effects: Vec<Finding>,
+    /// Registered friction models that predict what no named effect does, strongest first. They have no word of the
+    /// vocabulary: where they alone explain the mismatch, the answer is `unexplained`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub registered_models: Vec<RegisteredFinding>,
+    /// Effects that these recordings can neither show nor exclude.
+    pub not_decidable: Vec<NotDecidable>,
+    /// What is left, joint by joint.
+    pub residual: Vec<JointResidual>,
+    /// Improvement on data that took no part.
+    pub held_out: HeldOut,
+    /// How much the rest of the model moved when the effects were added: parameter, before, after, and the
+    /// shift in standard deviations.
+    pub shifts: Vec<Shift>,
+    /// What a reader should know of how this was found.
+    pub notes: Vec<String>,
+}
+
+/// An effect that was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Identifier of the effect.
+    pub effect: String,
+    /// Its family.
+    pub family: Family,
+    /// The joints whose physics it is; of a whole-arm effect those whose error it explains.
+    pub joints: Vec<usize>,
+    /// Kinds of recordings that have it: `calibration`, `target`.
+    pub present_in: Vec<String>,
+    /// The recording it is confined to, if it is local in time.
+    pub recording: Option<String>,
+    /// Its window in that recording, s from the first stamp.
+    pub window_s: Option<[f64; 2]>,
+    /// Share of findings of such a score that were right in proofs on simulated robots.
+    pub confidence: f64,
+    /// Parameters under their canonical names; lists run along `joints`.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// What else it could be: effects that would do as well on these data.
+    pub alternatives: Vec<Alternative>,
+    /// Why it was accepted.
+    pub evidence: Evidence,
+    /// The effect in a sentence.
+    pub sentence: String,
+}
+
+/// A registered friction model that predicts what no named effect does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RegisteredFinding {
+    /// Its name in experiments.
+    pub model: String,
+    /// Its slot.
+    pub slot: Slot,
+    /// Who registered it.
+    pub origin: String,
+    /// The joint whose friction it would be.
+    pub joints: Vec<usize>,
+    /// Kinds of recordings that have it: `calibration`, `target`.
+    pub present_in: Vec<String>,
+    /// Share of the joint's squared error without the model, with all else that was found, that the model predicts on
+    /// blocks of time that were not fitted.
+    pub predicted_share: f64,
+    /// Shape parameters as they were tried, and fitted coefficients.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// Why it was accepted.
+    pub evidence: Evidence,
+    /// The model in a sentence.
+    pub sentence: String,
+}
+
+/// Another effect that would explain the same residual as well.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// Identifier of the effect.
+    pub effect: String,
+    /// Joints it would be on.
+    pub joints: Vec<usize>,
+    /// Its score in the place of the finding.
+    pub score: f64,
+    /// What to record to tell the two apart.
+    pub record: String,
+}
+
+/// Score and threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Σ_j ½ n_eff log(MSE without / MSE with), cross-validated.
+    pub score: f64,
+    /// What it had to exceed.
+    pub threshold: f64,
+}
+
+/// An effect that the free part of the baseline absorbs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotDecidable {
+    /// Identifier of the effect.
+    pub effect: String,
+    /// The joints for which it holds.
+    pub joints: Vec<usize>,
+    /// Share of its torque that the baseline absorbs.
+    pub absorbed: f64,
+    /// What would decide it.
+    pub record: String,
+}
+
+/// What is left at a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointResidual {
+    /// The joint.
+    pub joint: usize,
+    /// Root mean square of the baseline's residual, in the measurement's unit.
+    pub baseline_rms: f64,
+    /// Root mean square of what the named effects and registered models leave.
+    pub unexplained_rms: f64,
+    /// Root mean square that noise alone leaves.
+    pub floor_rms: f64,
+    /// Whether what is left is more than noise.
+    pub structure_left: bool,
+    /// The coordinate that the rest follows best, out of sample.
+    pub follows: Option<String>,
+    /// Share of the rest that this coordinate predicts out of sample.
+    pub follows_share: f64,
+    /// Windows in which the rest stands out, s from the first stamp.
+    pub windows_s: Vec<[f64; 2]>,
+}
+
+/// The improvement on data that took no part in selection or fitting.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    /// The data used.
+    pub recordings: Vec<String>,
+    /// Root mean square of the residual before, joint by joint.
+    pub rms_before: Vec<f64>,
+    /// The same with the named effects.
+    pub rms_after: Vec<f64>,
+    /// What noise alone leaves.
+    pub rms_floor: Vec<f64>,
+}
+
+/// A joint is predicted worse if its held-out error grows by this share; less is within what two stretches of time
+/// differ by.
+const WORSE: f64 = 0.05;
+
+impl HeldOut {
+    /// Whether what was found makes a joint's error grow.
+    #[must_use]
+    pub fn is_worse(&self, joint: usize) -> bool {
+        let error = |of: &[f64]| of.get(joint).copied().unwrap_or(f64::NAN);
+        let (before, after) = (error(&self.rms_before), error(&self.rms_after));
+        before > 0.0 && after.is_finite() && after > (1.0 + WORSE) * before
+    }
+}
+
+/// A parameter of the rest of the model that the effects moved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shift {
+    /// Name.
+    pub parameter: String,
+    /// Value without the effects.
+    pub before: f64,
+    /// Value with them.
+    pub after: f64,
+    /// Difference in standard deviations.
+    pub in_std: f64,
+}

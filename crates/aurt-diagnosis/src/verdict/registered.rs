@@ -1,0 +1,77 @@
+//! What a verdict says of registered models.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::evidence::problem::TotalFit;
+use crate::hypotheses::effects::ParameterValue;
+use crate::hypotheses::group::Switch;
+use crate::hypotheses::registered::REGISTERED;
+use crate::investigation::Investigation;
+use crate::request::Question;
+use crate::verdict::findings::{fitted_coefficients, present_in};
+use crate::verdict::{Evidence, RegisteredFinding};
+
+/// The registered models that selection took, strongest first.
+pub(crate) fn findings(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    all: &[Switch],
+    fit: &TotalFit,
+) -> Vec<RegisteredFinding> {
+    let mut found = Vec::new();
+    for chosen in &investigation.selection.chosen {
+        let group = &investigation.groups[chosen.group];
+        let candidate = &investigation.candidates[group.candidate];
+        let Some(model) = &candidate.registered else { continue };
+        let fixed = candidate.proposal.fixed.iter();
+        let mut parameters: BTreeMap<String, ParameterValue> = fixed
+            .map(|(name, value)| (name.clone(), ParameterValue { value: json!(value), std: Value::Null }))
+            .collect();
+        parameters.extend(
+            fitted_coefficients(investigation, candidate, group.target_only(), all, fit)
+                .into_iter()
+                .map(|(name, value, std)| (name, ParameterValue { value: json!(value), std: json!(std) })),
+        );
+        let present_in = present_in(question, investigation, group.target_only());
+        let loss = group.joints.iter().map(|j| chosen.joint_loss[*j]).fold(0.0, f64::max);
+        let predicted_share = 1.0 - (-loss).exp();
+        let joints: Vec<String> = group.joints.iter().map(ToString::to_string).collect();
+        let changed = present_in == ["target"];
+        let sentence = format!(
+            "the registered {} model `{}` predicts {:.0} % of what is left on joint {} without it{}",
+            model.slot.name(),
+            model.name,
+            100.0 * predicted_share,
+            joints.join(", "),
+            if changed { ", in the target recordings only" } else { "" },
+        );
+        found.push(RegisteredFinding {
+            model: model.name.clone(),
+            slot: model.slot,
+            origin: model.origin.to_string(),
+            joints: group.joints.clone(),
+            present_in,
+            predicted_share,
+            parameters,
+            evidence: Evidence { score: chosen.score, threshold: question.selection.score },
+            sentence,
+        });
+    }
+    found.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
+    found
+}
+
+/// The coefficients of the final model without those of registered models: what the vocabulary has named.
+pub(crate) fn names_only(investigation: &Investigation) -> Vec<Switch> {
+    let named = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+    let named: Vec<&Switch> =
+        named.filter(|g| g.effect != REGISTERED).flat_map(|group| &group.switches).collect();
+    let base = investigation.base_switches.len();
+    let all = investigation.switches();
+    let kept = |k: usize, switch: &Switch| {
+        k < base || named.iter().any(|n| n.column == switch.column && n.target_only == switch.target_only)
+    };
+    all.into_iter().enumerate().filter(|(k, switch)| kept(*k, switch)).map(|(_, switch)| switch).collect()
+}

@@ -1,0 +1,132 @@
+//! Residuals row by row, before and after what was found: what the figures of a verdict are means over.
+
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::residuals::residuals;
+use crate::investigation::Investigation;
+use crate::recordings::rows::{RecordingRows, Role};
+use crate::request::Question;
+use crate::verdict::localise;
+use crate::verdict::write::rigid_body_load;
+
+/// One recording of an investigation, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordingSeries {
+    /// Name of the recording.
+    pub name: String,
+    /// Its part.
+    pub role: Role,
+    /// First row that took no part in selection or fitting; the number of rows where all did.
+    pub held_out_from: usize,
+    /// Time of each row since the recording's first stamp, s.
+    pub time_s: Vec<f64>,
+    /// Index of the first row of each stretch without gaps.
+    pub segment_starts: Vec<usize>,
+    /// The joints.
+    pub joints: Vec<JointSeriesRows>,
+}
+
+/// One joint of a [`RecordingSeries`]. Rows that do not count (the joint stands, the recording is faulty, something
+/// touched the arm) are not a number in the residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSeriesRows {
+    /// The measurement; absent where a given model or simulator was subtracted and the rows cannot be matched.
+    pub measured: Option<Vec<f64>>,
+    /// Residual of the model in question: on fitted rows as fitted to all of them, as `baseline_rms`; on held-out rows
+    /// as calibrated without the targets (or as given), as `rms_before`.
+    pub before: Vec<f64>,
+    /// Residual of the model with what was found.
+    pub after: Vec<f64>,
+    /// Root mean square that noise alone leaves.
+    pub floor_rms: f64,
+    /// Windows in which `after` stands out, s since the recording's first stamp.
+    pub windows_s: Vec<[f64; 2]>,
+    /// q, rad.
+    pub position_rad: Vec<f64>,
+    /// q̇, rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// q̈, rad/s².
+    pub acceleration_rad_s2: Vec<f64>,
+    /// Rigid-body torque of the baseline, in the measurement's unit.
+    pub load_torque: Vec<f64>,
+}
+
+/// The rows behind a verdict.
+#[must_use]
+pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<RecordingSeries> {
+    let all = investigation.switches();
+    let fit = |switches| weighted_fit(&investigation.problem, switches, &investigation.floor).0.coefficients;
+    let full = fit(&all);
+    let layout = &investigation.layout;
+    // Before is before a delay was undone, too.
+    let first = investigation.late.as_ref().map_or(investigation, |late| &late.before);
+    let base = weighted_fit(&first.problem, &first.base_switches, &first.floor).0.coefficients;
+    investigation
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(r, rows)| {
+            let same_rows = first.rows[r].rows() == rows.rows();
+            let before = if same_rows { &first.rows[r] } else { rows };
+            let left =
+                |coefficients: &[f64]| residuals(before, &first.layout, &first.base_switches, coefficients);
+            let (fitted, calibrated) = (left(&base), left(&first.baseline.coefficients));
+            let after = residuals(rows, layout, &all, &full);
+            let held_out = investigation.partition.held_out.iter().find(|part| part.0 == r);
+            let held_out_from = held_out.map_or(rows.rows(), |part| part.1);
+            let raw = &question.recordings[r].raw;
+            let origin_s = raw.time_s.first().copied().unwrap_or(0.0);
+            let measured = match &investigation.late {
+                None => measured(question, r, rows),
+                // As shifted: the recording itself is late.
+                Some(_) if investigation.baseline.frozen => None,
+                Some(_) => Some(rows.joints.iter().map(|j| j.measurement.clone()).collect()),
+            };
+            let joints = (0..rows.joints.len())
+                .map(|j| {
+                    let joint = &rows.joints[j];
+                    let counted = |(k, value): (usize, f64)| if joint.counts[k] { value } else { f64::NAN };
+                    let before = fitted[j][..held_out_from].iter().chain(&calibrated[j][held_out_from..]);
+                    let floor_rms = investigation.floors[r][j].sqrt();
+                    let shift = rows.time_s.first().map_or(0.0, |t| t - origin_s);
+                    JointSeriesRows {
+                        measured: measured.as_ref().map(|m| m[j].clone()),
+                        before: before.copied().enumerate().map(counted).collect(),
+                        after: after[j].iter().copied().enumerate().map(counted).collect(),
+                        floor_rms,
+                        windows_s: localise::windows(rows, &after[j], investigation.floor[j].sqrt())
+                            .into_iter()
+                            .map(|w| w.map(|t| t + shift))
+                            .collect(),
+                        position_rad: joint.position_rad.clone(),
+                        velocity_rad_s: joint.velocity_rad_s.clone(),
+                        acceleration_rad_s2: joint.acceleration_rad_s2.clone(),
+                        load_torque: rigid_body_load(investigation, rows, j),
+                    }
+                })
+                .collect();
+            RecordingSeries {
+                name: rows.name.clone(),
+                role: rows.role,
+                held_out_from,
+                time_s: rows.time_s.iter().map(|t| t - origin_s).collect(),
+                segment_starts: rows.segment_starts[..rows.segment_starts.len().saturating_sub(1)].to_vec(),
+                joints,
+            }
+        })
+        .collect()
+}
+
+/// The measurement of every row, from the recording as it was preprocessed: rows of an investigation are silent where
+/// they do not count, and less the prediction where a model is taken as given.
+fn measured(question: &Question<'_>, r: usize, rows: &RecordingRows) -> Option<Vec<Vec<f64>>> {
+    let segments = &question.recordings[r].data.data.segments;
+    let joints = (0..rows.joints.len())
+        .map(|j| {
+            let of_joint =
+                |s: &aurt_recording::Segment| Some(s.measurement.as_ref()?[j][..s.rows()].to_vec());
+            Some(segments.iter().map(of_joint).collect::<Option<Vec<_>>>()?.concat())
+        })
+        .collect::<Option<Vec<Vec<f64>>>>()?;
+    // A recording that was repaired can have other rows.
+    joints.iter().all(|j| j.len() == rows.rows()).then_some(joints)
+}

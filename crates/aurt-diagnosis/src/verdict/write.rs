@@ -1,0 +1,300 @@
+//! From an investigation to a verdict.
+
+use std::collections::BTreeMap;
+
+use crate::evidence::account::STRUCTURE;
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::problem::TotalFit;
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::effects;
+use crate::hypotheses::effects::Presence;
+use crate::hypotheses::group::Switch;
+use crate::investigation::Investigation;
+use crate::recordings::rows::{RecordingRows, Role};
+use crate::request::{Question, QuestionedRecording};
+use crate::transmission::LEAST_RATE_HZ;
+use crate::verdict::answer::Account;
+use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings};
+use crate::verdict::{
+    Answer, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, registered,
+};
+use aurt_traits::ColumnGroup;
+
+/// The verdict of an investigation.
+#[must_use]
+pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
+    let chosen = &investigation.selection.chosen;
+    let all = investigation.switches();
+    let (fit, weights) = weighted_fit(&investigation.problem, &all, &investigation.floor);
+    let baseline = (
+        &investigation.base_switches,
+        weighted_fit(&investigation.problem, &investigation.base_switches, &investigation.floor).0,
+    );
+    let mut effects = findings(question, investigation, chosen, &all, &fit, &weights);
+    effects.extend(delay_finding(question, investigation));
+    effects.sort_by(|a, b| {
+        let changed = |f: &Finding| f.present_in.len() == 1 && f.present_in[0] == "target";
+        changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
+    });
+    let mut residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
+    let mut held_out = held_out(investigation, &all, &fit);
+    if let Some(late) = &investigation.late {
+        let before = &late.before;
+        let own = &before.base_switches;
+        let first = weighted_fit(&before.problem, own, &before.floor).0;
+        for (now, then) in residual.iter_mut().zip(joint_residuals(before, own, &first, own, &first)) {
+            now.baseline_rms = then.baseline_rms;
+        }
+        held_out.rms_before = self::held_out(before, own, &first).rms_before;
+    }
+    let faults = fault_findings(question, investigation);
+    let touched = contact_findings(question, investigation);
+    let shaking = shaking_findings(question, investigation);
+    let registered_models = registered::findings(question, investigation, &all, &fit);
+    // Registered models account for nothing that has a name.
+    let of_names = (!registered_models.is_empty()).then(|| {
+        let named = registered::names_only(investigation);
+        let fit = weighted_fit(&investigation.problem, &named, &investigation.floor).0;
+        let mut of_names = joint_residuals(investigation, &named, &fit, baseline.0, &baseline.1);
+        for (name, whole) in of_names.iter_mut().zip(&residual) {
+            name.baseline_rms = whole.baseline_rms;
+        }
+        of_names
+    });
+    let account = Account {
+        physics: &effects,
+        residual: of_names.as_ref().unwrap_or(&residual),
+        contacts: !touched.is_empty(),
+        shaking: !shaking.is_empty(),
+        faults: !faults.is_empty(),
+    };
+    let verdict = match account.answer(question, investigation) {
+        Answer::NoMismatch if !registered_models.is_empty() => Answer::Unexplained,
+        answer => answer,
+    };
+    // A fault that makes no difference stands behind physics that does.
+    let place = if investigation.faults_matter { 0 } else { effects.len() };
+    effects.splice(place..place, faults);
+    effects.splice(0..0, shaking.into_iter().chain(touched));
+    let mut verdict = Verdict {
+        verdict,
+        effects,
+        registered_models,
+        not_decidable: not_decidable(question, investigation),
+        residual,
+        held_out,
+        shifts: shifts(investigation, &all, &fit, &baseline.1),
+        notes: Vec::new(),
+    };
+    verdict.notes.extend(
+        investigation
+            .faults
+            .iter()
+            .filter(|f| !f.suffices)
+            .map(|f| format!("{}: {}", f.recording, f.sentence)),
+    );
+    verdict.notes.extend(investigation.untried.iter().cloned());
+    if let Some(note) = worse_on_held_out(&verdict) {
+        verdict.notes.push(note);
+    }
+    if investigation.undetermined {
+        verdict.notes.push(
+            "the calibration recordings do not determine what the targets' motion needs: the model was fitted to both \
+             together, and what has changed can hide in that; calibrate on motions of all joints"
+                .into(),
+        );
+    }
+    let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
+    if question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow) {
+        verdict.notes.push(format!(
+            "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
+             {LEAST_RATE_HZ:.0} samples per second or more"
+        ));
+    }
+    if question.recordings.iter().any(|r| r.simulated.is_some()) {
+        verdict.notes.push(
+            "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),
+        );
+    } else if investigation.baseline.frozen {
+        verdict
+            .notes
+            .push("the model in question was taken as given; its coefficients were not refitted".into());
+    }
+    verdict
+}
+
+/// A warning where what was found makes held-out data worse on half of the joints: as a rule these are of another robot
+/// than the target.
+fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
+    let held = &verdict.held_out;
+    let grows = |(before, after): (&f64, &f64)| after / before;
+    let ratios: Vec<f64> = held.rms_before.iter().zip(&held.rms_after).map(grows).collect();
+    let worse = (0..ratios.len()).filter(|joint| held.is_worse(*joint)).count();
+    let worst = (0..ratios.len()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]))?;
+    let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
+    (2 * worse >= ratios.len() && found).then(|| {
+        format!(
+            "WARNING: {} is predicted worse with what was found on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} \
+             after). Validation recordings are taken to be of the robot as it is in the targets; one from before a change \
+             belongs under `calibration`, and without `validation` the last quarter of each target is held out",
+            held.recordings.join(", "),
+            ratios.len(),
+            held.rms_before[worst],
+            held.rms_after[worst],
+        )
+    })
+}
+
+/// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.
+fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<NotDecidable> {
+    let mut absorbed: BTreeMap<&'static str, BTreeMap<usize, f64>> = BTreeMap::new();
+    let target = investigation.problem.has_target();
+    for (candidate, free) in investigation.candidates.iter().zip(&investigation.free) {
+        let coupling = candidate.proposal.joints.len() > 1 && candidate.effect == "joint_coupling_friction";
+        if coupling || candidate.registered.is_some() {
+            continue;
+        }
+        let share = match candidate.proposal.presence {
+            Presence::Change if target => free[1],
+            Presence::Change => 0.0,
+            Presence::Any => free[0].max(free[1]),
+        };
+        let joint =
+            if candidate.proposal.joints.len() > 1 { usize::MAX } else { candidate.proposal.joints[0] };
+        let largest = absorbed.entry(candidate.effect).or_default().entry(joint).or_insert(0.0);
+        *largest = largest.max(share);
+    }
+    let joints = question.model.joints();
+    let mut found = Vec::new();
+    for (effect, shares) in absorbed {
+        let hidden: Vec<(usize, f64)> =
+            shares.into_iter().filter(|(_, s)| *s < question.selection.free_share).collect();
+        if hidden.is_empty() {
+            continue;
+        }
+        let largest = hidden.iter().map(|(_, s)| *s).fold(0.0, f64::max);
+        let concerned = if hidden.iter().any(|(j, _)| *j == usize::MAX) {
+            (0..joints).collect()
+        } else {
+            hidden.iter().map(|(j, _)| *j).collect()
+        };
+        let decider = effects::find(effect).map_or("", |e| e.decider());
+        found.push(NotDecidable {
+            effect: effect.to_owned(),
+            joints: concerned,
+            absorbed: 1.0 - largest * largest,
+            record: decider.to_owned(),
+        });
+    }
+    found
+}
+
+fn joint_residuals(
+    investigation: &Investigation,
+    all: &[Switch],
+    fit: &TotalFit,
+    base: &[Switch],
+    base_fit: &TotalFit,
+) -> Vec<JointResidual> {
+    let fitted: Vec<usize> =
+        (0..investigation.rows.len()).filter(|r| investigation.rows[*r].role != Role::Validation).collect();
+    let rows: Vec<&RecordingRows> = fitted.iter().map(|r| &investigation.rows[*r]).collect();
+    let layout = &investigation.layout;
+    let after: Vec<Vec<Vec<f64>>> =
+        rows.iter().map(|r| residuals(r, layout, all, &fit.coefficients)).collect();
+    let before: Vec<Vec<Vec<f64>>> =
+        rows.iter().map(|r| residuals(r, layout, base, &base_fit.coefficients)).collect();
+    let views: Vec<&[Vec<f64>]> = after.iter().map(Vec::as_slice).collect();
+    (0..layout.rows.len())
+        .map(|joint| {
+            let counted: f64 = rows.iter().map(|r| r.joints[joint].counted(0, r.rows())).sum();
+            let power = |parts: &[Vec<Vec<f64>>]| {
+                let sum: f64 = parts.iter().flat_map(|p| &p[joint]).map(|r| r * r).sum();
+                (sum / counted.max(1.0)).sqrt()
+            };
+            let floor_rms = investigation.floor[joint].sqrt();
+            let unexplained_rms = power(&after);
+            let structure_left = unexplained_rms > STRUCTURE * floor_rms;
+            let load: Vec<Vec<f64>> = rows.iter().map(|r| rigid_body_load(investigation, r, joint)).collect();
+            let follows = if structure_left { localise::follows(&rows, &views, joint, &load) } else { None };
+            let windows_s = rows
+                .iter()
+                .zip(&after)
+                .flat_map(|(r, residual)| localise::windows(r, &residual[joint], floor_rms))
+                .collect();
+            JointResidual {
+                joint,
+                baseline_rms: power(&before),
+                unexplained_rms,
+                floor_rms,
+                structure_left,
+                follows_share: follows.as_ref().map_or(0.0, |(_, s)| *s),
+                follows: follows.map(|(name, _)| name),
+                windows_s,
+            }
+        })
+        .collect()
+}
+
+/// The rigid-body torque of the baseline at each row of a joint.
+pub fn rigid_body_load(investigation: &Investigation, rows: &RecordingRows, joint: usize) -> Vec<f64> {
+    let rigid = investigation.model.group(ColumnGroup::RigidBody);
+    let mut load = vec![0.0; rows.rows()];
+    for (k, column) in investigation.layout.rows[joint].iter().enumerate().filter(|(_, c)| rigid.contains(c))
+    {
+        let coefficient = investigation.baseline.coefficients.get(*column).copied().unwrap_or(0.0);
+        for (l, value) in load.iter_mut().zip(rows.joints[joint].column(k)) {
+            *l += coefficient * value;
+        }
+    }
+    load
+}
+
+/// Improvement on the held-out rows. Before: the baseline as fitted to the calibration recordings (or given).
+fn held_out(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> HeldOut {
+    let joints = investigation.layout.rows.len();
+    let own: Vec<Switch> = investigation.base_switches.clone();
+    let (mut before, mut after, mut floor) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
+    let mut counts = vec![0.0; joints];
+    for (r, start, end) in &investigation.partition.held_out {
+        let rows = &investigation.rows[*r];
+        let base = residuals(rows, &investigation.layout, &own, &investigation.baseline.coefficients);
+        let full = residuals(rows, &investigation.layout, all, &fit.coefficients);
+        for j in 0..joints {
+            let sum = |series: &[f64]| series[*start..*end].iter().map(|v| v * v).sum::<f64>();
+            let counted = rows.joints[j].counted(*start, *end);
+            before[j] += sum(&base[j]);
+            after[j] += sum(&full[j]);
+            floor[j] += investigation.floors[*r][j] * counted;
+            counts[j] += counted;
+        }
+    }
+    let rms =
+        |sums: Vec<f64>| sums.into_iter().zip(&counts).map(|(s, n)| (s / f64::max(*n, 1.0)).sqrt()).collect();
+    HeldOut {
+        recordings: investigation.partition.held_out_names.clone(),
+        rms_before: rms(before),
+        rms_after: rms(after),
+        rms_floor: rms(floor),
+    }
+}
+
+/// Parameters of the baseline that moved most, in standard deviations.
+fn shifts(investigation: &Investigation, all: &[Switch], fit: &TotalFit, base: &TotalFit) -> Vec<Shift> {
+    let mut shifts: Vec<Shift> = (0..investigation.base_switches.len())
+        .filter(|k| base.variance[*k].is_finite() && fit.variance[*k].is_finite())
+        .map(|k| {
+            let std = fit.variance[k].sqrt().max(f64::MIN_POSITIVE);
+            Shift {
+                parameter: investigation.model.parameters()[all[k].column].name.clone(),
+                before: base.coefficients[k],
+                after: fit.coefficients[k],
+                in_std: (fit.coefficients[k] - base.coefficients[k]).abs() / std,
+            }
+        })
+        .filter(|s| s.in_std > 3.0)
+        .collect();
+    shifts.sort_by(|a, b| b.in_std.total_cmp(&a.in_std));
+    shifts.truncate(12);
+    shifts
+}
