@@ -54,7 +54,7 @@ fn the_vocabulary_is_complete() {
 
 #[test]
 fn one_file_per_effect_named_like_it() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/effects");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/hypotheses/effects");
     let files: BTreeSet<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
