@@ -106,7 +106,7 @@ class Presliding(Effect):
 
     def draw(self, random):
         self.unit_rad = np.full(len(self.joints), 0.02)
-        self.low, self.high = 0.05, 20.0
+        self.low, self.high = 0.01, 20.0
         self.kind = "maxwell_slip" if random.uniform() < 0.6 else "dahl"
         self.power = random.uniform(0.6, 2.0)
         elements = random.integers(3, 8)

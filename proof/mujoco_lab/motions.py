@@ -58,30 +58,29 @@ def waves(robot, duration_s, random):
     top_hz, terms = random.uniform(0.6, 1.2), random.integers(5, 12)
     q = np.zeros((len(t), robot.joints))
     for j in range(robot.joints):
-        for f in np.exp(random.uniform(np.log(0.06), np.log(top_hz), terms)):
-            q[:, j] += random.normal() / (f + 0.15) * np.sin(2 * np.pi * (f * t + random.uniform()))
+        for f in np.exp(random.uniform(np.log(0.1), np.log(top_hz), terms)):
+            q[:, j] += random.normal() / (f + 0.5) * np.sin(2 * np.pi * (f * t + random.uniform()))
         q[:, j] -= q[0, j]
     q *= (_ease(t / 1.5) * _ease((duration_s - t) / 1.5))[:, None]
     return _finished(robot, robot.home_rad + q, random.uniform(0.5, 0.8), duration_s)
 
 
 def slow(robot, duration_s, random):
-    """Slow motion of nearly constant speeds with many reversals."""
+    """Slow motion of nearly constant speeds with many reversals, through which a joint goes without a rest."""
     t = np.arange(0, duration_s + 0.5 * GRID_S, GRID_S)
     q = np.zeros((len(t), robot.joints))
     for j in range(robot.joints):
         v = np.zeros(len(t))
-        start, place, sign = random.uniform(0.1, 0.6), 0.0, random.choice([-1.0, 1.0])
-        while start < duration_s - 0.5:
-            speed, length = random.uniform(0.04, 0.3), random.uniform(0.8, 3.0)
+        start, place, before, sign = random.uniform(0.1, 0.6), 0.0, 0.0, random.choice([-1.0, 1.0])
+        while start < duration_s - 1.0:
+            speed, length = random.uniform(0.05, 0.3), random.uniform(0.8, 3.0)
             if abs(place + sign * speed * length) > 0.5 * robot.reach_rad[j]:
                 sign = -np.sign(place)
-            length = min(length, duration_s - 0.3 - start)
-            ramp = random.uniform(0.1, 0.3)
-            v += sign * speed * _ease((t - start) / ramp) * _ease((start + length - t) / ramp)
-            place += sign * speed * (length - ramp)
+            ramp = random.uniform(0.04, 0.15)
+            v += (sign * speed - before) * _ease((t - start) / ramp)
+            before, place = sign * speed, place + sign * speed * length
             start, sign = start + length, -sign if random.uniform() < 0.8 else sign
-        q[:, j] = np.cumsum(v) * GRID_S
+        q[:, j] = np.cumsum(v * _ease((duration_s - t) / 0.3)) * GRID_S
     q = robot.home_rad + q
     v = np.gradient(q, GRID_S, axis=0)
     return Motion(duration_s, q, v, np.gradient(v, GRID_S, axis=0))
