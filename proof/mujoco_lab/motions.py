@@ -110,10 +110,10 @@ def servo(robot, random):
     home = np.tile(robot.home_rad, (robot.joints, 1))
     mass = rigid_body.torque(robot.mdh, np.zeros(3), robot.standard_parameters(), home, still, np.eye(robot.joints))
     felt = 1 / np.diag(np.linalg.inv(0.5 * (mass + mass.T) + np.diag(robot.armature_kg_m2)))
-    rate, damping = 2 * np.pi * np.exp(random.uniform(np.log(8), np.log(35))), random.uniform(0.5, 1.0)
+    rate, damping = 2 * np.pi * np.exp(random.uniform(np.log(15), np.log(60))), random.uniform(0.5, 1.0)
     spread = random.uniform(0.8, 1.2, robot.joints)
-    gains = felt * (rate * spread) ** 2, 2 * damping * felt * rate * spread, random.uniform(5e-4, 3e-3)
-    return gains, random.uniform(0.8, 1.0)
+    gains = felt * (rate * spread) ** 2, 2 * damping * felt * rate * spread, random.uniform(5e-4, 2e-3)
+    return gains, random.uniform(0.9, 1.0)
 
 
 def feed_forward(robot, motion, known):
