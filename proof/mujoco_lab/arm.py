@@ -11,11 +11,12 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+# The fastest servo (72 Hz) loses stability at steps of 2 ms to 4 ms.
 STEP_S = 1e-3
 # Compliant gears ring at up to some hundred rad/s; half the step keeps them stable and accurate.
 FINE_STEP_S = 5e-4
-# Dry friction of the engine is a constraint with a slope at rest; this time constant (twice the step, the least that the
-# engine takes) and impedance leave a slope of about 0.003 rad/s.
+# Dry friction of the engine is a constraint. With this time constant, twice the step and the least that the engine takes, it
+# stops a joint within about a step; what the impedance lacks to 1 lets the joint creep.
 FRICTION_SOLVER = 'solreffriction="0.002 1" solimpfriction="0.98 0.98 0.001"'
 
 
@@ -131,7 +132,7 @@ class Divergence(Exception):
     """The controller could not hold the arm."""
 
 
-def run(build, servo, motion, applied=True):
+def run(build, servo, motion):
     """Moves the arm along a motion; the trace of what it did. Raises Divergence."""
     model = mujoco.MjModel.from_xml_string(mjcf(build, servo))
     data = mujoco.MjData(model)
@@ -146,6 +147,7 @@ def run(build, servo, motion, applied=True):
     else:
         sensors = _rolled(model, data, build, control)
     q, v, u = sensors[:, :n], sensors[:, n : 2 * n], sensors[:, 2 * n :]
+    # Servos follow within some hundredths of a radian; what is further away is no recording.
     if not np.isfinite(sensors).all() or np.abs(q - motion.at(np.arange(steps) * h)).max() > 0.5:
         raise Divergence(f"{build.robot.name} leaves its path")
     every = int(round(STEP_S / h))
@@ -186,7 +188,6 @@ def _stepped(model, data, build, control):
     laws = [law.begin(model, h) for law in build.laws]
     wants_load = any(law.wants_load for law in laws)
     load = np.zeros(model.nv)
-    # The friction constraints of joints whose level begins at zero exist only if the level is positive at once.
     step, ctrl, sensed = mujoco.mj_step, data.ctrl, data.sensordata
     q, v, applied, loss = data.qpos, data.qvel, data.qfrc_applied, model.dof_frictionloss
     if model.nq != model.nv or dofs != list(range(n)):

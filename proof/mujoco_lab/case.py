@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import arm, motions, robots, sensing
+from .effect import Effect
 from .requests import KINDS, STRENGTHS, VOCABULARY
 from .structure import F_DYN_HZ, NoiseFree, Processed, Structure
 
@@ -139,7 +140,7 @@ def _build(bench, effects):
 
 
 def _changes_arm(effect):
-    return type(effect).install is not sensing.Effect.install
+    return type(effect).install is not Effect.install
 
 
 def _own(effect, achieved):
@@ -265,10 +266,7 @@ def _true_effect(effect, achieved, bench, later, first_target):
 
 def _floors(structure, slots, processed, calm):
     calibration = [k for k, slot in enumerate(slots) if slot.role == "calibration"]
-    fits = []
-    for data in (processed, calm):
-        rows, weights = [data[k].rows() for k in calibration], None
-        fits.append(structure.fit(rows, weights))
+    fits = [structure.fit([data[k].rows() for k in calibration]) for data in (processed, calm)]
     return [{"recording": f"recording_{k + 1}.csv", "before_nm": processed[k].residual_rms_nm(fits[0]).tolist(),
              "floor_nm": calm[k].residual_rms_nm(fits[1]).tolist()}
             for k, slot in enumerate(slots) if slot.role == "validation"]

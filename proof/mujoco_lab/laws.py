@@ -117,7 +117,6 @@ class Bristles(Law):
         moved = 0.0 if self.last is None else here - self.last
         self.last = here
         self.force = np.minimum(np.maximum(self.force + self.stiffness * moved, -self.levels), self.levels)
-        # Bristles without damping ring for ever; half a millisecond of their stiffness is far below what is measured.
         applied[self.joint] = -float(self.force.sum())
 
 

@@ -51,12 +51,15 @@ def _motion(mdh, gravity, q, v, a):
         back = turn.transpose(0, 2, 1)
         arm = np.broadcast_to(offset, (samples, 3))
         at_origin = acceleration + np.cross(dw, arm) + np.cross(w, np.cross(w, arm))
-        rotate = lambda vector: (back @ vector[:, :, None])[:, :, 0]
-        w_in, spin = rotate(w), v[:, j : j + 1] * z
-        dw = rotate(dw) + a[:, j : j + 1] * z + np.cross(w_in, spin)
-        w, acceleration = w_in + spin, rotate(at_origin)
+        w_in, spin = _apply(back, w), v[:, j : j + 1] * z
+        dw = _apply(back, dw) + a[:, j : j + 1] * z + np.cross(w_in, spin)
+        w, acceleration = w_in + spin, _apply(back, at_origin)
         links.append((turn, offset, w, dw, acceleration))
     return links
+
+
+def _apply(rotations, vectors):
+    return (rotations @ vectors[:, :, None])[:, :, 0]
 
 
 def _skew(u):
