@@ -1,7 +1,5 @@
 """Physics that no vocabulary has."""
 
-import numpy as np
-
 from . import laws
 from .effect import Effect
 
