@@ -20,6 +20,8 @@ pub(super) struct Laboratory {
     pub undeclared: Option<Undeclared>,
     /// The speed below which strengths count a joint as resting; see [`crate::strength::NoiseFreeFit`].
     pub rest_rad_s: Option<f64>,
+    /// In how many recordings at most an effect is measured, and how many draws of joints and sizes are tried.
+    pub effort: (usize, usize),
 }
 
 /// Highest frequency of the robots' dynamics that the experiments of the clean world state, Hz.
@@ -36,6 +38,7 @@ impl Laboratory {
             shapes: Shapes::Usual,
             undeclared: None,
             rest_rad_s: None,
+            effort: (usize::MAX, 6),
         }
     }
 

@@ -28,8 +28,6 @@ pub struct Case {
     pub truth: Truth,
 }
 
-/// Times that other joints, sizes or places are tried when an effect cannot be made as strong as asked.
-const ATTEMPTS: usize = 6;
 /// Share of the wanted strength with which an attempt is good enough.
 const GOOD_ENOUGH: f64 = 0.7;
 /// Share of the strongest joint's error from which a joint counts as one whose error a whole-arm effect makes,
@@ -169,7 +167,7 @@ fn choose(
     let duration_s = slots.iter().map(|s| s.trajectory.duration_s()).fold(f64::INFINITY, f64::min);
     let mut best: Option<(f64, Rc<Bench>, Vec<Probed>)> = None;
     let mut refusal = None;
-    for attempt in 0..ATTEMPTS {
+    for attempt in 0..laboratory.effort.1 {
         let mut random = Random::labelled(seed, &format!("attempt {attempt}"));
         let mut effects = Vec::new();
         for kind in kinds {

@@ -125,9 +125,13 @@ impl Probed {
 }
 
 /// Which slots show the effect: those to be explained, and of effects with a window only the first.
-fn shown<'a>(slots: &'a [Slot], effect: &dyn Effect) -> impl Iterator<Item = (usize, &'a Slot)> {
+fn shown<'a>(
+    slots: &'a [Slot],
+    effect: &dyn Effect,
+    at_most: usize,
+) -> impl Iterator<Item = (usize, &'a Slot)> {
     let role = if slots.iter().any(|s| s.role == Role::Target) { Role::Target } else { Role::Calibration };
-    let most = if effect.window_s().is_some() { 1 } else { usize::MAX };
+    let most = if effect.window_s().is_some() { 1 } else { at_most };
     slots.iter().enumerate().filter(move |(_, slot)| slot.role == role).take(most)
 }
 
@@ -215,7 +219,7 @@ fn measure(bench: &Bench, slots: &[Slot], effect: &dyn Effect) -> Result<Measure
     let Bench { robot, columns, laboratory, undisturbed, calm, .. } = bench;
     let window_s = effect.window_s();
     let mut disturbed = Vec::new();
-    for (k, slot) in shown(slots, effect) {
+    for (k, slot) in shown(slots, effect, laboratory.effort.0) {
         let effects = vec![read_effect(effect.identifier(), effect.fields())?];
         let (traces, instrument) = trace_with_instrument(&laboratory.scenario(robot, slot, effects))?;
         disturbed.push((k, traces, instrument));

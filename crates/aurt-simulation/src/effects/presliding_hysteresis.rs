@@ -58,7 +58,7 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         _ => BristleModel::Masing,
     };
     let distance =
-        if context.continuous() { random.between_logs(0.001, 0.05) } else { random.between(0.006, 0.012) };
+        if context.continuous() { random.between_logs(0.003, 0.05) } else { random.between(0.006, 0.012) };
     let damping = if context.continuous() { 0.8 } else { 0.3 };
     Box::new(PreslidingHysteresis {
         joints: context.joints.to_vec(),

@@ -335,7 +335,7 @@ mod tests {
                 position_decimals: 10,
                 ..Logger::default()
             };
-            scenario.logger.faults.missing_share = 0.01;
+            scenario.logger.faults.missing_share = 0.05;
             let (recording, traces) = simulate_with_traces(&scenario).unwrap();
             let periods: Vec<f64> = recording.time_s.windows(2).map(|w| (w[1] - w[0]) * rate_hz).collect();
             assert!(periods.iter().any(|p| (0.5..0.97).contains(p)), "no jitter at {rate_hz} Hz");

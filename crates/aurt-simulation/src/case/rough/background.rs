@@ -17,9 +17,9 @@ use crate::{Robot, SimulationError, Strength};
 /// measured in: smallest and largest. A weak effect has 0.3; what is neglected is to be a sixth to five sixths of it.
 const LEVEL: (f64, f64) = (0.05, 0.25);
 /// How near to its level a joint's neglected torque has to come, as a factor.
-const MET: f64 = 1.3;
+const MET: f64 = 1.5;
 /// Corrections of the sizes.
-const CORRECTIONS: usize = 4;
+const CORRECTIONS: usize = 3;
 /// Share of laboratories whose arms have a lack of each kind: cubic viscous friction, Stribeck, load dependence,
 /// presliding, warming. Presliding is what careful measurements of gears always find, the others often.
 const SHARES: [f64; 5] = [0.6, 0.5, 0.5, 0.8, 0.6];
@@ -31,10 +31,13 @@ pub(in crate::case) fn neglect(
     slots: &[Slot],
     random: &mut Random,
 ) -> Result<(), SimulationError> {
-    let calibration: Vec<&Slot> = slots.iter().filter(|s| s.role == Role::Calibration).take(2).collect();
+    let calibration: Vec<&Slot> = slots.iter().filter(|s| s.role == Role::Calibration).take(1).collect();
     let shortest_s = slots.iter().map(|s| s.trajectory.duration_s()).fold(f64::INFINITY, f64::min);
+    let least_rad = least_presliding_rad(robot)?;
     let wanted: Vec<f64> = robot.drives.iter().map(|_| random.between_logs(LEVEL.0, LEVEL.1)).collect();
-    laboratory.undeclared = Some(drawn(robot, &wanted, shortest_s, random));
+    let mut undeclared = drawn(robot, &wanted, shortest_s, random);
+    stay_soft(&mut undeclared, &least_rad);
+    laboratory.undeclared = Some(undeclared);
     let structure = Structure::of(robot).without_absorbed_rotors(robot)?;
     let columns = Arc::new(Columns::new(robot, &structure)?);
     for correction in 0..=CORRECTIONS {
@@ -57,9 +60,40 @@ pub(in crate::case) fn neglect(
         let factors: Vec<f64> = factors.iter().map(|f| if last { f.min(1.0).powi(3) } else { *f }).collect();
         if let Some(undeclared) = &mut laboratory.undeclared {
             undeclared.scale(Factor::PerJoint(&factors), robot);
+            stay_soft(undeclared, &least_rad);
+            for (lacks, (level, least)) in undeclared.lacks.iter_mut().zip(levels.iter().zip(&least_rad)) {
+                // Where even the shortest way that is soft enough stands out, there is none.
+                if *level > LEVEL.1 && lacks.presliding_rad <= *least {
+                    lacks.presliding_rad = 0.0;
+                }
+            }
         }
     }
     Ok(())
+}
+
+/// Fastest rate that presliding may give a shaft, 1/s: servos and reversals stay below, and an integration that follows
+/// it takes steps of 1 ms.
+const STIFFEST_PER_S: f64 = 600.0;
+
+/// The shortest presliding of each joint that is not stiffer than that, rad: the steepest of the bristles' laws begins with
+/// 4 F_C / distance.
+fn least_presliding_rad(robot: &Robot) -> Result<Vec<f64>, SimulationError> {
+    let inertia = robot.link_inertia_kg_m2()?;
+    let drives = robot.drives.iter().zip(inertia);
+    Ok(drives
+        .map(|(d, link)| {
+            4.0 * d.coulomb_nm / (STIFFEST_PER_S.powi(2) * (d.rotor_inertia_kg_m2 + link).max(1e-9))
+        })
+        .collect())
+}
+
+fn stay_soft(undeclared: &mut Undeclared, least_rad: &[f64]) {
+    for (lacks, least) in undeclared.lacks.iter_mut().zip(least_rad) {
+        if lacks.presliding_rad > 0.0 {
+            lacks.presliding_rad = lacks.presliding_rad.max(*least);
+        }
+    }
 }
 
 /// Lacks of about the wanted levels, as far as that can be said beforehand: by the sizes at which the effects of the

@@ -125,7 +125,7 @@ pub(super) fn slots(
     let slots = roles
         .iter()
         .map(|role| {
-            let duration_s = random.between(10.0, 60.0);
+            let duration_s = random.between_logs(10.0, 60.0);
             let share = random.between(0.4, 0.75);
             let harmonics = 4 + random.index(9);
             let rest_s = random.between(0.3, 1.5);

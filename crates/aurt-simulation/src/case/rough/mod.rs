@@ -18,6 +18,10 @@ const FRICTION: (f64, f64) = (0.5, 1.5);
 /// are said to move, so that the way after a reversal still counts.
 const REST_RAD_S: f64 = 0.01;
 
+/// Recordings are up to 60 s long and bristles take short steps: an effect is measured in two of them, and three draws
+/// have to do.
+const EFFORT: (usize, usize) = (2, 3);
+
 /// The robot, its laboratory and the recordings of a case.
 pub(super) fn prepare(
     mut robot: Robot,
@@ -49,6 +53,7 @@ pub(super) fn prepare(
         shapes: Shapes::Continuum,
         undeclared: None,
         rest_rad_s: Some(REST_RAD_S),
+        effort: EFFORT,
     };
     background::neglect(&mut laboratory, &robot, &slots, &mut Random::labelled(seed, "background"))?;
     Ok((robot, laboratory, slots))
