@@ -43,21 +43,34 @@ pub struct Undeclared {
     pub time_constants_s: [f64; 2],
 }
 
+/// A lack by the vocabulary's names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedLack {
+    /// The effect's identifier.
+    pub identifier: &'static str,
+    /// The joints that have it.
+    pub joints: Vec<usize>,
+    /// Name of its size.
+    pub parameter: &'static str,
+    /// The size, one per joint.
+    pub values: Vec<f64>,
+}
+
 /// The identifier that errors show.
 const NAME: &str = "undeclared";
 /// Shortest and longest presliding, rad: as of the effect of that name.
-const PRESLIDING_RAD: [f64; 2] = [1e-4, 0.12];
+pub(crate) const PRESLIDING_RAD: [f64; 2] = [1e-4, 0.12];
 
 impl Undeclared {
-    /// The lacks by the vocabulary's names: identifier, joints, parameters by canonical names.
+    /// The lacks by the vocabulary's names.
     #[must_use]
-    pub fn by_name(&self) -> Vec<(&'static str, Vec<usize>, Vec<(&'static str, Vec<f64>)>)> {
+    pub fn by_name(&self) -> Vec<NamedLack> {
         let mut named = Vec::new();
         let mut add = |identifier, of: &dyn Fn(&Lacks) -> f64, parameter: &'static str| {
             let joints: Vec<usize> = (0..self.lacks.len()).filter(|j| of(&self.lacks[*j]) != 0.0).collect();
-            let values: Vec<f64> = joints.iter().map(|j| of(&self.lacks[*j])).collect();
+            let values = joints.iter().map(|j| of(&self.lacks[*j])).collect();
             if !joints.is_empty() {
-                named.push((identifier, joints, vec![(parameter, values)]));
+                named.push(NamedLack { identifier, joints, parameter, values });
             }
         };
         add("viscous_nonlinear", &|l| l.cubic_nm, "cubic_nm");
@@ -127,7 +140,7 @@ impl Effect for Undeclared {
             }
             let level_nm = 0.5 * (physics.coulomb_nm[0] + physics.coulomb_nm[1]);
             // Where the experiment declares no dry friction, there is none that could be a little wrong.
-            if level_nm <= 0.0 {
+            if setup.machine.robot.drives[j].coulomb_nm <= 0.0 || level_nm <= 0.0 {
                 continue;
             }
             if lacks.stribeck_nm > 0.0 {

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::super::laboratory::Laboratory;
 use super::super::layout::{Role, Slot};
 use super::super::truth::TrueEffect;
-use crate::effects::{BristleModel, Effect, Factor, Lacks, Undeclared, kind};
+use crate::effects::{BristleModel, Effect, Factor, Lacks, PRESLIDING_RAD, Undeclared, kind};
 use crate::fit::{Columns, Structure};
 use crate::random::Random;
 use crate::strength::{NoiseFreeFit, Samples};
@@ -19,7 +19,7 @@ const LEVEL: (f64, f64) = (0.05, 0.25);
 /// How near to its level a joint's neglected torque has to come, as a factor.
 const MET: f64 = 1.5;
 /// Corrections of the sizes.
-const CORRECTIONS: usize = 3;
+const CORRECTIONS: usize = 2;
 /// Share of laboratories whose arms have a lack of each kind: cubic viscous friction, Stribeck, load dependence,
 /// presliding, warming. Presliding is what careful measurements of gears always find, the others often.
 const SHARES: [f64; 5] = [0.6, 0.5, 0.5, 0.8, 0.6];
@@ -31,45 +31,41 @@ pub(in crate::case) fn neglect(
     slots: &[Slot],
     random: &mut Random,
 ) -> Result<(), SimulationError> {
-    let calibration: Vec<&Slot> = slots.iter().filter(|s| s.role == Role::Calibration).take(1).collect();
+    let calibration: Vec<&Slot> = slots.iter().filter(|s| s.role == Role::Calibration).collect();
     let shortest_s = slots.iter().map(|s| s.trajectory.duration_s()).fold(f64::INFINITY, f64::min);
     let least_rad = least_presliding_rad(robot)?;
     let wanted: Vec<f64> = robot.drives.iter().map(|_| random.between_logs(LEVEL.0, LEVEL.1)).collect();
     let mut undeclared = drawn(robot, &wanted, shortest_s, random);
-    stay_soft(&mut undeclared, &least_rad);
-    laboratory.undeclared = Some(undeclared);
     let structure = Structure::of(robot).without_absorbed_rotors(robot)?;
     let columns = Arc::new(Columns::new(robot, &structure)?);
+    let mut factors = vec![1.0; robot.joints()];
     for correction in 0..=CORRECTIONS {
+        undeclared.scale(Factor::PerJoint(&factors), robot);
+        stay_soft(&mut undeclared, &factors, &least_rad);
+        laboratory.undeclared = Some(undeclared.clone());
         let levels = levels(laboratory, robot, &columns, &calibration)?;
-        // After the last correction nothing may stand above what is neglected at most.
-        let last = correction == CORRECTIONS;
-        let factors: Vec<f64> = levels
-            .iter()
-            .zip(&wanted)
-            .map(|(level, wanted)| {
-                let factor = wanted / level.max(1e-9);
-                let met = (1.0 / MET..=MET).contains(&factor);
-                if met || (last && *level <= LEVEL.1) { 1.0 } else { factor.clamp(0.05, 20.0) }
-            })
-            .collect();
+        factors = levels.iter().zip(&wanted).map(|(level, wanted)| correction_of(*level, *wanted)).collect();
         if factors.iter().all(|f| *f == 1.0) {
-            break;
+            return Ok(());
         }
-        // At the end sizes only fall, and steeply: a path's torque grows slower than its length.
-        let factors: Vec<f64> = factors.iter().map(|f| if last { f.min(1.0).powi(3) } else { *f }).collect();
-        if let Some(undeclared) = &mut laboratory.undeclared {
-            undeclared.scale(Factor::PerJoint(&factors), robot);
-            stay_soft(undeclared, &least_rad);
-            for (lacks, (level, least)) in undeclared.lacks.iter_mut().zip(levels.iter().zip(&least_rad)) {
-                // Where even the shortest way that is soft enough stands out, there is none.
-                if *level > LEVEL.1 && lacks.presliding_rad <= *least {
-                    lacks.presliding_rad = 0.0;
-                }
-            }
+        // After the last correction only what stands out still falls, and steeply: a path's torque grows slower than
+        // its length, and no simulation follows that could show how much is left.
+        if correction == CORRECTIONS {
+            let fall =
+                |(level, factor): (&f64, &f64)| if *level > LEVEL.1 { factor.min(1.0).powi(2) } else { 1.0 };
+            factors = levels.iter().zip(&factors).map(fall).collect();
         }
     }
+    undeclared.scale(Factor::PerJoint(&factors), robot);
+    stay_soft(&mut undeclared, &factors, &least_rad);
+    laboratory.undeclared = Some(undeclared);
     Ok(())
+}
+
+/// The factor that brings a level to the wanted one; 1 if it is near enough.
+fn correction_of(level: f64, wanted: f64) -> f64 {
+    let factor = wanted / level.max(1e-9);
+    if (1.0 / MET..=MET).contains(&factor) { 1.0 } else { factor.clamp(0.05, 20.0) }
 }
 
 /// Fastest rate that presliding may give a shaft, 1/s: servos and reversals stay below, and an integration that follows
@@ -88,10 +84,14 @@ fn least_presliding_rad(robot: &Robot) -> Result<Vec<f64>, SimulationError> {
         .collect())
 }
 
-fn stay_soft(undeclared: &mut Undeclared, least_rad: &[f64]) {
-    for (lacks, least) in undeclared.lacks.iter_mut().zip(least_rad) {
+/// Keeps presliding soft. Where it should be less than the shortest that is soft enough, there is none: the joint's other
+/// lacks remain.
+fn stay_soft(undeclared: &mut Undeclared, factors: &[f64], least_rad: &[f64]) {
+    for ((lacks, factor), least) in undeclared.lacks.iter_mut().zip(factors).zip(least_rad) {
+        let least = least.max(PRESLIDING_RAD[0]);
         if lacks.presliding_rad > 0.0 {
-            lacks.presliding_rad = lacks.presliding_rad.max(*least);
+            let too_short = *factor < 1.0 && lacks.presliding_rad <= least;
+            lacks.presliding_rad = if too_short { 0.0 } else { lacks.presliding_rad.max(least) };
         }
     }
 }
@@ -181,8 +181,8 @@ pub(in crate::case) fn background(
         Ok::<(), SimulationError>(())
     };
     if let Some(undeclared) = &laboratory.undeclared {
-        for (identifier, joints, parameters) in undeclared.by_name() {
-            add(identifier, joints, parameters, undeclared.fields())?;
+        for lack in undeclared.by_name() {
+            add(lack.identifier, lack.joints, vec![(lack.parameter, lack.values)], undeclared.fields())?;
         }
     }
     let channels = &laboratory.instrument.channels;

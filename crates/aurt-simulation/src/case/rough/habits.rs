@@ -92,7 +92,7 @@ pub(super) fn f_dyn_hz(
     random: &mut Random,
 ) -> Result<f64, SimulationError> {
     let highest_hz = HIGHEST_F_DYN * rate_hz;
-    let lowest_hz = (LOWEST_F_DYN.0 * top_hz).max(LOWEST_F_DYN.1).min(highest_hz);
+    let lowest_hz = ((2.0 * LOWEST_F_DYN.0 * top_hz).ceil() / 2.0).max(LOWEST_F_DYN.1).min(highest_hz);
     let halves = |hz: f64| ((2.0 * hz).round() / 2.0).clamp(lowest_hz, highest_hz);
     let mut chosen_hz = halves(top_hz * random.between(4.0, 8.0));
     loop {

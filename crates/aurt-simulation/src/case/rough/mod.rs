@@ -18,9 +18,9 @@ const FRICTION: (f64, f64) = (0.5, 1.5);
 /// are said to move, so that the way after a reversal still counts.
 const REST_RAD_S: f64 = 0.01;
 
-/// Recordings are up to 60 s long and bristles take short steps: an effect is measured in two of them, and three draws
+/// Recordings are up to 60 s long and bristles take short steps: an effect is measured in one of them, and four draws
 /// have to do.
-const EFFORT: (usize, usize) = (2, 3);
+const EFFORT: (usize, usize) = (1, 4);
 
 /// The robot, its laboratory and the recordings of a case.
 pub(super) fn prepare(
