@@ -1,6 +1,7 @@
 //! Cases of the rough world.
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use aurt_simulation::Strength;
 use aurt_simulation::case::{Case, CaseType, Plan, World};
@@ -15,9 +16,12 @@ const PLAN: &str = r#"
     count = 4
 "#;
 
-fn cases() -> Vec<Case> {
-    let plan = Plan::parse(PLAN, "plan.toml").unwrap();
-    (0..6).map(|k| plan.make_in(World::Rough, 11, k).unwrap()).collect()
+fn cases() -> &'static [Case] {
+    static CASES: OnceLock<Vec<Case>> = OnceLock::new();
+    CASES.get_or_init(|| {
+        let plan = Plan::parse(PLAN, "plan.toml").unwrap();
+        (0..6).map(|k| plan.make_in(World::Rough, 11, k).unwrap()).collect()
+    })
 }
 
 /// The same seed gives the same bytes, another one others; other worlds are not made here.

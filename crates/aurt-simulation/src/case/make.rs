@@ -246,6 +246,7 @@ fn bench(
     slots: &[Slot],
     laboratory: &Rc<Laboratory>,
 ) -> Result<Bench, SimulationError> {
+    let whole = robot;
     let mut robot = robot.clone();
     for effect in effects {
         for joint in effect.joints() {
@@ -257,7 +258,7 @@ fn bench(
             }
         }
     }
-    Bench::new(robot, slots, laboratory)
+    Bench::new(robot, whole, slots, laboratory)
 }
 
 fn true_effect(kind: &EffectKind, probed: &Probed, robot: &Robot, slots: &[Slot], later: bool) -> TrueEffect {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::laboratory::Laboratory;
 use super::layout::{Role, Slot};
-use crate::effects::{Effect, EffectKind, Factor, read_effect};
+use crate::effects::{Effect, EffectKind, Factor, Shapes, read_effect};
 use crate::fit::{Columns, Structure};
 use crate::plant::Traces;
 use crate::scenario::trace_with_instrument;
@@ -48,13 +48,20 @@ pub(super) struct Bench {
     pub structure: Structure,
     pub columns: Arc<Columns>,
     pub laboratory: Rc<Laboratory>,
+    /// The robot that bounds the sizes of effects.
+    pub bounds: Robot,
     pub undisturbed: Undisturbed,
     /// The structure fitted to the undisturbed calibration recordings.
     calm: NoiseFreeFit,
 }
 
 impl Bench {
-    pub fn new(robot: Robot, slots: &[Slot], laboratory: &Rc<Laboratory>) -> Result<Self, SimulationError> {
+    pub fn new(
+        robot: Robot,
+        whole: &Robot,
+        slots: &[Slot],
+        laboratory: &Rc<Laboratory>,
+    ) -> Result<Self, SimulationError> {
         let structure = Structure::of(&robot).without_absorbed_rotors(&robot)?;
         let columns = Arc::new(Columns::new(&robot, &structure)?);
         let instrument = laboratory.instrument.clone();
@@ -68,11 +75,15 @@ impl Bench {
             .collect::<Result<Vec<_>, _>>()?;
         let calm = NoiseFreeFit::new(&robot, &columns, &reference, laboratory.rest_rad_s);
         let laboratory = Rc::clone(laboratory);
+        // Friction that an effect stands for is not in `robot`, whose bounds for it are then narrow. Cases of the clean
+        // world have been made so, and stay what they were.
+        let bounds = if laboratory.shapes == Shapes::Continuum { whole.clone() } else { robot.clone() };
         Ok(Self {
             robot,
             structure,
             columns,
             laboratory,
+            bounds,
             undisturbed: Undisturbed { traces, instrument },
             calm,
         })
@@ -200,7 +211,7 @@ pub(super) fn bring_to_strength(
             vec![searches[0].factor(probed.strongest(kind), wanted); joints]
         };
         effect = probed.effect;
-        effect.scale(Factor::PerJoint(&factors), &bench.robot);
+        effect.scale(Factor::PerJoint(&factors), &bench.bounds);
     }
     Err(SimulationError::NotSettled {
         what: "the size of an effect",

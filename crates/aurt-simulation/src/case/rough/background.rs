@@ -38,26 +38,32 @@ pub(in crate::case) fn neglect(
     let mut undeclared = drawn(robot, &wanted, shortest_s, random);
     let structure = Structure::of(robot).without_absorbed_rotors(robot)?;
     let columns = Arc::new(Columns::new(robot, &structure)?);
-    let mut factors = vec![1.0; robot.joints()];
     for correction in 0..=CORRECTIONS {
-        undeclared.scale(Factor::PerJoint(&factors), robot);
-        stay_soft(&mut undeclared, &factors, &least_rad);
+        stay_soft(&mut undeclared, &least_rad);
         laboratory.undeclared = Some(undeclared.clone());
         let levels = levels(laboratory, robot, &columns, &calibration)?;
-        factors = levels.iter().zip(&wanted).map(|(level, wanted)| correction_of(*level, *wanted)).collect();
+        let factors: Vec<f64> = levels.iter().zip(&wanted).map(|(l, w)| correction_of(*l, *w)).collect();
         if factors.iter().all(|f| *f == 1.0) {
             return Ok(());
         }
-        // After the last correction only what stands out still falls, and steeply: a path's torque grows slower than
-        // its length, and no simulation follows that could show how much is left.
-        if correction == CORRECTIONS {
-            let fall =
-                |(level, factor): (&f64, &f64)| if *level > LEVEL.1 { factor.min(1.0).powi(2) } else { 1.0 };
-            factors = levels.iter().zip(&factors).map(fall).collect();
+        // After the last correction only what stands out still falls.
+        let last = correction == CORRECTIONS;
+        let mut others = vec![1.0; robot.joints()];
+        for (j, lacks) in undeclared.lacks.iter_mut().enumerate() {
+            let factor = if last && levels[j] <= LEVEL.1 { 1.0 } else { factors[j] };
+            if factor < 1.0 && lacks.presliding_rad > 0.0 {
+                // Presliding is the usual excess. Its torque grows as the root of its length, and where the length would
+                // be too short there is none; the joint's other lacks remain.
+                let shorter_rad = lacks.presliding_rad * factor * factor;
+                let gone = last || shorter_rad < least_rad[j];
+                lacks.presliding_rad = if gone { 0.0 } else { shorter_rad };
+            } else {
+                others[j] = factor;
+            }
         }
+        undeclared.scale(Factor::PerJoint(&others), robot);
     }
-    undeclared.scale(Factor::PerJoint(&factors), robot);
-    stay_soft(&mut undeclared, &factors, &least_rad);
+    stay_soft(&mut undeclared, &least_rad);
     laboratory.undeclared = Some(undeclared);
     Ok(())
 }
@@ -79,19 +85,17 @@ fn least_presliding_rad(robot: &Robot) -> Result<Vec<f64>, SimulationError> {
     let drives = robot.drives.iter().zip(inertia);
     Ok(drives
         .map(|(d, link)| {
-            4.0 * d.coulomb_nm / (STIFFEST_PER_S.powi(2) * (d.rotor_inertia_kg_m2 + link).max(1e-9))
+            let softest = STIFFEST_PER_S.powi(2) * (d.rotor_inertia_kg_m2 + link).max(1e-9);
+            (4.0 * d.coulomb_nm / softest).max(PRESLIDING_RAD[0])
         })
         .collect())
 }
 
-/// Keeps presliding soft. Where it should be less than the shortest that is soft enough, there is none: the joint's other
-/// lacks remain.
-fn stay_soft(undeclared: &mut Undeclared, factors: &[f64], least_rad: &[f64]) {
-    for ((lacks, factor), least) in undeclared.lacks.iter_mut().zip(factors).zip(least_rad) {
-        let least = least.max(PRESLIDING_RAD[0]);
+/// Keeps presliding soft.
+fn stay_soft(undeclared: &mut Undeclared, least_rad: &[f64]) {
+    for (lacks, least) in undeclared.lacks.iter_mut().zip(least_rad) {
         if lacks.presliding_rad > 0.0 {
-            let too_short = *factor < 1.0 && lacks.presliding_rad <= least;
-            lacks.presliding_rad = if too_short { 0.0 } else { lacks.presliding_rad.max(least) };
+            lacks.presliding_rad = lacks.presliding_rad.max(*least);
         }
     }
 }
