@@ -19,8 +19,8 @@ const PLAN: &str = r#"
 fn cases() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     CASES.get_or_init(|| {
-        let plan = Plan::parse(PLAN, "plan.toml").unwrap();
-        (0..6).map(|k| plan.make_in(World::Rough, 11, k).unwrap()).collect()
+        let made = |k| Plan::parse(PLAN, "plan.toml").and_then(|plan| plan.make_in(World::Rough, 11, k));
+        (0..6).map(|k| made(k).unwrap_or_else(|error| panic!("case {k}: {error}"))).collect()
     })
 }
 
