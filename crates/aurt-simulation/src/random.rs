@@ -58,6 +58,11 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
+    /// Between two positive numbers, uniform in the logarithm.
+    pub fn between_logs(&mut self, low: f64, high: f64) -> f64 {
+        libm::exp(self.between(libm::log(low), libm::log(high)))
+    }
+
     /// 1 or −1.
     pub fn sign(&mut self) -> f64 {
         if self.bits() >> 63 == 0 { 1.0 } else { -1.0 }

@@ -109,21 +109,39 @@ pub(crate) struct NoiseFreeFit {
     columns: Arc<Columns>,
     coefficients: Vec<f64>,
     noise_nm: Vec<f64>,
+    /// Speed at or below which a joint rests: its instants are neither fitted nor judged; `None` fits all and judges those
+    /// that are not held.
+    rest_rad_s: Option<f64>,
 }
 
 impl NoiseFreeFit {
-    /// Fits the structure, joints weighted by their noise.
-    pub fn new(robot: &Robot, columns: &Arc<Columns>, recordings: &[Samples]) -> Self {
+    /// Fits the structure, joints weighted by their noise. Bristles never let a joint rest quite: where the baseline has
+    /// them, `rest_rad_s` says what is rest.
+    pub fn new(
+        robot: &Robot,
+        columns: &Arc<Columns>,
+        recordings: &[Samples],
+        rest_rad_s: Option<f64>,
+    ) -> Self {
         let noise_nm: Vec<f64> = robot.drives.iter().map(|d| d.torque_noise_nm.max(1e-9)).collect();
         let mut gram = Gram::new(columns.coefficients());
         for samples in recordings {
             let rows = columns.evaluate(samples.motion.view());
             for (j, row) in rows.iter().enumerate() {
                 let weight = 1.0 / (noise_nm[j] * noise_nm[j]);
-                gram.add(columns.row(j), row, &samples.measured_nm[j], weight);
+                let Some(rest) = rest_rad_s else {
+                    gram.add(columns.row(j), row, &samples.measured_nm[j], weight);
+                    continue;
+                };
+                let velocity = samples.motion.view().velocity_rad_s(j);
+                let moving = |series: &[f64]| -> Vec<f64> {
+                    series.iter().zip(velocity).filter(|(_, v)| v.abs() > rest).map(|(x, _)| *x).collect()
+                };
+                let row: Vec<Vec<f64>> = row.iter().map(|column| moving(column)).collect();
+                gram.add(columns.row(j), &row, &moving(&samples.measured_nm[j]), weight);
             }
         }
-        Self { coefficients: gram.solve(), columns: Arc::clone(columns), noise_nm }
+        Self { coefficients: gram.solve(), columns: Arc::clone(columns), noise_nm, rest_rad_s }
     }
 
     /// Mean square of what the fit leaves of a recording, over the noise's variance, per joint. Instants at
@@ -140,7 +158,8 @@ impl NoiseFreeFit {
                     }
                 }
                 let velocity = samples.motion.view().velocity_rad_s(j);
-                let moving = left.iter().zip(velocity).filter(|(_, v)| **v != 0.0);
+                let moving =
+                    left.iter().zip(velocity).filter(|(_, v)| v.abs() > self.rest_rad_s.unwrap_or(0.0));
                 let (sum, count) = moving.fold((0.0, 0), |(sum, count), (l, _)| (sum + l * l, count + 1));
                 sum / f64::from(count.max(1)) / (self.noise_nm[j] * self.noise_nm[j])
             })

@@ -3,9 +3,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::make::{Case, make_case};
+use super::make::{Case, make_case, make_case_in};
 use super::plan::Plan;
 use super::truth::Truth;
+use super::world::World;
 use crate::SimulationError;
 
 /// How far the making of cases has come.
@@ -78,18 +79,28 @@ impl Plan {
         }))
     }
 
-    /// One case of a plan; `index` counts from 0 along [`Plan::requests`].
+    /// One case of a plan in the clean world; `index` counts from 0 along [`Plan::requests`].
     ///
     /// # Errors
     /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case; what making it reports.
     pub fn make(&self, seed: u64, index: usize) -> Result<Case, SimulationError> {
+        self.make_in(World::Clean, seed, index)
+    }
+
+    /// One case of a plan in a world of this simulator. The rough world draws lengths, rates and motions of its own; of the
+    /// plan it takes robots, effects and strengths.
+    ///
+    /// # Errors
+    /// As [`Plan::make`], and [`SimulationError::Unreadable`] for worlds that this simulator does not make.
+    pub fn make_in(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
         let requests = self.requests(seed)?;
         let request = requests.get(index).ok_or_else(|| SimulationError::Unreadable {
             path: "plan".into(),
             reason: format!("has {} cases, number {} was asked for", requests.len(), index + 1),
         })?;
         again(|attempt| {
-            make_case(&Self::case_name(index), request, &self.recordings, case_seed(seed, index, attempt))
+            let seed = case_seed(seed, index, attempt);
+            make_case_in(world, &Self::case_name(index), request, &self.recordings, seed)
         })
     }
 

@@ -6,16 +6,13 @@ use super::layout::{Role, Slot};
 use crate::Robot;
 use crate::fit::{JointStructure, Structure};
 
-/// Highest frequency of the robots' dynamics that the experiments state, Hz.
-pub(super) const F_DYN_HZ: f64 = 10.0;
-
 /// Name of the file of the recording of a slot.
 pub(super) fn file_name(slot: usize) -> String {
     format!("recording_{}.csv", slot + 1)
 }
 
 /// The text of `experiment.toml`.
-pub(super) fn text(robot: &Robot, structure: &Structure, slots: &[Slot]) -> String {
+pub(super) fn text(robot: &Robot, structure: &Structure, slots: &[Slot], f_dyn_hz: f64) -> String {
     let numbers = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", ");
     let mut lines = vec![
         "schema = 1".to_owned(),
@@ -54,7 +51,7 @@ pub(super) fn text(robot: &Robot, structure: &Structure, slots: &[Slot]) -> Stri
     }
     lines.push(String::new());
     lines.push("[preprocess]".to_owned());
-    lines.push(format!("f_dyn_hz = {F_DYN_HZ:?}"));
+    lines.push(format!("f_dyn_hz = {f_dyn_hz:?}"));
     lines.join("\n") + "\n"
 }
 

@@ -99,7 +99,7 @@ pub(super) fn slots(
 const MOST_DRAWS: usize = 20;
 
 /// A motion within the robot's limits: a draw that leaves them is drawn again.
-fn planned(
+pub(super) fn planned(
     motion: &Motion,
     robot: &Robot,
     random: &mut Random,

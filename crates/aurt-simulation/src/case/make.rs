@@ -3,17 +3,18 @@ use std::sync::Arc;
 
 use aurt_recording::Preprocessed;
 
-use super::experiment::{self, F_DYN_HZ, file_name};
+use super::experiment::{self, file_name};
+use super::laboratory::Laboratory;
 use super::layout::{RecordingSettings, Role, Slot, slots};
 use super::probe::{Bench, Probed, bring_to_strength};
 use super::request::{CaseRequest, CaseType};
+use super::rough;
 use super::truth::{TrueEffect, Truth, ValidationFloor};
 use super::world::World;
 use crate::effects::{Draw, Effect, EffectKind, Hidden, catalogue, read_effect};
 use crate::fit::{ProcessedFit, processed_motion};
 use crate::random::Random;
-use crate::scenario::Scenario;
-use crate::sensors::{Logger, SimulatedRecording};
+use crate::sensors::SimulatedRecording;
 use crate::{Robot, SimulationError, simulate};
 
 /// A case: the files that a diagnosis may see, and the truth.
@@ -27,19 +28,32 @@ pub struct Case {
     pub truth: Truth,
 }
 
-/// Times that other joints, sizes or places are tried when an effect cannot be made as strong as asked.
-const ATTEMPTS: usize = 6;
 /// Share of the wanted strength with which an attempt is good enough.
 const GOOD_ENOUGH: f64 = 0.7;
 /// Share of the strongest joint's error from which a joint counts as one whose error a whole-arm effect makes,
 /// and the least such error over noise.
 const CONCERNED: (f64, f64) = (0.2, 0.1);
 
-/// Makes one case from its seed.
+/// Makes one case of the clean world from its seed.
 ///
 /// # Errors
 /// If the request makes no sense for the robot, or something refuses to be simulated.
 pub fn make_case(
+    name: &str,
+    request: &CaseRequest,
+    settings: &RecordingSettings,
+    seed: u64,
+) -> Result<Case, SimulationError> {
+    make_case_in(World::Clean, name, request, settings, seed)
+}
+
+/// Makes one case of a world from its seed; the rough world's recordings have lengths and rates of their own.
+///
+/// # Errors
+/// As [`make_case`], and [`SimulationError::Unreadable`] for worlds that this simulator does not make.
+pub fn make_case_in(
+    world: World,
+
     name: &str,
     request: &CaseRequest,
     settings: &RecordingSettings,
@@ -56,20 +70,33 @@ pub fn make_case(
             reason: format!("{} cannot have {} at once", request.robot, request.effects.join(" and ")),
         });
     }
-    let slots = slots(&robot, later, settings, &mut random)?;
-    let (bench, probed) = choose(&robot, &kinds, &slots, settings, request, seed)?;
-    let logger = Logger { rate_hz: settings.rate_hz, ..Logger::default() };
-    let recordings = (0..slots.len())
-        .map(|k| recording(&bench, &probed, &slots, k, &logger))
-        .collect::<Result<Vec<_>, _>>()?;
+    let (robot, laboratory, slots) = match world {
+        World::Clean => {
+            let slots = slots(&robot, later, settings, &mut random)?;
+            let laboratory = Laboratory::clean(&robot, settings);
+            (robot, laboratory, slots)
+        }
+        World::Rough => rough::prepare(robot, later, seed)?,
+        World::Mujoco | World::Injected => {
+            return Err(SimulationError::Unreadable {
+                path: name.into(),
+                reason: format!("cases of the world `{}` are not made by this simulator", world.name()),
+            });
+        }
+    };
+    let laboratory = Rc::new(laboratory);
+    let (bench, probed) = choose(&robot, &kinds, &slots, &laboratory, request, seed)?;
+    let recordings =
+        (0..slots.len()).map(|k| recording(&bench, &probed, &slots, k)).collect::<Result<Vec<_>, _>>()?;
+    let text = experiment::text(&bench.robot, &bench.structure, &slots, laboratory.f_dyn_hz);
     let mut files = vec![
-        ("experiment.toml".to_owned(), experiment::text(&bench.robot, &bench.structure, &slots).into_bytes()),
+        ("experiment.toml".to_owned(), text.into_bytes()),
         ("mdh.csv".to_owned(), bench.robot.mdh_csv().into_bytes()),
     ];
     files.extend(recordings.iter().enumerate().map(|(k, r)| (file_name(k), r.csv())));
     let truth = Truth {
         case: name.to_owned(),
-        world: World::Clean,
+        world,
         seed,
         robot: request.robot.clone(),
         rotors,
@@ -80,10 +107,10 @@ pub fn make_case(
             .zip(&probed)
             .map(|(kind, p)| true_effect(kind, p, &bench.robot, &slots, later))
             .collect(),
-        background: Vec::new(),
+        background: rough::background(&laboratory, &bench.neglected(&slots)?)?,
         reference: None,
         noise_nm: bench.robot.drives.iter().map(|d| d.torque_noise_nm).collect(),
-        validation: floors(&bench, &slots, &recordings, &logger)?,
+        validation: floors(&bench, &slots, &recordings)?,
     };
     Ok(Case { name: name.to_owned(), files, truth })
 }
@@ -99,12 +126,11 @@ fn recording(
     probed: &[Probed],
     slots: &[Slot],
     k: usize,
-    logger: &Logger,
 ) -> Result<SimulatedRecording, SimulationError> {
     let slot = &slots[k];
     let here: Vec<&Probed> =
         probed.iter().filter(|p| slot.affected && acts_in(slots, k, &*p.effect)).collect();
-    let unit = bench.robot.unit;
+    let (unit, logger) = (bench.robot.unit, &bench.laboratory.logger);
     match here.as_slice() {
         [] => logger.record(&bench.undisturbed.traces[k], &bench.undisturbed.instrument, unit, slot.seed),
         [one] if one.disturbed.iter().any(|(slot, ..)| *slot == k) => one
@@ -115,12 +141,11 @@ fn recording(
             .next_back()
             .unwrap_or_else(|| Err(SimulationError::value("recording", k as f64, "it was not probed"))),
         several => {
-            let mut scenario = Scenario::new(bench.robot.clone(), slot.trajectory.clone(), slot.seed);
-            scenario.logger = *logger;
-            for p in several {
-                scenario.effects.push(read_effect(p.effect.identifier(), p.effect.fields())?);
-            }
-            simulate(&scenario)
+            let effects = several
+                .iter()
+                .map(|p| read_effect(p.effect.identifier(), p.effect.fields()))
+                .collect::<Result<Vec<_>, _>>()?;
+            simulate(&bench.laboratory.scenario(&bench.robot, slot, effects))
         }
     }
 }
@@ -130,31 +155,41 @@ fn choose(
     robot: &Robot,
     kinds: &[&EffectKind],
     slots: &[Slot],
-    settings: &RecordingSettings,
+    laboratory: &Rc<Laboratory>,
     request: &CaseRequest,
     seed: u64,
 ) -> Result<(Rc<Bench>, Vec<Probed>), SimulationError> {
-    let plain = Rc::new(bench(robot, &[], slots)?);
+    let plain = Rc::new(bench(robot, &[], slots, laboratory)?);
     if kinds.is_empty() {
         return Ok((plain, Vec::new()));
     }
     let peak_torque_nm = plain.undisturbed.peak_torque_nm(robot.joints());
+    let duration_s = slots.iter().map(|s| s.trajectory.duration_s()).fold(f64::INFINITY, f64::min);
     let mut best: Option<(f64, Rc<Bench>, Vec<Probed>)> = None;
     let mut refusal = None;
-    for attempt in 0..ATTEMPTS {
+    for attempt in 0..laboratory.effort.1 {
         let mut random = Random::labelled(seed, &format!("attempt {attempt}"));
         let mut effects = Vec::new();
         for kind in kinds {
             let joints = kind.choose_joints(robot, &mut random);
-            let duration_s = settings.duration_s;
-            let draw = Draw { robot, joints: &joints, peak_torque_nm: &peak_torque_nm, duration_s };
+            let draw = Draw {
+                robot,
+                joints: &joints,
+                peak_torque_nm: &peak_torque_nm,
+                duration_s,
+                shapes: laboratory.shapes,
+            };
             effects.push(kind.draw(&draw, &mut random));
         }
         if overlap(&effects) {
             continue;
         }
         let hides = effects.iter().any(|e| e.hidden() != Hidden::Nothing);
-        let bench = if hides { bench(robot, &effects, slots).map(Rc::new) } else { Ok(Rc::clone(&plain)) };
+        let bench = if hides {
+            bench(robot, &effects, slots, laboratory).map(Rc::new)
+        } else {
+            Ok(Rc::clone(&plain))
+        };
         let probed = bench.and_then(|bench| {
             let probed = kinds
                 .iter()
@@ -205,7 +240,13 @@ fn overlap(effects: &[Box<dyn Effect>]) -> bool {
 }
 
 /// The robot as the experiment knows it: without the friction that effects stand for.
-fn bench(robot: &Robot, effects: &[Box<dyn Effect>], slots: &[Slot]) -> Result<Bench, SimulationError> {
+fn bench(
+    robot: &Robot,
+    effects: &[Box<dyn Effect>],
+    slots: &[Slot],
+    laboratory: &Rc<Laboratory>,
+) -> Result<Bench, SimulationError> {
+    let whole = robot;
     let mut robot = robot.clone();
     for effect in effects {
         for joint in effect.joints() {
@@ -217,7 +258,7 @@ fn bench(robot: &Robot, effects: &[Box<dyn Effect>], slots: &[Slot]) -> Result<B
             }
         }
     }
-    Bench::new(robot, slots)
+    Bench::new(robot, whole, slots, laboratory)
 }
 
 fn true_effect(kind: &EffectKind, probed: &Probed, robot: &Robot, slots: &[Slot], later: bool) -> TrueEffect {
@@ -250,7 +291,6 @@ fn floors(
     bench: &Bench,
     slots: &[Slot],
     recordings: &[SimulatedRecording],
-    logger: &Logger,
 ) -> Result<Vec<ValidationFloor>, SimulationError> {
     let calm = bench
         .undisturbed
@@ -258,14 +298,20 @@ fn floors(
         .iter()
         .zip(slots)
         .map(|(traces, slot)| {
-            let recording =
-                logger.record(traces, &bench.undisturbed.instrument, bench.robot.unit, slot.seed)?;
-            processed_motion(&recording, &bench.robot, F_DYN_HZ)
+            let recording = bench.laboratory.logger.record(
+                traces,
+                &bench.undisturbed.instrument,
+                bench.robot.unit,
+                slot.seed,
+            )?;
+            processed_motion(&recording, &bench.robot, bench.laboratory.f_dyn_hz)
         })
         .collect::<Result<Vec<_>, _>>()?;
     // A recording with corrupt rows cannot be preprocessed as it is; what it shows is its rows, not torque.
-    let stirred: Option<Vec<Preprocessed>> =
-        recordings.iter().map(|r| processed_motion(r, &bench.robot, F_DYN_HZ).ok()).collect();
+    let stirred: Option<Vec<Preprocessed>> = recordings
+        .iter()
+        .map(|r| processed_motion(r, &bench.robot, bench.laboratory.f_dyn_hz).ok())
+        .collect();
     let fitted = |data: &[Preprocessed]| {
         let calibration: Vec<&Preprocessed> =
             data.iter().zip(slots).filter(|(_, s)| s.role == Role::Calibration).map(|(d, _)| d).collect();

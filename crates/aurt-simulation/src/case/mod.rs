@@ -2,17 +2,19 @@
 
 mod conceal;
 mod experiment;
+mod laboratory;
 mod layout;
 mod make;
 mod plan;
 mod probe;
 mod request;
+mod rough;
 mod truth;
 mod world;
 
 pub use conceal::{Concealed, Progress, conceal};
 pub use layout::{RecordingSettings, Role};
-pub use make::{Case, make_case};
+pub use make::{Case, make_case, make_case_in};
 pub use plan::{NullPlan, PairPlan, Plan, SinglePlan};
 pub use request::{CaseRequest, CaseType};
 pub use truth::{TrueEffect, Truth, ValidationFloor};

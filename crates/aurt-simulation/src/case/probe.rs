@@ -1,12 +1,14 @@
 //! Finding the size at which an effect has the strength that was asked for.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
+use super::laboratory::Laboratory;
 use super::layout::{Role, Slot};
-use crate::effects::{Effect, EffectKind, Factor, read_effect};
+use crate::effects::{Effect, EffectKind, Factor, Shapes, read_effect};
 use crate::fit::{Columns, Structure};
 use crate::plant::Traces;
-use crate::scenario::{Scenario, trace_with_instrument};
+use crate::scenario::trace_with_instrument;
 use crate::sensors::Instrument;
 use crate::strength::{NoiseFreeFit, Samples};
 use crate::{Robot, SimulationError, Strength};
@@ -45,28 +47,62 @@ pub(super) struct Bench {
     pub robot: Robot,
     pub structure: Structure,
     pub columns: Arc<Columns>,
+    pub laboratory: Rc<Laboratory>,
+    /// The robot that bounds the sizes of effects.
+    pub bounds: Robot,
     pub undisturbed: Undisturbed,
     /// The structure fitted to the undisturbed calibration recordings.
     calm: NoiseFreeFit,
 }
 
 impl Bench {
-    pub fn new(robot: Robot, slots: &[Slot]) -> Result<Self, SimulationError> {
+    pub fn new(
+        robot: Robot,
+        whole: &Robot,
+        slots: &[Slot],
+        laboratory: &Rc<Laboratory>,
+    ) -> Result<Self, SimulationError> {
         let structure = Structure::of(&robot).without_absorbed_rotors(&robot)?;
         let columns = Arc::new(Columns::new(&robot, &structure)?);
-        let instrument = Instrument::of(&robot);
-        let traces = slots
-            .iter()
-            .map(|slot| crate::trace(&Scenario::new(robot.clone(), slot.trajectory.clone(), slot.seed)))
-            .collect::<Result<Vec<_>, _>>()?;
+        let instrument = laboratory.instrument.clone();
+        let traces =
+            slots.iter().map(|slot| laboratory.trace(&robot, slot)).collect::<Result<Vec<_>, _>>()?;
         let reference = traces
             .iter()
             .zip(slots)
             .filter(|(_, slot)| slot.role == Role::Calibration)
             .map(|(traces, _)| Samples::new(traces, &instrument, None))
             .collect::<Result<Vec<_>, _>>()?;
-        let calm = NoiseFreeFit::new(&robot, &columns, &reference);
-        Ok(Self { robot, structure, columns, undisturbed: Undisturbed { traces, instrument }, calm })
+        let calm = NoiseFreeFit::new(&robot, &columns, &reference, laboratory.rest_rad_s);
+        let laboratory = Rc::clone(laboratory);
+        // Friction that an effect stands for is not in `robot`, whose bounds for it are then narrow. Cases of the clean
+        // world have been made so, and stay what they were.
+        let bounds = if laboratory.shapes == Shapes::Continuum { whole.clone() } else { robot.clone() };
+        Ok(Self {
+            robot,
+            structure,
+            columns,
+            laboratory,
+            bounds,
+            undisturbed: Undisturbed { traces, instrument },
+            calm,
+        })
+    }
+}
+
+impl Bench {
+    /// What the structure cannot absorb of the undisturbed calibration recordings, over noise, per joint: nothing in the
+    /// clean world, and what the experiment neglects elsewhere.
+    pub fn neglected(&self, slots: &[Slot]) -> Result<Vec<f64>, SimulationError> {
+        let mut largest = vec![0.0_f64; self.robot.joints()];
+        let calibration = slots.iter().zip(&self.undisturbed.traces);
+        for (_, traces) in calibration.filter(|(slot, _)| slot.role == Role::Calibration) {
+            let samples = Samples::new(traces, &self.undisturbed.instrument, None)?;
+            for (most, left) in largest.iter_mut().zip(self.calm.left_over(&samples)) {
+                *most = most.max(left.sqrt());
+            }
+        }
+        Ok(largest)
     }
 }
 
@@ -100,9 +136,13 @@ impl Probed {
 }
 
 /// Which slots show the effect: those to be explained, and of effects with a window only the first.
-fn shown<'a>(slots: &'a [Slot], effect: &dyn Effect) -> impl Iterator<Item = (usize, &'a Slot)> {
+fn shown<'a>(
+    slots: &'a [Slot],
+    effect: &dyn Effect,
+    at_most: usize,
+) -> impl Iterator<Item = (usize, &'a Slot)> {
     let role = if slots.iter().any(|s| s.role == Role::Target) { Role::Target } else { Role::Calibration };
-    let most = if effect.window_s().is_some() { 1 } else { usize::MAX };
+    let most = if effect.window_s().is_some() { 1 } else { at_most };
     slots.iter().enumerate().filter(move |(_, slot)| slot.role == role).take(most)
 }
 
@@ -171,7 +211,7 @@ pub(super) fn bring_to_strength(
             vec![searches[0].factor(probed.strongest(kind), wanted); joints]
         };
         effect = probed.effect;
-        effect.scale(Factor::PerJoint(&factors), &bench.robot);
+        effect.scale(Factor::PerJoint(&factors), &bench.bounds);
     }
     Err(SimulationError::NotSettled {
         what: "the size of an effect",
@@ -187,13 +227,12 @@ type Measured = (Vec<f64>, Vec<(usize, Traces, Instrument)>);
 /// The effect's torque that the structure cannot absorb, over noise, per joint: in the recording that shows
 /// most of it.
 fn measure(bench: &Bench, slots: &[Slot], effect: &dyn Effect) -> Result<Measured, SimulationError> {
-    let Bench { robot, columns, undisturbed, calm, .. } = bench;
+    let Bench { robot, columns, laboratory, undisturbed, calm, .. } = bench;
     let window_s = effect.window_s();
     let mut disturbed = Vec::new();
-    for (k, slot) in shown(slots, effect) {
-        let mut scenario = Scenario::new(robot.clone(), slot.trajectory.clone(), slot.seed);
-        scenario.effects.push(read_effect(effect.identifier(), effect.fields())?);
-        let (traces, instrument) = trace_with_instrument(&scenario)?;
+    for (k, slot) in shown(slots, effect, laboratory.effort.0) {
+        let effects = vec![read_effect(effect.identifier(), effect.fields())?];
+        let (traces, instrument) = trace_with_instrument(&laboratory.scenario(robot, slot, effects))?;
         disturbed.push((k, traces, instrument));
     }
     let samples = disturbed
@@ -202,7 +241,7 @@ fn measure(bench: &Bench, slots: &[Slot], effect: &dyn Effect) -> Result<Measure
         .collect::<Result<Vec<_>, _>>()?;
     // What has been there at calibration, calibration adapts to as far as it can.
     let structural = !slots.iter().any(|s| s.role == Role::Target);
-    let adapted = structural.then(|| NoiseFreeFit::new(robot, columns, &samples));
+    let adapted = structural.then(|| NoiseFreeFit::new(robot, columns, &samples, laboratory.rest_rad_s));
     let mut achieved = vec![0.0_f64; robot.joints()];
     for ((k, ..), samples) in disturbed.iter().zip(&samples) {
         let with = adapted.as_ref().unwrap_or(calm).left_over(samples);

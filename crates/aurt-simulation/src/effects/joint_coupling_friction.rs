@@ -47,11 +47,16 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         if random.chance(0.75) { neighbour } else { context.joints.get(1).copied().unwrap_or(neighbour) };
     let noise =
         context.robot.drives[joint].torque_noise_nm.min(context.robot.drives[partner].torque_noise_nm);
-    let ratios = [1.0, 1.0, -1.0, 0.5, -0.5];
+    let ratio = if context.continuous() {
+        random.sign() * random.between(0.2, 3.0)
+    } else {
+        let ratios = [1.0, 1.0, -1.0, 0.5, -0.5];
+        ratios[random.index(ratios.len())]
+    };
     Box::new(JointCouplingFriction {
         joint,
         partner,
-        ratio: ratios[random.index(ratios.len())],
+        ratio,
         inertia_kg_m2: 0.03 * noise * random.between(0.3, 1.0),
         viscous_nm_s: 0.6 * noise * random.between(0.6, 1.2),
         coulomb_nm: 1.2 * noise * random.between(0.7, 1.2),

@@ -42,6 +42,16 @@ pub enum Presence {
     Either,
 }
 
+/// Where the shapes of laws (exponents, velocities, ratios, orders, time constants) are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shapes {
+    /// The values that machines usually have.
+    #[default]
+    Usual,
+    /// A continuum in which no value stands out.
+    Continuum,
+}
+
 /// What an effect is drawn for.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw<'a> {
@@ -51,14 +61,21 @@ pub struct Draw<'a> {
     pub joints: &'a [usize],
     /// Largest torque of each joint's motions, Nm.
     pub peak_torque_nm: &'a [f64],
-    /// Duration of the recording, s.
+    /// Duration of the shortest recording, s.
     pub duration_s: f64,
+    /// Where shapes are drawn from.
+    pub shapes: Shapes,
 }
 
 impl Draw<'_> {
     /// One value per chosen joint: `per_noise` times the noise of its measured torque.
     pub(super) fn noises(&self, per_noise: f64) -> Vec<f64> {
         self.joints.iter().map(|j| per_noise * self.robot.drives[*j].torque_noise_nm).collect()
+    }
+
+    /// Whether shapes are drawn from a continuum.
+    pub(super) fn continuous(&self) -> bool {
+        self.shapes == Shapes::Continuum
     }
 
     /// The first chosen joint.

@@ -29,6 +29,7 @@ mod temperature_dependent_friction;
 mod time_delay;
 mod torque_constant;
 mod torque_ripple;
+mod undeclared;
 mod viscous;
 mod viscous_asymmetry;
 mod viscous_nonlinear;
@@ -44,10 +45,10 @@ pub use external_contact::ExternalContact;
 pub use friction_level_changed::FrictionLevelChanged;
 pub use joint_coupling_friction::JointCouplingFriction;
 pub use joint_elasticity::JointElasticity;
-pub use kind::{Draw, EffectKind, Family, Presence, catalogue, kind, read_effect, strangers};
+pub use kind::{Draw, EffectKind, Family, Presence, Shapes, catalogue, kind, read_effect, strangers};
 pub use load_dependent_friction::LoadDependentFriction;
 pub use payload::Payload;
-pub use presliding_hysteresis::PreslidingHysteresis;
+pub use presliding_hysteresis::{BristleModel, PreslidingHysteresis};
 pub use rotor_inertia::RotorInertia;
 pub use saturation::Saturation;
 pub use spring::Spring;
@@ -60,6 +61,8 @@ pub use temperature_dependent_friction::TemperatureDependentFriction;
 pub use time_delay::TimeDelay;
 pub use torque_constant::TorqueConstant;
 pub use torque_ripple::TorqueRipple;
+pub(crate) use undeclared::PRESLIDING_RAD;
+pub use undeclared::{Lacks, NamedLack, Undeclared};
 pub use viscous::Viscous;
 pub use viscous_asymmetry::ViscousAsymmetry;
 pub use viscous_nonlinear::ViscousNonlinear;
@@ -213,10 +216,15 @@ mod tests {
     }
 
     fn drawn(kind: &EffectKind, robot: &Robot, seed: u64) -> Box<dyn Effect> {
+        drawn_of(kind, robot, seed, Shapes::Usual)
+    }
+
+    fn drawn_of(kind: &EffectKind, robot: &Robot, seed: u64, shapes: Shapes) -> Box<dyn Effect> {
         let mut random = Random::labelled(seed, kind.identifier);
         let joints = kind.choose_joints(robot, &mut random);
         let peak: Vec<f64> = robot.drives.iter().map(|d| 0.3 * d.torque_limit_nm).collect();
-        kind.draw(&Draw { robot, joints: &joints, peak_torque_nm: &peak, duration_s: 10.0 }, &mut random)
+        let draw = Draw { robot, joints: &joints, peak_torque_nm: &peak, duration_s: 10.0, shapes };
+        kind.draw(&draw, &mut random)
     }
 
     fn robot_for(kind: &EffectKind) -> Robot {
@@ -227,9 +235,10 @@ mod tests {
     #[test]
     fn every_kind_draws_valid_effects() {
         for kind in all_kinds() {
-            for seed in 0..12 {
+            for seed in 0..24 {
                 let robot = robot_for(kind);
-                let mut effect = drawn(kind, &robot, seed);
+                let shapes = if seed % 2 == 0 { Shapes::Usual } else { Shapes::Continuum };
+                let mut effect = drawn_of(kind, &robot, seed, shapes);
                 assert_eq!(effect.identifier(), kind.identifier);
                 effect.validate(&robot).unwrap();
                 let copy = read_effect(kind.identifier, effect.fields()).unwrap();
@@ -281,6 +290,37 @@ mod tests {
                 assert!(text.contains(" 9"), "{text}");
             }
         }
+    }
+
+    /// Shapes of the continuum lie on no grid, and fill their ranges.
+    #[test]
+    fn continuous_shapes_are_off_every_grid() {
+        let robot = robots::ur10e();
+        let shapes = |identifier: &str, field: &str| -> Vec<f64> {
+            let kind = kind(identifier).unwrap();
+            (0..60)
+                .filter_map(|seed| drawn_of(kind, &robot, seed, Shapes::Continuum).fields()[field].as_f64())
+                .collect()
+        };
+        for (identifier, field, [low, high]) in [
+            ("stribeck", "exponent", [0.5, 2.0]),
+            ("stribeck", "stribeck_velocity_rad_s", [0.01, 0.15]),
+            ("joint_coupling_friction", "ratio", [-3.0, 3.0]),
+            ("torque_ripple", "order", [1.0, 250.0]),
+            ("viscous_nonlinear", "onset", [0.03, 0.6]),
+        ] {
+            let mut values = shapes(identifier, field);
+            assert_eq!(values.len(), 60);
+            assert!(values.iter().all(|v| (low..=high).contains(v)), "{identifier} {field}: {values:?}");
+            values.sort_by(f64::total_cmp);
+            values.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            assert!(values.len() >= 40, "{identifier} {field} comes from a grid: {values:?}");
+            assert!(values[values.len() - 1] - values[0] > 0.5 * (high - low), "{identifier} {field}");
+        }
+        assert!(shapes("joint_coupling_friction", "ratio").iter().all(|r| r.abs() >= 0.2));
+        let orders = shapes("torque_ripple", "order");
+        let whole = orders.iter().filter(|o| o.fract() == 0.0).count();
+        assert!((10..50).contains(&whole), "{whole} of 60 orders are whole");
     }
 
     #[test]

@@ -57,17 +57,19 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         1 => BristleModel::Gms,
         _ => BristleModel::Masing,
     };
-    let distance = random.between(0.006, 0.012);
+    let distance =
+        if context.continuous() { random.between_logs(0.003, 0.05) } else { random.between(0.006, 0.012) };
+    let damping = if context.continuous() { 0.8 } else { 0.3 };
     Box::new(PreslidingHysteresis {
         joints: context.joints.to_vec(),
         distance_rad: vec![distance; context.joints.len()],
         model,
-        damping_share: random.between(0.0, 0.3),
+        damping_share: random.between(0.0, damping),
     })
 }
 
 impl PreslidingHysteresis {
-    fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
+    pub(super) fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
         match self.model {
             BristleModel::Lugre => Box::new(LuGre {
                 stiffness_nm_rad: level_nm / (0.5 * distance_rad),

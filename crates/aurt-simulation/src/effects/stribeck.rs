@@ -38,12 +38,17 @@ pub struct Stribeck {
 }
 
 fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let (stribeck_velocity_rad_s, exponent) = if context.continuous() {
+        (random.between_logs(0.01, 0.15), random.between(0.5, 2.0))
+    } else {
+        (random.between(0.03, 0.1), random.between(1.3, 2.2))
+    };
     let mut effect = Stribeck {
         joints: context.joints.to_vec(),
         excess_nm: context.noises(3.0),
         coulomb_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
-        stribeck_velocity_rad_s: random.between(0.03, 0.1),
-        exponent: random.between(1.3, 2.2),
+        stribeck_velocity_rad_s,
+        exponent,
     };
     effect.scale(Factor::Uniform(1.0), context.robot);
     Box::new(effect)
@@ -115,10 +120,10 @@ impl Effect for Stribeck {
 }
 
 #[derive(Debug)]
-struct Curve {
-    excess_nm: f64,
-    velocity_rad_s: f64,
-    exponent: f64,
+pub(super) struct Curve {
+    pub excess_nm: f64,
+    pub velocity_rad_s: f64,
+    pub exponent: f64,
 }
 
 impl DryTerm for Curve {

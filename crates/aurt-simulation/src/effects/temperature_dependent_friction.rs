@@ -5,7 +5,7 @@ use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joi
 use crate::error::Complaints;
 use crate::plant::Warmth;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::{Drive, Robot, SimulationError};
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "temperature_dependent_friction",
@@ -37,14 +37,28 @@ pub struct TemperatureDependentFriction {
 const WARMING_K: f64 = 15.0;
 
 fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let quick = context.duration_s * random.between(0.25, 0.7);
+    let (least, most) = if context.continuous() { (0.1, 2.0) } else { (0.25, 0.7) };
+    let quick = context.duration_s * random.between(least, most);
     let fall = random.between(0.015, 0.03);
     Box::new(TemperatureDependentFriction {
         joints: context.joints.to_vec(),
         fall_per_k: vec![fall; context.joints.len()],
-        dry_share: random.between(0.4, 1.0),
-        time_constants_s: [quick, 8.0 * quick],
+        dry_share: random.between(if context.continuous() { 0.0 } else { 0.4 }, 1.0),
+        time_constants_s: [quick, if context.continuous() { random.between(2.0, 15.0) } else { 8.0 } * quick],
     })
+}
+
+impl TemperatureDependentFriction {
+    pub(super) fn warmth(&self, drive: &Drive, fall_per_k: f64) -> Warmth {
+        let speed = 0.5 * drive.velocity_limit_rad_s;
+        let power = (drive.coulomb_nm + drive.viscous_nm_s * speed) * speed;
+        Warmth {
+            heating_k_per_j: WARMING_K / (power.max(1e-6) * self.time_constants_s[0]),
+            time_constants_s: self.time_constants_s,
+            fall_per_k: [self.dry_share * fall_per_k, fall_per_k],
+            start_k: [0.0; 2],
+        }
+    }
 }
 
 impl Effect for TemperatureDependentFriction {
@@ -81,14 +95,7 @@ impl Effect for TemperatureDependentFriction {
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         for (joint, fall) in self.joints.iter().zip(&self.fall_per_k) {
             let drive = &setup.machine.nominal.drives[*joint];
-            let speed = 0.5 * drive.velocity_limit_rad_s;
-            let power = (drive.coulomb_nm + drive.viscous_nm_s * speed) * speed;
-            setup.machine.joints[*joint].warmth = Some(Warmth {
-                heating_k_per_j: WARMING_K / (power.max(1e-6) * self.time_constants_s[0]),
-                time_constants_s: self.time_constants_s,
-                fall_per_k: [self.dry_share * fall, *fall],
-                start_k: [0.0; 2],
-            });
+            setup.machine.joints[*joint].warmth = Some(self.warmth(drive, *fall));
         }
         Ok(())
     }

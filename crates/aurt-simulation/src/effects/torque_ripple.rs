@@ -39,6 +39,17 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
     let joint = context.joint();
     let drive = &context.robot.drives[joint];
     // The motor's revolution, the gear's two waves of it, and slower ones of bearings.
+    if context.continuous() {
+        // Teeth and poles make whole orders; belts, rollers and wave generators with slip make broken ones.
+        let order = random.between_logs(3.0, 2.2 * drive.gear_ratio.clamp(10.0, 110.0));
+        return Box::new(TorqueRipple {
+            joint,
+            order: if random.chance(0.5) { order.round() } else { order },
+            amplitude_nm: 1.5 * drive.torque_noise_nm,
+            phase_rad: random.between(0.0, std::f64::consts::TAU),
+            overtone: random.between(0.0, 0.6),
+        });
+    }
     let orders = [12.0, 20.0, 36.0, drive.gear_ratio, 2.0 * drive.gear_ratio];
     Box::new(TorqueRipple {
         joint,

@@ -45,7 +45,7 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
         bend_nm: context.noises(3.0),
         slope_nm_s: drives().map(|d| d.viscous_nm_s).collect(),
         reference_rad_s: drives().map(|d| 0.5 * d.velocity_limit_rad_s).collect(),
-        onset: random.between(0.08, 0.25),
+        onset: if context.continuous() { random.between(0.03, 0.6) } else { random.between(0.08, 0.25) },
     };
     effect.scale(Factor::Uniform(1.0), context.robot);
     Box::new(effect)

@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 
+use super::current::{DriveRipple, NoiseMemory};
 use crate::error::Complaints;
 use crate::{Robot, SimulationError};
 
@@ -13,6 +14,12 @@ pub struct Channel {
     pub encoder_noise_rad: f64,
     /// Standard deviation of the white noise of the measured torque, Nm.
     pub torque_noise_nm: f64,
+    /// Noise with memory of the measured torque, beside the white one.
+    #[serde(default)]
+    pub memory: NoiseMemory,
+    /// Ripple of the drive in the measured torque.
+    #[serde(default)]
+    pub ripple: DriveRipple,
     /// e: the drive's real torque constant is (1 + e) times the stated one, so the measured torque is
     /// 1/(1 + e) times the real one.
     pub gain_error: f64,
@@ -46,6 +53,8 @@ impl Instrument {
                 encoder_resolution_rad: drive.encoder_resolution_rad,
                 encoder_noise_rad: drive.encoder_noise_rad,
                 torque_noise_nm: drive.torque_noise_nm,
+                memory: NoiseMemory::default(),
+                ripple: DriveRipple::default(),
                 gain_error: 0.0,
                 offset_nm: 0.0,
                 saturation_nm: f64::INFINITY,
@@ -63,6 +72,8 @@ impl Instrument {
             channel.encoder_resolution_rad = 0.0;
             channel.encoder_noise_rad = 0.0;
             channel.torque_noise_nm = 0.0;
+            channel.memory = NoiseMemory::default();
+            channel.ripple = DriveRipple::default();
         }
         instrument
     }
@@ -87,6 +98,10 @@ impl Instrument {
             complaints.not_negative(name("encoder resolution"), channel.encoder_resolution_rad);
             complaints.not_negative(name("encoder noise"), channel.encoder_noise_rad);
             complaints.not_negative(name("torque noise"), channel.torque_noise_nm);
+            complaints.not_negative(name("torque noise with memory"), channel.memory.deviation_nm);
+            complaints
+                .not_negative(name("time constant of the torque noise"), channel.memory.time_constant_s);
+            complaints.not_negative(name("ripple of the drive"), channel.ripple.amplitude_nm);
             complaints.within(name("gain error"), channel.gain_error, -0.9, 9.0);
             complaints.within(name("torque offset"), channel.offset_nm, -1e4, 1e4);
             complaints.positive(name("torque constant"), channel.torque_constant_nm_per_a);

@@ -1,6 +1,7 @@
 //! Commanded motions: functions of time that start and end at rest, within a robot's limits.
 
 mod excitation;
+mod mixed;
 mod multi_sine;
 mod point_to_point;
 mod velocity_profile;
@@ -57,6 +58,19 @@ pub enum Motion {
         /// Rest at each pose, s.
         rest_s: f64,
     },
+    /// Sums of sines, and after them moves between poses.
+    Mixed {
+        /// Duration in s, 15 or more.
+        duration_s: f64,
+        /// Number of harmonics of the sines, 1–40.
+        harmonics: usize,
+        /// Frequency of the highest harmonic, Hz.
+        top_hz: f64,
+        /// Share of the limits that may be used, (0, 1].
+        share: f64,
+        /// Rest at each pose, s.
+        rest_s: f64,
+    },
     /// Slow triangles of nested amplitudes on all joints, rich in reversals.
     Triangles {
         /// Duration in s.
@@ -89,6 +103,10 @@ impl Motion {
             }
             Self::PointToPoint { duration_s, share, rest_s } => {
                 point_to_point::draw(robot, duration_s, share, rest_s, &mut random)?
+            }
+            Self::Mixed { duration_s, harmonics, top_hz, share, rest_s } => {
+                let sines = MultiSineOptions { duration_s, harmonics, top_hz, share };
+                mixed::draw(robot, &sines, rest_s, &mut random)?
             }
             Self::Triangles { duration_s, speed_rad_s, amplitude_rad } => {
                 velocity_profile::triangles(robot, duration_s, speed_rad_s, amplitude_rad, &mut random)?
@@ -295,6 +313,7 @@ mod tests {
         vec![
             Motion::MultiSine { duration_s: 30.0, harmonics: 8, top_hz: 0.8, share: 0.7 },
             Motion::PointToPoint { duration_s: 30.0, share: 0.5, rest_s: 0.5 },
+            Motion::Mixed { duration_s: 30.0, harmonics: 6, top_hz: 1.0, share: 0.5, rest_s: 0.5 },
             Motion::Triangles { duration_s: 30.0, speed_rad_s: 0.15, amplitude_rad: 0.4 },
             Motion::Sweeps { duration_s: 30.0, share: 0.6 },
         ]
