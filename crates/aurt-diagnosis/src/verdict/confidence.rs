@@ -6,6 +6,7 @@
 use std::{collections::BTreeMap, path::Path, sync::LazyLock};
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use super::Verdict;
 use crate::DiagnosisError;
@@ -146,8 +147,14 @@ impl Learnt {
     /// Gives every finding of a verdict the confidence of its evidence.
     pub fn apply(&self, verdict: &mut Verdict) {
         for finding in &mut verdict.effects {
-            let evidence = [(SCORE, finding.evidence.score), ("threshold", finding.evidence.threshold)];
-            finding.confidence = self.confidence(&evidence, !finding.alternatives.is_empty());
+            let evidence = json!(finding.evidence);
+            let numbers: Vec<(&str, f64)> = evidence
+                .as_object()
+                .into_iter()
+                .flatten()
+                .filter_map(|(name, value)| Some((name.as_str(), value.as_f64()?)))
+                .collect();
+            finding.confidence = self.confidence(&numbers, !finding.alternatives.is_empty());
         }
     }
 }
