@@ -48,6 +48,14 @@ pub enum DiagnosisError {
         /// What was said of it.
         reason: String,
     },
+    /// A file of what was learnt from proofs cannot be used.
+    #[error("{}: {reason}; write it with `aurt prove --learn`", path.display())]
+    Learnt {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// The experiment's text could not be extended.
     #[error("the improved experiment could not be written: {reason}")]
     Improvement {

@@ -43,6 +43,6 @@ pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, InertiaColumns, Shaking, find_shaking};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, JointSeriesRows, NotDecidable,
+    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, JointSeriesRows, Learnt, NotDecidable,
     RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
 };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt_diagnosis::{
-    Answer, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
+    Answer, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
     improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
 use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
@@ -51,6 +51,9 @@ pub struct Diagnose {
     /// Do as if an effect were unknown; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// Take confidence from this file of `aurt prove --learn` instead of the program's own
+    #[arg(long, value_name = "LEARNT.json")]
+    learnt: Option<PathBuf>,
     /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
     #[arg(long)]
     compare: bool,
@@ -69,6 +72,7 @@ impl Diagnose {
             out,
             model: None,
             without: Vec::new(),
+            learnt: None,
             compare: false,
             verdict_only: false,
             plots: PlotOptions::none(),
@@ -78,6 +82,7 @@ impl Diagnose {
     /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let Session { terminal, registry } = session;
+        let learnt = self.learnt.as_deref().map(Learnt::read).transpose()?;
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
@@ -103,7 +108,10 @@ impl Diagnose {
             without: &self.without,
         };
         let investigation = investigate(&question, registry, |what| progress.step(what))?;
-        let verdict = write_verdict(&question, &investigation);
+        let mut verdict = write_verdict(&question, &investigation);
+        if let Some(learnt) = learnt {
+            learnt.apply(&mut verdict);
+        }
         let asked = Asked::of(&question);
         let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
         let shown =

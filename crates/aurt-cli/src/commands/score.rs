@@ -17,7 +17,8 @@ use crate::{
 /// Compare verdicts on concealed cases with the sealed truth.
 ///
 /// Verdicts are files DIR/CASE/verdict.json, as `aurt diagnose --out DIR/CASE` writes them; any other tool may have
-/// written them.
+/// written them. Cases of real recordings need DIR/reference_NAME/verdict.json as well, the verdict on the recordings as
+/// they are: what is claimed of these is no news.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt conceal --seed 7 --cases cases --sealed sealed\n  \
     for c in cases/*; do aurt diagnose $c/experiment.toml --out verdicts/$(basename $c); done\n  \

@@ -15,6 +15,7 @@ mod plugins;
 mod proof;
 mod real_recordings;
 mod registered_models;
+mod removal;
 mod reports;
 mod simulation;
 mod support;

@@ -9,6 +9,7 @@ pub(crate) mod registered;
 mod series;
 mod write;
 
+pub use confidence::Learnt;
 pub use model::{
     Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, RegisteredFinding, Shift,
     Verdict,

@@ -18,13 +18,39 @@ pub enum Answer {
     Ambiguous,
     /// Something is missing that has no name.
     Unexplained,
+    /// The diagnosis gave no verdict.
+    Failed,
 }
 
-/// What a verdict claims: the part of `verdict.json` that is scored. Further keys are nobody's business here.
+impl Answer {
+    /// Whether the answer gives what is missing a name.
+    #[must_use]
+    pub const fn names(self) -> bool {
+        matches!(self, Self::Named | Self::Ambiguous)
+    }
+
+    /// The word in files and tables.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::NoMismatch => "no_mismatch",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unexplained => "unexplained",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What a verdict claims: the part of `verdict.json` that is scored. Further keys, `indications` among them, are no
+/// claims and are not read.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Claim {
-    /// The answer.
+    /// The answer: what has changed where there are targets, else what the model lacks.
     pub verdict: Answer,
+    /// What the model lacks in all recordings, in files that answer the two questions with two words.
+    #[serde(default)]
+    pub structure: Option<Answer>,
     /// The effects, the most important first.
     #[serde(default)]
     pub effects: Vec<ClaimedEffect>,
@@ -56,9 +82,9 @@ pub struct ClaimedEffect {
     /// What else it could be.
     #[serde(default)]
     pub alternatives: Vec<ClaimedAlternative>,
-    /// Evidence.
+    /// Evidence: its score, and what else is said for it. What is no number is not used.
     #[serde(default)]
-    pub evidence: Option<ClaimedEvidence>,
+    pub evidence: BTreeMap<String, Value>,
 }
 
 /// A claimed parameter.
@@ -66,6 +92,9 @@ pub struct ClaimedEffect {
 pub struct ClaimedValue {
     /// A number, or a list along the joints.
     pub value: Value,
+    /// Its standard deviation, in the same form.
+    #[serde(default)]
+    pub std: Value,
 }
 
 /// A claimed alternative.
@@ -73,13 +102,9 @@ pub struct ClaimedValue {
 pub struct ClaimedAlternative {
     /// Identifier.
     pub effect: String,
-}
-
-/// Claimed evidence.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct ClaimedEvidence {
-    /// The score of the claim.
-    pub score: f64,
+    /// Joints that it would be on.
+    #[serde(default)]
+    pub joints: Vec<usize>,
 }
 
 /// Claimed residuals on data that took no part, joint by joint.
@@ -92,6 +117,28 @@ pub struct ClaimedHeldOut {
     pub rms_after: Vec<f64>,
 }
 
+/// Whether kinds of recordings are the later ones alone: something has changed.
+pub(super) fn is_change(present_in: &[String]) -> bool {
+    !present_in.is_empty() && present_in.iter().all(|kind| kind == "target")
+}
+
+impl ClaimedEffect {
+    /// Whether it is claimed of the later recordings alone.
+    #[must_use]
+    pub fn is_change(&self) -> bool {
+        is_change(&self.present_in)
+    }
+
+    /// Its evidence as far as it is finite numbers, by name.
+    #[must_use]
+    pub fn numbers(&self) -> BTreeMap<String, f64> {
+        let number = |(name, value): (&String, &Value)| {
+            Some((name.clone(), value.as_f64().filter(|v| v.is_finite())?))
+        };
+        self.evidence.iter().filter_map(number).collect()
+    }
+}
+
 impl Claim {
     /// Reads a `verdict.json`.
     ///
@@ -101,25 +148,36 @@ impl Claim {
         crate::json_file::read(path.as_ref())
     }
 
-    /// Identifiers without repetition, in the verdict's order.
+    /// What a diagnosis that gave no verdict claims: nothing, and not even that.
     #[must_use]
-    pub fn names(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for effect in &self.effects {
-            if !names.contains(&effect.effect.as_str()) {
-                names.push(&effect.effect);
-            }
+    pub fn failed() -> Self {
+        Self {
+            verdict: Answer::Failed,
+            structure: None,
+            effects: Vec::new(),
+            held_out: ClaimedHeldOut::default(),
         }
-        names
     }
 
-    /// Joints of all claims of one identifier, sorted.
+    /// The answer to what has changed, or to what is missing in all recordings.
     #[must_use]
-    pub fn joints_of(&self, effect: &str) -> Vec<usize> {
-        let mut joints: Vec<usize> =
-            self.effects.iter().filter(|e| e.effect == effect).flat_map(|e| e.joints.clone()).collect();
-        joints.sort_unstable();
-        joints.dedup();
-        joints
+    pub fn answer(&self, change: bool) -> Answer {
+        if change { self.verdict } else { self.structure.unwrap_or(self.verdict) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_word_or_two_and_indications_are_read() {
+        let old: Claim = serde_json::from_str(r#"{"verdict": "named"}"#).unwrap();
+        assert_eq!((old.answer(true), old.answer(false)), (Answer::Named, Answer::Named));
+        let text = r#"{"verdict": "no_mismatch", "structure": "unexplained",
+            "indications": [{"effect": "spring", "joints": [1]}]}"#;
+        let new: Claim = serde_json::from_str(text).unwrap();
+        assert_eq!((new.answer(true), new.answer(false)), (Answer::NoMismatch, Answer::Unexplained));
+        assert!(new.effects.is_empty(), "an indication is no claim");
     }
 }

@@ -4,19 +4,40 @@
 //!
 //! | case | right if |
 //! |---|---|
-//! | null | the verdict is `no_mismatch` |
-//! | single | the first effect is the true one; with alternatives: it or one of at most two alternatives is |
-//! | pair | the first two different effects are the true ones |
-//! | stranger | the verdict is `unexplained` |
-//! | single whose candidate was removed | `unexplained`, or the first effect is a neighbour ([`neighbours`]) |
+//! | single | the word names (`named`, or `ambiguous` with the truth among the first label and its at most two alternatives), the effect is first, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing is claimed beside it |
+//! | pair | the same of both, as the first two |
+//! | null | `no_mismatch`, or no claim but the background's and the reference's |
+//! | stranger | `unexplained` |
+//! | single whose candidate was removed | `unexplained`, or a neighbour ([`neighbours`]) first under a word that names |
+//!
+//! Every part is counted for itself as well. What the experiment does not declare beside the effects (`background`), and
+//! what is claimed of the same recordings without the effects (the reference), is neither right nor wrong. Effects that no
+//! recording tells apart (`coulomb_asymmetry` and `current_offset`) are counted strictly, and as one class.
 
 mod board;
 mod case_score;
 mod claim;
+mod isotonic;
+mod judgement;
+mod leak;
+mod learnt;
 mod neighbours;
+mod news;
+mod parameters;
+mod reliability;
+mod share;
 mod table;
+#[cfg(test)]
+mod tests;
+mod world_board;
 
-pub use board::{Confusion, EffectRow, Reliability, Scoreboard, Share};
-pub use case_score::{CaseScore, ParameterError, score};
-pub use claim::{Answer, Claim, ClaimedEffect};
+pub use board::Scoreboard;
+pub use case_score::{CaseScore, ScoredFinding, score};
+pub use claim::{Answer, Claim, ClaimedAlternative, ClaimedEffect, ClaimedValue};
+pub use leak::leaks;
+pub use learnt::{Curves, Learnt, LearntFrom, Rate, SCHEMA};
 pub use neighbours::neighbours;
+pub use parameters::ParameterError;
+pub use reliability::{Bin, Reliability};
+pub use share::Share;
+pub use world_board::{Confusion, EffectRow, Singles, WorldBoard};

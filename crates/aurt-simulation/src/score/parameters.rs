@@ -1,0 +1,66 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::claim::{Claim, ClaimedEffect};
+use crate::case::Truth;
+
+/// How far a claimed parameter is off.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterError {
+    /// Effect.
+    pub effect: String,
+    /// Canonical name.
+    pub parameter: String,
+    /// |claimed − true| / |true|.
+    pub relative: f64,
+    /// (claimed − true) / claimed standard deviation, where one is claimed.
+    pub in_std: Option<f64>,
+}
+
+impl ParameterError {
+    /// Whether the truth is within two claimed standard deviations; none where none is claimed.
+    #[must_use]
+    pub fn is_covered(&self) -> Option<bool> {
+        self.in_std.map(|z| z.abs() <= 2.0)
+    }
+}
+
+/// Errors of the parameters that both the truth and the claims have.
+pub(super) fn parameter_errors(truth: &Truth, claim: &Claim) -> Vec<ParameterError> {
+    let mut errors = Vec::new();
+    for effect in &truth.effects {
+        let claims: Vec<&ClaimedEffect> =
+            claim.effects.iter().filter(|f| f.effect == effect.effect).collect();
+        for (name, values) in &effect.parameters {
+            for (place, value) in values.iter().enumerate() {
+                // Values run along the effect's joints unless there is but one for all of them.
+                let joint = (values.len() == effect.joints.len()).then(|| effect.joints[place]);
+                let claimed = claims.iter().find_map(|c| claimed_value(c, name, joint));
+                if let Some((claimed, std)) = claimed.filter(|_| *value != 0.0 && value.is_finite()) {
+                    errors.push(ParameterError {
+                        effect: effect.effect.clone(),
+                        parameter: name.clone(),
+                        relative: (claimed - value).abs() / value.abs(),
+                        in_std: std.filter(|s| *s > 0.0 && s.is_finite()).map(|s| (claimed - value) / s),
+                    });
+                }
+            }
+        }
+    }
+    errors
+}
+
+/// The claimed value of a parameter and its deviation, at a joint where the claim has one for each.
+fn claimed_value(claim: &ClaimedEffect, name: &str, joint: Option<usize>) -> Option<(f64, Option<f64>)> {
+    let claimed = claim.parameters.get(name)?;
+    match &claimed.value {
+        Value::Number(number) if joint.is_none_or(|j| claim.joints.contains(&j)) => {
+            Some((number.as_f64()?, claimed.std.as_f64()))
+        }
+        Value::Array(list) => {
+            let place = claim.joints.iter().position(|j| Some(*j) == joint)?;
+            Some((list.get(place)?.as_f64()?, claimed.std.get(place).and_then(Value::as_f64)))
+        }
+        _ => None,
+    }
+}
