@@ -22,6 +22,9 @@ pub struct Built {
 const ATTEMPTS: usize = 6;
 /// Share of the wanted strength with which an attempt is good enough.
 const GOOD_ENOUGH: f64 = 0.8;
+/// Root mean square of an effect on a joint over that of its measurement, at most: what is half of all torque and more is
+/// no lack of a model.
+const LARGEST_SHARE: f64 = 0.5;
 /// Corrections of the size; most laws are linear and need one.
 const CORRECTIONS: usize = 8;
 /// Shares of rows that are lost, for weak, medium and strong: such a fault has no torque to be measured by.
@@ -96,16 +99,20 @@ impl Injection {
         wanted: f64,
     ) -> Result<Built, SimulationError> {
         let largest = self.largest(&added);
+        let most = self.most(split);
         let mut added = added;
         let mut built = None;
         for _ in 0..CORRECTIONS {
-            let achieved = self.strengths(&added, split)?;
+            let (achieved, whole) = self.strengths(&added, split)?;
             let own = added.own_joints(kind.whole_arm);
             let of_own = achieved.iter().enumerate().filter(|(j, _)| own.is_empty() || own.contains(j));
             let reached = of_own.map(|(_, s)| *s).fold(0.0, f64::max);
             let factor = wanted / reached.max(1e-12);
             let size = added.size;
-            built = Some(Built { kind, added: added.clone(), achieved, reached: factor.min(1.0 / factor) });
+            // More torque than a machine could have is not made, however little of it the structure leaves.
+            let beyond = own.iter().any(|j| whole[*j] > most[*j]);
+            let close = if beyond { 0.0 } else { factor.min(1.0 / factor) };
+            built = Some(Built { kind, added: added.clone(), achieved, reached: close });
             if (factor - 1.0).abs() < 0.02 || !factor.is_finite() {
                 break;
             }
@@ -119,10 +126,26 @@ impl Injection {
             .ok_or_else(|| SimulationError::value(kind.identifier, wanted, "its strength cannot be measured"))
     }
 
+    /// Largest root mean square of an effect's torque that a machine could have, per joint.
+    fn most(&self, split: &Split) -> Vec<f64> {
+        let recordings: Vec<usize> = split.files().into_iter().map(|(k, _)| k).collect();
+        (0..self.figures.len())
+            .map(|j| {
+                let all: Vec<f64> =
+                    recordings.iter().flat_map(|k| self.recorded[*k].rows.measured[j].clone()).collect();
+                LARGEST_SHARE * mean_square(&all).sqrt()
+            })
+            .collect()
+    }
+
     /// Root mean square of an effect after the usual filters over what the unaltered model leaves, per joint: of a
     /// change, all of it, in the target where it is largest; of what is in all recordings, what the experiment's structure
-    /// cannot absorb of it.
-    pub(super) fn strengths(&self, added: &Added, split: &Split) -> Result<Vec<f64>, SimulationError> {
+    /// cannot absorb of it. Beside it the root mean square of all of it.
+    pub(super) fn strengths(
+        &self,
+        added: &Added,
+        split: &Split,
+    ) -> Result<(Vec<f64>, Vec<f64>), SimulationError> {
         let left = self.model.left_rms();
         let rows_of = |k: &usize| {
             let Recorded { recording, scene, .. } = &self.recorded[*k];
@@ -134,6 +157,8 @@ impl Injection {
             let effect = split.calibration.iter().map(rows_of).collect::<Result<Vec<_>, _>>()?;
             let rows: Vec<&Rows> = split.calibration.iter().map(|k| &self.recorded[*k].rows).collect();
             let absorbed = self.model.fitted(&rows, |r, j| &effect[r][j]);
+            let whole = |j: usize| effect.iter().flat_map(|e| e[j].iter().copied()).collect::<Vec<f64>>();
+            let whole = (0..left.len()).map(|j| mean_square(&whole(j)).sqrt()).collect();
             let rms = (0..left.len())
                 .map(|j| {
                     let free: Vec<f64> = rows
@@ -144,7 +169,7 @@ impl Injection {
                     mean_square(&free).sqrt()
                 })
                 .collect();
-            return Ok(over_left(rms));
+            return Ok((over_left(rms), whole));
         }
         let local = added.is_local();
         let targets = if local { &split.target[..1] } else { &split.target[..] };
@@ -158,6 +183,6 @@ impl Injection {
                 *most = most.max(mean_square(&there).sqrt());
             }
         }
-        Ok(over_left(largest))
+        Ok((over_left(largest.clone()), largest))
     }
 }

@@ -14,6 +14,8 @@ pub(super) struct JointFigures {
     pub peak: f64,
     /// Root mean square of the rigid bodies' torque.
     pub load: f64,
+    /// Mean of the joint's own inertia, as fitted, kg m².
+    pub inertia: f64,
 }
 
 impl JointFigures {
@@ -44,7 +46,9 @@ impl Injection {
                 "temperature_dependent_friction" | "friction_level_changed" => {
                     self.model.coulomb()[joint] > 0.0
                 }
-                "coulomb_asymmetry" | "viscous_asymmetry" => self.model.coulomb()[joint] > 0.0,
+                "coulomb_asymmetry" => self.model.coulomb()[joint] > 0.0,
+                "viscous_asymmetry" => self.model.viscous()[joint] > 0.0,
+                "joint_elasticity" => figures.inertia > 0.0,
                 _ => true,
             }
     }
@@ -118,10 +122,8 @@ impl Injection {
                 (Law::TorqueRipple { order, phase_rad: random.between(0.0, std::f64::consts::TAU) }, left)
             }
             "joint_elasticity" => {
-                let rate = std::f64::consts::TAU * 5.0 * self.real.options.f_dyn_hz;
-                let inertia = (figures.peak / 10.0).max(1e-3);
                 let law = Law::JointElasticity { damping_ratio: log_between(random, 0.02, 0.3) };
-                (law, 1.0 / (inertia * rate * rate))
+                (law, self.compliance(joint, 5.0))
             }
             "torque_constant" => (Law::TorqueConstant, 0.05),
             "current_offset" => (Law::CurrentOffset, left),
@@ -160,13 +162,18 @@ impl Injection {
             Law::CoulombAsymmetry
                 | Law::ViscousAsymmetry
                 | Law::ViscousNonlinear { .. }
-                | Law::Spring { .. }
                 | Law::TorqueConstant
                 | Law::CurrentOffset
                 | Law::FrictionLevelChanged { .. }
         );
         let sign = if either { random.sign() } else { 1.0 };
         Added { law, joint, size, sign }
+    }
+
+    /// Compliance with which a joint swings at a multiple of f_dyn, rad/Nm.
+    fn compliance(&self, joint: usize, multiple: f64) -> f64 {
+        let rate = std::f64::consts::TAU * multiple * self.real.options.f_dyn_hz;
+        1.0 / (self.figures[joint].inertia * rate * rate).max(1e-12)
     }
 
     /// The largest size that a real machine could have.
@@ -177,6 +184,10 @@ impl Injection {
                 0.9 / libm::log(1.0 + self.longest_s / origin_s).max(1e-9)
             }
             Law::FrictionLevelChanged { viscous } if added.sign < 0.0 => 0.9 / viscous.max(1.0),
+            Law::CoulombAsymmetry => 0.95 * self.model.coulomb()[added.joint],
+            Law::ViscousAsymmetry => 0.95 * self.model.viscous()[added.joint],
+            // A softer joint swings at the motion's own frequencies, and gravity acts at another angle than measured.
+            Law::JointElasticity { .. } => self.compliance(added.joint, 1.5),
             Law::LoadDependentFriction | Law::DriveEfficiency { .. } | Law::TorqueConstant => 0.6,
             Law::BaseTilt { .. } => 0.6,
             Law::TimeDelay => 0.1,

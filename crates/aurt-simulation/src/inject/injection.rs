@@ -58,7 +58,8 @@ impl Injection {
                 })
             })
             .collect::<Result<Vec<_>, SimulationError>>()?;
-        let figures = (0..real.chain.joints().len()).map(|j| figures(&recorded, j)).collect();
+        let figures =
+            (0..real.chain.joints().len()).map(|j| figures(&recorded, j)).collect::<Result<_, _>>()?;
         let durations = || recorded.iter().map(|r| r.recording.duration_s());
         Ok(Self {
             shortest_s: durations().fold(f64::INFINITY, f64::min),
@@ -188,13 +189,15 @@ pub(super) fn preprocessed(
         .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
 }
 
-fn figures(recorded: &[Recorded], j: usize) -> JointFigures {
+fn figures(recorded: &[Recorded], j: usize) -> Result<JointFigures, SimulationError> {
     let all = |of: fn(&Recorded) -> &Vec<Vec<f64>>| -> Vec<f64> {
         recorded.iter().flat_map(|r| of(r)[j].iter().copied()).collect()
     };
     let position = all(|r| &r.scene.motion.position_rad);
     let measured = recorded.iter().flat_map(|r| r.recording.measurement.iter().flat_map(|m| m[j].iter()));
-    JointFigures {
+    let inertia = &recorded[0].scene.inertia_column(j)?[j];
+    Ok(JointFigures {
+        inertia: inertia.iter().sum::<f64>() / inertia.len().max(1) as f64,
         velocity_rad_s: mean_square(&all(|r| &r.scene.motion.velocity_rad_s)).sqrt(),
         range_rad: [
             position.iter().copied().fold(f64::INFINITY, f64::min),
@@ -202,5 +205,5 @@ fn figures(recorded: &[Recorded], j: usize) -> JointFigures {
         ],
         peak: measured.fold(0.0, |peak: f64, y| peak.max(y.abs())),
         load: mean_square(&all(|r| &r.scene.load)).sqrt(),
-    }
+    })
 }
