@@ -4,6 +4,7 @@ pub mod case;
 pub mod effects;
 mod error;
 pub mod fit;
+pub mod inject;
 mod json_file;
 pub mod model;
 pub mod plant;

@@ -1,22 +1,33 @@
 //! `aurt conceal`: recordings with physics that is known, and hidden.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use aurt_simulation::case::{Plan, conceal};
+use aurt_simulation::{
+    Random, SimulationError,
+    case::{Plan, Truth, conceal},
+};
 use clap::Args;
+use rayon::prelude::*;
 use serde_json::json;
 
-use crate::{commands::Session, failure::Failure, rendering::terminal::Report};
+use crate::{commands::Session, failure::Failure, injected, rendering::terminal::Report};
 
 /// Make cases for a proof: recordings of simulated robots with concealed physics, and the sealed truth.
 ///
 /// Each case is a folder with an experiment, its geometry and recordings, and nothing else; the truth about it is
 /// written elsewhere. The same plan and seed give the same bytes.
+///
+/// With `--into`, the recordings are those of an experiment, real ones as a rule, and an effect's torque is added to
+/// what they measured. The same recordings as they are lie in `references`, beside the folder of the cases.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt conceal --seed 7 --cases cases --sealed sealed\n  \
-    aurt conceal --plan plan.toml --seed 7 --cases cases --sealed sealed")]
+    aurt conceal --plan plan.toml --seed 7 --cases cases --sealed sealed\n  \
+    AURT_DATA=/path/to/recordings aurt conceal --into examples/worlds/ur10e.toml --seed 7 --cases cases --sealed sealed")]
 pub struct Conceal {
-    /// Which cases to make; without it every effect once, two strangers, two pairs and four nulls
+    /// Add effects to this experiment's recordings instead of simulating
+    #[arg(long, value_name = "EXPERIMENT.toml")]
+    into: Option<PathBuf>,
+    /// Which cases to make; without it every effect once, strangers, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
     /// Seed of everything that is drawn
@@ -32,26 +43,89 @@ pub struct Conceal {
 
 impl Conceal {
     /// Conceals.
-    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let plan = self.plan.as_ref().map_or_else(|| Ok(Plan::small()), Plan::read)?;
+        if let Some(experiment) = &self.into {
+            return self.run_into(experiment, plan, session);
+        }
         let count = plan.requests(self.seed)?.len();
         let progress = session.terminal.progress(count);
         let concealed = conceal(&plan, self.seed, &self.cases, &self.sealed, &|p| progress.step(p.last))?;
         drop(progress);
-        Ok(Report {
-            text: format!(
-                "{} cases in {}, their truths in {}\n",
-                concealed.truths.len(),
-                self.cases.display(),
-                self.sealed.display()
-            ),
+        Ok(self.report(concealed.truths.len(), &[], None))
+    }
+
+    /// Adds effects to an experiment's recordings.
+    fn run_into(&self, path: &Path, mut plan: Plan, session: &mut Session<'_>) -> Result<Report, Failure> {
+        // The strangers of the small plan are the simulator's.
+        if let (None, Some(strangers)) = (&self.plan, &mut plan.strangers) {
+            strangers.effects.clear();
+        }
+        let injection = injected::read(path, &mut session.registry)?;
+        let requests = injection.requests(&plan, self.seed)?;
+        let references = self.references();
+        for folder in [&self.cases, &self.sealed, &references] {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| Failure::Write { path: folder.clone(), source })?;
+        }
+        for name in injection.references() {
+            injection.reference(&name)?.write_folder(&references)?;
+        }
+        let progress = session.terminal.progress(requests.len());
+        let made: Vec<Result<Truth, SimulationError>> = requests
+            .par_iter()
+            .enumerate()
+            .map(|(index, request)| {
+                let name = Plan::case_name(index);
+                let seed = Random::labelled(self.seed, &format!("injected {index}")).bits();
+                let case = injection.make(request, seed, &name)?;
+                case.write(&self.cases, &self.sealed)?;
+                progress.step(name);
+                Ok(case.truth)
+            })
+            .collect();
+        drop(progress);
+        let mut refused = Vec::new();
+        let mut count = 0;
+        for one in made {
+            match one {
+                Ok(_) => count += 1,
+                // These recordings cannot have what was asked for; others of the plan they can.
+                Err(SimulationError::Unreadable { path, reason }) => {
+                    refused.push(format!("{}: {reason}", path.display()));
+                }
+                Err(other) => return Err(other.into()),
+            }
+        }
+        Ok(self.report(count, &refused, Some(&references)))
+    }
+
+    /// The folder of the recordings as they are: beside that of the cases.
+    fn references(&self) -> PathBuf {
+        self.cases.parent().unwrap_or(Path::new("")).join("references")
+    }
+
+    fn report(&self, count: usize, refused: &[String], references: Option<&PathBuf>) -> Report {
+        let mut text =
+            format!("{count} cases in {}, their truths in {}\n", self.cases.display(), self.sealed.display());
+        if let Some(folder) = references {
+            text.push_str(&format!("the recordings as they are in {}\n", folder.display()));
+        }
+        for reason in refused {
+            text.push_str(&format!("not made: {reason}\n"));
+        }
+        let mut outputs = vec![&self.cases, &self.sealed];
+        outputs.extend(references);
+        Report {
+            text,
             json: json!({
                 "command": "conceal",
                 "seed": self.seed,
-                "cases": concealed.truths.len(),
-                "outputs": [self.cases, self.sealed],
+                "cases": count,
+                "refused": refused,
+                "outputs": outputs,
             }),
             findings: false,
-        })
+        }
     }
 }

@@ -19,6 +19,7 @@ mod predict;
 mod prove;
 pub mod run;
 mod score;
+mod sensitivity;
 mod simulate;
 mod sweep;
 
@@ -43,6 +44,7 @@ pub enum Command {
     Predict(predict::Predict),
     Diagnose(diagnose::Diagnose),
     Sweep(sweep::Sweep),
+    Sensitivity(sensitivity::Sensitivity),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Conceal(conceal::Conceal),
@@ -58,7 +60,7 @@ pub enum Command {
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 7] = [
     ("Start here", &["demo", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Proof", &["prove", "conceal", "score"]),
     (
@@ -95,6 +97,7 @@ impl Command {
             Self::Predict(command) => command.run(session),
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
+            Self::Sensitivity(command) => command.run(session),
             Self::Simulate(command) => command.run(session),
             Self::Excite(command) => command.run(session),
             Self::Conceal(command) => command.run(session),

@@ -7,6 +7,7 @@ pub mod diagnosis;
 pub mod figures;
 pub mod parts;
 pub mod recording;
+pub mod sensitivity;
 pub mod sweep;
 
 use std::path::PathBuf;

@@ -7,6 +7,7 @@ mod bad_recording;
 mod chain;
 mod checks;
 mod diagnosis;
+mod injection;
 mod instruction_sets;
 mod long_recordings;
 mod machine_output;

@@ -12,3 +12,4 @@ pub use processed::{ProcessedFit, processed_motion};
 
 pub(crate) use columns::Columns;
 pub(crate) use gram::Gram;
+pub(crate) use processed::mean_square;

@@ -1,0 +1,111 @@
+//! `aurt sensitivity`: from which size on an effect would have been found in these recordings.
+
+use std::path::PathBuf;
+
+use aurt_plugins::Experiment;
+use aurt_simulation::inject::{Kind, injectable};
+use clap::Args;
+use serde_json::json;
+
+use super::Session;
+use crate::{
+    failure::Failure,
+    output::OutputFolder,
+    rendering::{json::pretty, terminal::Report},
+    reports::{self, PlotOptions, sensitivity::Answered},
+    sensitivity::{DRAWS, LEVELS, Subject, search, tasks},
+};
+
+/// Say from which size on each effect would have been found in the experiment's own recordings: "nothing is missing"
+/// becomes "nothing larger than this is missing".
+///
+/// Each effect is added to what the recordings measured, at growing strength, in three shapes, and diagnosed. Where the
+/// experiment has targets, it is added to these and to what is held out; where not, to all recordings.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  aurt sensitivity experiment.toml --out sensitivity\n  \
+    aurt sensitivity experiment.toml --effects payload,spring --joints 1,2 --out sensitivity")]
+pub struct Sensitivity {
+    /// Experiment file
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// Folder for report.html and sensitivity.json; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Effects to try, separated by commas; all unless given
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
+    effects: Vec<String>,
+    /// Joints to try, from 0, separated by commas; all unless given
+    #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
+    joints: Vec<usize>,
+    /// Seed of the shapes that are drawn
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+    #[command(flatten)]
+    plots: PlotOptions,
+}
+
+/// The file for programs.
+const RESULTS: &str = "sensitivity.json";
+
+impl Sensitivity {
+    /// Searches the limits.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        let Session { terminal, registry } = session;
+        let folder = OutputFolder::new("--out", &self.out)?;
+        let plots = self.plots.folder()?;
+        let experiment = Experiment::read(&self.experiment, registry)?;
+        let joints = self.joints(experiment.joints())?;
+        let subject = Subject::new(&experiment, registry)?;
+        let unit = subject.injection.real().unit;
+        let names: Vec<String> = if self.effects.is_empty() {
+            injectable(unit).into_iter().map(str::to_owned).collect()
+        } else {
+            self.effects.clone()
+        };
+        let effects = names.iter().map(|name| Kind::named(name)).collect::<Result<Vec<_>, _>>()?;
+        let progress = terminal.progress(tasks(&effects, &joints));
+        let rows = search(&subject, &effects, &joints, self.seed, &|what| progress.step(what))?;
+        drop(progress);
+
+        let document = json!({
+            "command": "sensitivity",
+            "experiment": self.experiment,
+            "seed": self.seed,
+            "unit": unit.symbol(),
+            "added_to": subject.split.presence,
+            "left_rms": subject.injection.model().left_rms(),
+            "strengths": LEVELS,
+            "draws": DRAWS,
+            "limits": rows,
+        });
+        let answered = Answered { rows: &rows, subject: &subject, seed: self.seed, document: &document };
+        let page = answered.page();
+        folder.write(&[
+            (RESULTS.to_owned(), pretty(&document).into_bytes()),
+            (reports::FILE.to_owned(), page.to_html().into_bytes()),
+        ])?;
+        let mut written = vec![folder.path().join(RESULTS), folder.path().join(reports::FILE)];
+        written.extend(reports::write_plots(&page, plots.as_ref())?);
+        let mut text = answered.text();
+        text.push_str(&super::run::written_text(&written));
+        Ok(Report { text, json: document, findings: false })
+    }
+
+    /// The joints that were asked for, each once.
+    fn joints(&self, available: usize) -> Result<Vec<usize>, Failure> {
+        if self.joints.is_empty() {
+            return Ok((0..available).collect());
+        }
+        if let Some(joint) = self.joints.iter().find(|j| **j >= available) {
+            return Err(Failure::Argument {
+                option: "--joints",
+                reason: format!("there is no joint {joint}"),
+                remedy: format!("joints count from 0; the robot has {available}: 0 to {}", available - 1),
+            });
+        }
+        let mut joints = self.joints.clone();
+        joints.sort_unstable();
+        joints.dedup();
+        Ok(joints)
+    }
+}

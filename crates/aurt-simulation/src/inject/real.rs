@@ -1,0 +1,58 @@
+use aurt_rbd::SerialChain;
+use aurt_recording::{PreprocessOptions, Recording};
+use aurt_traits::MeasurementUnit;
+
+use crate::SimulationError;
+use crate::fit::Structure;
+
+/// An experiment with real recordings, as plain data.
+#[derive(Debug, Clone)]
+pub struct RealExperiment {
+    /// What the robot is called in truths and reference names.
+    pub name: String,
+    /// The text of its table of modified Denavit–Hartenberg parameters.
+    pub mdh_csv: String,
+    /// Its geometry under gravity.
+    pub chain: SerialChain,
+    /// Unit of the measurements, gains undone.
+    pub unit: MeasurementUnit,
+    /// The experiment without its section `[recordings]`: the geometry in `mdh.csv`, gains undone.
+    pub experiment_toml: String,
+    /// How recordings are preprocessed, gains undone.
+    pub options: PreprocessOptions,
+    /// What the experiment's structure has beyond rigid bodies, joint by joint.
+    pub structure: Structure,
+    /// The recordings.
+    pub recordings: Vec<RealRecording>,
+}
+
+/// A recording of a real robot, measured in [`RealExperiment::unit`].
+#[derive(Debug, Clone)]
+pub struct RealRecording {
+    /// What the experiment calls it.
+    pub name: String,
+    /// The recording, its window cut out, gains and offsets undone.
+    pub recording: Recording,
+}
+
+impl RealExperiment {
+    /// Checks that the recordings are those of the robot.
+    pub(super) fn validate(&self) -> Result<(), SimulationError> {
+        let joints = self.chain.joints().len();
+        let count = |what: String, expected: usize, found: usize| {
+            if expected == found { Ok(()) } else { Err(SimulationError::Count { what, expected, found }) }
+        };
+        count("joints of the experiment's structure".into(), joints, self.structure.joints.len())?;
+        if self.recordings.is_empty() {
+            return Err(SimulationError::Preprocessing {
+                reason: format!("{}: there is no recording to add an effect to", self.name),
+            });
+        }
+        for real in &self.recordings {
+            count(format!("{}: joints", real.name), joints, real.recording.joints())?;
+            let measured = real.recording.measurement.as_ref().map_or(0, Vec::len);
+            count(format!("{}: joints with a measured torque or current", real.name), joints, measured)?;
+        }
+        Ok(())
+    }
+}
