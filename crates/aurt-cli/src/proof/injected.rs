@@ -1,9 +1,25 @@
 //! The world of real recordings to which effects are added.
 
-use aurt_plugins::Registry;
+use std::path::Path;
 
-use super::source::{Ingredients, Source};
-use crate::failure::Failure;
+use aurt_plugins::Registry;
+use aurt_simulation::{
+    Random, SimulationError,
+    case::{Case, CaseRequest, Plan},
+    inject::Injection,
+};
+
+use super::source::{Ingredients, Planned, Source};
+use crate::{failure::Failure, injected};
+
+/// Cases of all experiments, one after the other.
+struct Injected {
+    sets: Vec<Injection>,
+    /// The set of each case, and what is asked of it.
+    requests: Vec<(usize, CaseRequest)>,
+    planned: Vec<Planned>,
+    seed: u64,
+}
 
 /// The cases of all experiments, one after the other, or why there are none.
 ///
@@ -11,10 +27,49 @@ use crate::failure::Failure;
 /// Experiments that are wrong, recordings that cannot be read.
 pub fn source(
     ingredients: &Ingredients,
-    _registry: &mut Registry,
+    registry: &mut Registry,
 ) -> Result<Result<Box<dyn Source>, String>, Failure> {
     if ingredients.into.is_empty() {
         return Ok(Err("no recordings: name experiments with --into".into()));
     }
-    Ok(Err("this build adds no effects to recordings".into()))
+    let mut sets = Vec::new();
+    let mut requests = Vec::new();
+    for path in &ingredients.into {
+        let set = injected::read(path, registry)?;
+        requests
+            .extend(set.requests(&ingredients.plan, ingredients.seed)?.into_iter().map(|r| (sets.len(), r)));
+        sets.push(set);
+    }
+    let planned = requests.iter().map(|(_, request)| Planned::from(request)).collect();
+    Ok(Ok(Box::new(Injected { sets, requests, planned, seed: ingredients.seed })))
+}
+
+impl Source for Injected {
+    fn planned(&self) -> &[Planned] {
+        &self.planned
+    }
+
+    fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
+        let (set, request) = &self.requests[index];
+        let seed = Random::labelled(self.seed, &format!("injected {index}")).bits();
+        let make = || self.sets[*set].make(request, seed, &Plan::case_name(index))?.write(cases, sealed);
+        make().map_err(|error| error.to_string())
+    }
+
+    fn references(&self) -> Vec<String> {
+        self.sets.iter().flat_map(Injection::references).collect()
+    }
+
+    fn reference(&self, name: &str) -> Result<Case, SimulationError> {
+        let of = |set: &&Injection| set.references().iter().any(|known| known == name);
+        self.sets.iter().find(of).map_or_else(
+            || {
+                Err(SimulationError::Unreadable {
+                    path: name.into(),
+                    reason: "there is no such reference".into(),
+                })
+            },
+            |set| set.reference(name),
+        )
+    }
 }

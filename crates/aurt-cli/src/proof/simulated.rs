@@ -34,11 +34,7 @@ impl Source for Simulated {
     }
 
     fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
-        let write = || {
-            let mut case = self.plan.make(self.seed, index)?;
-            case.truth.world = self.world;
-            case.write(cases, sealed)
-        };
+        let write = || self.plan.make_in(self.world, self.seed, index)?.write(cases, sealed);
         write().map_err(|error| error.to_string())
     }
 }
