@@ -129,7 +129,7 @@ impl Prove {
                 }
             };
             let cases = source.planned().len();
-            let into = ingredients.into_names(world);
+            let into = ingredients.set_names(world);
             place.create(&Proof { seed, cases, into, plan: ingredients.plan })?;
             let progress = session.terminal.points_bar(shard.count(cases));
             proof::prove(&*source, &place, &options, &|case| {

@@ -179,7 +179,7 @@ pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
     }
     for (folder, what) in [(place.removed(), " without its candidate"), (place.verdicts(), "")] {
         for path in entries(&folder).iter().map(|p| p.join(FAILED)).filter(|p| p.exists()) {
-            let case = path.parent().map(|p| stem(p)).unwrap_or_default();
+            let case = path.parent().map(stem).unwrap_or_default();
             found.insert(format!("{case}{what}"), read(&path)?);
         }
     }

@@ -8,7 +8,7 @@ use aurt_simulation::{
 };
 use serde_json::{Map, Value, json};
 
-use super::{Place, Proof, Verdicts, diagnosed::complaints, read_scores};
+use super::{Place, Proof, Verdicts, diagnosed::complaints, scores::scores_so_far};
 use crate::failure::Failure;
 
 /// What a folder has proved so far.
@@ -37,7 +37,7 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
     for world in World::ALL {
         let place = Place::new(out, world);
         let Some(proof) = place.proof()? else { continue };
-        let own = read_scores(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
+        let own = scores_so_far(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
         let unmade = complaints(&place)?;
         let _ = writeln!(text, "{}", head(world, &proof, own.len()));
         worlds.insert(
@@ -47,15 +47,11 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
         failed.extend(unmade.into_iter().map(|(case, why)| (format!("{} {case}", world.name()), why)));
         let mut all = own;
         let removed = Verdicts::Removed { own: place.verdicts() };
-        // Without --no-removal there are some; with it the folder is empty.
-        if let Ok(removed) = read_scores(&place.sealed(), &place.removed(), &removed) {
-            all.extend(removed);
-        }
+        all.extend(scores_so_far(&place.sealed(), &place.removed(), &removed)?);
         for method in aurt_diagnosis::Method::ALL {
             let whose = Verdicts::Method(method.name().to_owned());
-            if let Ok(scores) = read_scores(&place.sealed(), &place.verdicts(), &whose) {
-                methods.entry(method.name()).or_default().extend(scores);
-            }
+            let scores = scores_so_far(&place.sealed(), &place.verdicts(), &whose)?;
+            methods.entry(method.name()).or_default().extend(scores);
         }
         scores.push((world, proof.seed, all));
     }
@@ -105,7 +101,7 @@ const COUNTED: [Counted; 5] = [
 
 /// The diagnosis beside simpler methods on the same cases, a column for every world.
 fn comparison(own: &[CaseScore], methods: &BTreeMap<&str, Vec<CaseScore>>) -> String {
-    if methods.is_empty() {
+    if methods.values().all(Vec::is_empty) {
         return String::new();
     }
     let worlds: Vec<World> = World::ALL.into_iter().filter(|w| own.iter().any(|s| s.world == *w)).collect();

@@ -39,6 +39,31 @@ pub fn reference_folder(name: &str) -> String {
 /// # Errors
 /// Files that cannot be read; folders without a single case.
 pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
+    if truths(sealed)?.is_empty() {
+        return Err(Failure::Argument {
+            option: "--sealed",
+            reason: format!("{} holds no truths", sealed.display()),
+            remedy: "name the folder that `aurt conceal --sealed` wrote".into(),
+        });
+    }
+    let scores = scores_so_far(sealed, verdicts, whose)?;
+    if scores.is_empty() {
+        return Err(Failure::Argument {
+            option: "--verdicts",
+            reason: format!("{} holds no verdict on a case of {}", verdicts.display(), sealed.display()),
+            remedy: "each case needs a folder of its name with a verdict.json, and cases of real recordings one named \
+                     reference_NAME with the verdict on these as they are"
+                .into(),
+        });
+    }
+    Ok(scores)
+}
+
+/// The same of a proof that may not have come to its first verdict.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
     let mut scores = Vec::new();
     let mut references: BTreeMap<String, Option<Claim>> = BTreeMap::new();
     for path in truths(sealed)? {
@@ -64,15 +89,6 @@ pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<V
         let removed = truth.effects.first().filter(|_| matches!(whose, Verdicts::Removed { .. }));
         scores.push(score(&truth, &claim, removed.map(|e| e.effect.as_str()), known));
     }
-    if scores.is_empty() {
-        return Err(Failure::Argument {
-            option: "--verdicts",
-            reason: format!("{} holds no verdict on a case of {}", verdicts.display(), sealed.display()),
-            remedy: "each case needs a folder of its name with a verdict.json, and cases of real recordings one named \
-                     reference_NAME with the verdict on these as they are"
-                .into(),
-        });
-    }
     Ok(scores)
 }
 
@@ -93,22 +109,17 @@ fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
 
 /// The truths of a folder, sorted.
 fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let refuse = |reason: String| Failure::Argument {
+    let entries = fs::read_dir(sealed).map_err(|error| Failure::Argument {
         option: "--sealed",
-        reason,
+        reason: format!("{} cannot be read: {error}", sealed.display()),
         remedy: "name the folder that `aurt conceal --sealed` wrote".into(),
-    };
-    let entries =
-        fs::read_dir(sealed).map_err(|e| refuse(format!("{} cannot be read: {e}", sealed.display())))?;
+    })?;
     let mut paths: Vec<PathBuf> = entries
         .filter_map(Result::ok)
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|e| e == "json"))
         .collect();
     paths.sort();
-    if paths.is_empty() {
-        return Err(refuse(format!("{} holds no truths", sealed.display())));
-    }
     Ok(paths)
 }
 

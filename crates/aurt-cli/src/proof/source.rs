@@ -63,7 +63,7 @@ pub struct Ingredients {
 
 impl Ingredients {
     /// What identifies the experiments that effects are added to: their names.
-    pub fn into_names(&self, world: World) -> Vec<String> {
+    pub fn set_names(&self, world: World) -> Vec<String> {
         let stem = |path: &PathBuf| path.file_stem().map(|s| s.to_string_lossy().into_owned());
         if world == World::Injected { self.into.iter().filter_map(stem).collect() } else { Vec::new() }
     }

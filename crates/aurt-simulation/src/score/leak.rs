@@ -30,10 +30,10 @@ pub fn leaks(folder: impl AsRef<Path>, truth: &Truth) -> Result<Vec<String>, Sim
         let text = std::fs::read(entry.path())
             .map_err(|source| SimulationError::Io { path: entry.path(), source })?;
         let text = String::from_utf8_lossy(&text).to_lowercase();
-        if name.starts_with("recording_") {
-            if let Some(line) = text.lines().skip(1).find(|line| is_text(line)) {
-                found.push(format!("{name} holds text: {line}"));
-            }
+        if name.starts_with("recording_")
+            && let Some(line) = text.lines().skip(1).find(|line| is_text(line))
+        {
+            found.push(format!("{name} holds text: {line}"));
         }
         let head: String = if name.starts_with("recording_") { text.lines().take(1).collect() } else { text };
         found.extend(
