@@ -44,7 +44,10 @@ mod recording;
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, read_recording};
 pub use error::RecordingError;
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
-pub use noise::white_level;
+pub use noise::{
+    Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
+    acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,
+};
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,

@@ -1,11 +1,15 @@
 //! The model in question, judged by the noise that it would leave.
 
 use aurt_traits::RobotModel;
+use rayon::prelude::*;
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, evaluate_all};
-use crate::noise::floor::noise_floor;
-use crate::recordings::rows::{Fit, RecordingRows, Role};
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::group::Switch;
+use crate::noise::floor::{bounded, noise_floor};
+use crate::noise::spectrum::RecordingNoise;
+use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::Question;
 
 /// Fewest rows that a block of time must have to judge anything.
@@ -18,6 +22,13 @@ pub(crate) struct Judged {
     pub(crate) own_rows: Vec<RecordingRows>,
     /// Mean square of what noise leaves, `[recording][joint]`.
     pub(crate) floors: Vec<Vec<f64>>,
+    /// The noise of each recording under the baseline.
+    pub(crate) noise: Vec<RecordingNoise>,
+    /// Whether on some joint of a recording that is not for validation the noise was estimated higher than all that
+    /// was measured, noise included.
+    pub(crate) noise_exceeds_all: bool,
+    /// Where the noise was estimated higher than what is left.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Judged {
@@ -37,26 +48,72 @@ impl Judged {
             });
         }
         prepare(question, &baseline, question.model, &mut own_rows);
-        let floors = question
+        let noise = question
             .recordings
-            .iter()
-            .zip(&own_rows)
-            .map(|(r, rows)| noise_floor(&r.raw, &r.data.data, &r.options, &fit, rows))
+            .par_iter()
+            .map(|r| RecordingNoise::evaluate(&r.raw, &r.data.data, &r.options, &fit))
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { baseline, own_rows, floors })
+        let mut floors = Vec::new();
+        let mut notes = Vec::new();
+        let mut noise_exceeds_all = false;
+        for ((recording, rows), noise) in question.recordings.iter().zip(&own_rows).zip(&noise) {
+            let mut floor = noise_floor(noise, &recording.data.data, rows);
+            noise_exceeds_all |= exceeds_all(rows, &floor);
+            notes.extend(bounded(&rows.name, &mut floor, &left(question, &baseline, rows)));
+            floors.push(floor);
+        }
+        Ok(Self { baseline, own_rows, floors, noise, noise_exceeds_all, notes })
     }
+}
 
-    /// Whether on some joint the noise is said to exceed all that was measured, noise included.
-    pub(crate) fn noise_exceeds_all(&self) -> bool {
-        self.own_rows.iter().zip(&self.floors).filter(|(r, _)| r.role != Role::Validation).any(
-            |(rows, floors)| {
-                rows.joints.iter().zip(floors).any(|(joint, floor)| {
-                    let power: f64 = joint.measurement.iter().map(|m| m * m).sum();
-                    *floor > INCREDIBLE * power / joint.counted(0, rows.rows()).max(1.0)
+/// Whether noise is said to exceed by far all that was measured.
+fn exceeds_all(rows: &RecordingRows, floors: &[f64]) -> bool {
+    rows.role != Role::Validation
+        && rows.joints.iter().zip(floors).any(|(joint, floor)| {
+            let power: f64 = joint.measurement.iter().map(|m| m * m).sum();
+            *floor > INCREDIBLE * power / joint.counted(0, rows.rows()).max(1.0)
+        })
+}
+
+/// Mean square of what the baseline leaves of each joint's rows that count; `None` where there are none.
+fn left(question: &Question<'_>, baseline: &Baseline, rows: &RecordingRows) -> Vec<Option<f64>> {
+    let value = |column: &usize| if baseline.frozen { 0.0 } else { baseline.coefficients[*column] };
+    rows.joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let counted = joint.counted(0, rows.rows());
+            let residual = joint.residual(question.model.row_columns(j).iter().map(value));
+            (counted > 0.0).then(|| residual.iter().map(|e| e * e).sum::<f64>() / counted)
+        })
+        .collect()
+}
+
+/// Lowers the floors of recordings, `[recording][joint]`, to what a fitted model leaves of them, and says where they
+/// were too high by far.
+pub(crate) fn bound_floors(
+    rows: &[RecordingRows],
+    layout: &Layout,
+    switches: &[Switch],
+    coefficients: &[f64],
+    floors: &mut [Vec<f64>],
+) -> Vec<String> {
+    rows.iter()
+        .zip(floors)
+        .filter_map(|(recording, floors)| {
+            let residual = residuals(recording, layout, switches, coefficients);
+            let left: Vec<Option<f64>> = recording
+                .joints
+                .iter()
+                .zip(&residual)
+                .map(|(joint, residual)| {
+                    let counted = joint.counted(0, recording.rows());
+                    (counted > 0.0).then(|| residual.iter().map(|e| e * e).sum::<f64>() / counted)
                 })
-            },
-        )
-    }
+                .collect();
+            bounded(&recording.name, floors, &left)
+        })
+        .collect()
 }
 
 /// Noise of this many times the power of the measurement is none.

@@ -14,12 +14,13 @@ use crate::evidence::baseline::{
 };
 use crate::evidence::decidable::groups;
 use crate::evidence::gram::BlockMoments;
-use crate::evidence::judged::{Judged, prepare};
+use crate::evidence::judged::{Judged, bound_floors, prepare};
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::candidates::{Candidate, candidates};
 use crate::hypotheses::effects::Context;
 use crate::hypotheses::group::{Group, Switch};
+use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
@@ -53,6 +54,10 @@ pub struct Investigation {
     pub base_switches: Vec<Switch>,
     /// Noise floor, mean square, `[recording][joint]`.
     pub floors: Vec<Vec<f64>>,
+    /// The noise of each recording under the baseline.
+    pub noise: Vec<RecordingNoise>,
+    /// Where the noise was estimated higher than what is left, in words.
+    pub noise_notes: Vec<String>,
     /// Noise floor over the fitted rows, joint by joint.
     pub floor: Vec<f64>,
     /// Log of the ratio by which the baseline's error on the calibration recordings exceeds the floor, joint by joint.
@@ -147,11 +152,11 @@ fn investigate_as_it_is(
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that
     // these alone excite, noise decides.
-    let undetermined = !judged.baseline.frozen && judged.noise_exceeds_all();
+    let undetermined = !judged.baseline.frozen && judged.noise_exceeds_all;
     if undetermined {
         judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
-    let Judged { baseline, mut own_rows, floors } = judged;
+    let Judged { baseline, mut own_rows, mut floors, noise, notes: mut noise_notes, .. } = judged;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
 
     progress("looking for impacts and ringing");
@@ -214,7 +219,7 @@ fn investigate_as_it_is(
     let partition = partition(question, &rows);
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
-    let floor = mean_floor(&rows, &partition, &floors);
+    let mut floor = mean_floor(&rows, &partition, &floors);
     let parts = Parts {
         question,
         candidates: &candidates,
@@ -236,7 +241,10 @@ fn investigate_as_it_is(
         }
         selected = parts.select(&rows, progress);
     }
-    let Selected { problem, groups, free, selection, mean_independent_share, misfit, .. } = selected;
+    let Selected { problem, groups, free, selection, mean_independent_share, misfit, switches, coefficients } =
+        selected;
+    noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
+    floor = mean_floor(&rows, &partition, &floors);
     Ok(Investigation {
         model,
         baseline,
@@ -248,6 +256,8 @@ fn investigate_as_it_is(
         groups,
         base_switches,
         floors,
+        noise,
+        noise_notes,
         floor,
         misfit,
         faults,

@@ -1,92 +1,73 @@
-//! The noise floor: the residual that a perfect model would leave, from the recording alone.
+//! The noise floor: the residual that a right model would leave, from what is known of the noise.
 
-use aurt_calibration::for_each_predicted_block;
-use aurt_recording::{PreprocessOptions, Preprocessed, Recording, Segment, preprocess, white_level};
+use aurt_recording::Preprocessed;
 
-use crate::error::DiagnosisError;
-use crate::recordings::rows::{Fit, RecordingRows};
+use super::sign::wrong_sign;
+use super::spectrum::RecordingNoise;
+use crate::recordings::rows::RecordingRows;
 
-/// Residual variance of each joint that measurement noise alone would leave after filter and decimation:
-/// the white part of the measurement, and the white part of the positions propagated through differentiation,
-/// model and filter (a second pass over positions with as much noise again).
-///
-/// # Errors
-/// What preprocessing and models report.
-pub fn noise_floor(
-    recording: &Recording,
-    data: &Preprocessed,
-    options: &PreprocessOptions,
-    fit: &Fit<'_>,
-    rows: &RecordingRows,
-) -> Result<Vec<f64>, DiagnosisError> {
-    let joints = fit.model.joints();
-    let mut disturbed = recording.clone();
-    let mut random = Normal::new(0x5eed);
-    for series in &mut disturbed.position_rad {
-        let level = white_level(series);
-        series.iter_mut().for_each(|q| *q += level * random.next());
-    }
-    let disturbed = preprocess(&disturbed, options)?;
-    let mut propagated = vec![0.0; joints];
-    let mut first = 0;
-    for (clean, noisy) in data.segments.iter().zip(&disturbed.segments) {
-        let count = clean.rows().min(noisy.rows());
-        let a = predicted_rows(clean, fit, count)?;
-        let b = predicted_rows(noisy, fit, count)?;
-        for (joint, sum) in propagated.iter_mut().enumerate() {
-            let counts = &rows.joints[joint].counts[first..];
-            *sum += a[joint]
-                .iter()
-                .zip(&b[joint])
-                .zip(counts)
-                .filter(|(_, counts)| **counts)
-                .map(|((x, y), _)| (x - y).powi(2))
-                .sum::<f64>();
-        }
-        first += clean.rows();
-    }
-    let gains = options.gains.clone().unwrap_or_else(|| vec![1.0; joints]);
-    let filter_power = data.segments.first().map_or(1.0, |s| {
-        1.0 / (s.decimation as f64
-            * aurt_calibration::noise_bandwidth_factor(&s.parallel_filter, s.decimation))
-    });
-    Ok((0..joints)
+/// A floor that exceeds the residual by this factor (mean square) is wrong: of right models, floors are within 0.9–1.1
+/// of the root mean square.
+const CONTRADICTION: f64 = 1.21;
+
+/// Mean square of each joint's residual that noise alone would leave in the rows that count: the noise's spectrum behind
+/// the parallel filter, integrated (decimation folds it and keeps its power), and the dry friction whose sign noise
+/// decides.
+#[must_use]
+pub fn noise_floor(noise: &RecordingNoise, data: &Preprocessed, rows: &RecordingRows) -> Vec<f64> {
+    (0..rows.joints.len())
         .map(|j| {
-            let measured = recording.measurement.as_ref().map_or(0.0, |m| white_level(&m[j]) * gains[j]);
-            measured * measured * filter_power
-                + propagated[j] / rows.joints[j].counted(0, rows.rows()).max(1.0)
+            let joint = &rows.joints[j];
+            let (mut sum, mut count) = (0.0, 0.0);
+            let mut first = 0;
+            for (segment, noise) in data.segments.iter().zip(&noise.segments) {
+                let end = (first + segment.rows()).min(joint.counts.len());
+                let counted = joint.counted(first, end);
+                let speeds = (first..end)
+                    .filter(|row| joint.counts[*row])
+                    .map(|row| (row - first, joint.velocity_rad_s[row]));
+                sum += counted * noise.power_behind(j, &segment.parallel_filter)
+                    + wrong_sign(noise, segment, j, speeds);
+                count += counted;
+                first = end;
+            }
+            sum / f64::max(count, 1.0)
         })
-        .collect())
+        .collect()
 }
 
-fn predicted_rows(segment: &Segment, fit: &Fit<'_>, count: usize) -> Result<Vec<Vec<f64>>, DiagnosisError> {
-    let mut rows = vec![Vec::with_capacity(count); fit.model.joints()];
-    for_each_predicted_block(fit.model, segment, fit.load, fit.coefficients, |block| {
-        for (joint, series) in rows.iter_mut().enumerate() {
-            series.extend_from_slice(block.column(joint));
+/// Lowers floors to the mean square of what a model leaves, which noise is part of, and says of which joints they
+/// were too high by far. Joints without rows keep theirs.
+#[must_use]
+pub fn bounded(recording: &str, floors: &mut [f64], left: &[Option<f64>]) -> Option<String> {
+    let mut wrong = Vec::new();
+    for (joint, (floor, left)) in floors.iter_mut().zip(left).enumerate() {
+        let Some(left) = left.filter(|left| *left < *floor) else { continue };
+        if *floor > CONTRADICTION * left {
+            wrong.push(format!("{joint} ({:.3} of {:.3})", floor.sqrt(), left.sqrt()));
         }
-    })?;
-    rows.iter_mut().for_each(|series| series.truncate(count));
-    Ok(rows)
+        *floor = left;
+    }
+    (!wrong.is_empty()).then(|| {
+        format!(
+            "{recording}: the noise was estimated higher than all that the model leaves on joint {}; what is left is \
+             taken as the noise there, and a small effect may hide in it",
+            wrong.join(", ")
+        )
+    })
 }
 
-/// Normal deviates from a fixed linear congruential sequence: the sum of twelve uniforms, which is all that a
-/// noise power needs.
-struct Normal(u64);
+#[cfg(test)]
+mod tests {
+    use super::bounded;
 
-impl Normal {
-    const fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> f64 {
-        let sum: f64 = (0..12)
-            .map(|_| {
-                self.0 =
-                    self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-            })
-            .sum();
-        sum - 6.0
+    #[test]
+    fn noise_is_never_more_than_what_is_left() {
+        let mut floors = [1.0, 1.0, 1.0, 1.0];
+        let note = bounded("a.csv", &mut floors, &[Some(4.0), Some(0.95), Some(0.25), None]);
+        assert_eq!(floors, [1.0, 0.95, 0.25, 1.0]);
+        let note = note.unwrap();
+        assert!(note.contains("joint 2 (1.000 of 0.500)") && !note.contains("1 ("), "{note}");
+        assert_eq!(bounded("a.csv", &mut floors, &[None; 4]), None);
     }
 }

@@ -11,13 +11,12 @@
 //!
 //! Joints that rest, or have just reversed, started or stopped, are left out: the sign of dry friction jumps there.
 
-mod inertia;
 mod pattern;
 mod play;
 mod ring;
 mod series;
 
-pub use inertia::InertiaColumns;
+pub use crate::noise::inertia::InertiaColumns;
 pub use series::FullRate;
 
 use crate::error::DiagnosisError;

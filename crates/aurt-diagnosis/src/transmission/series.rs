@@ -1,9 +1,9 @@
 use aurt_calibration::for_each_tile;
-use aurt_recording::{Segment, white_level};
+use aurt_recording::{Segment, white_level_at};
 use aurt_traits::{ColumnGroup, MotionView};
 
-use super::inertia::InertiaColumns;
 use crate::error::DiagnosisError;
+use crate::noise::inertia::InertiaColumns;
 use crate::recordings::rows::Fit;
 
 /// What a fitted model leaves of a segment at the recording's own rate, before any filter, joint by joint.
@@ -50,7 +50,7 @@ impl FullRate {
         let (samples, joints) = (motion.samples(), fit.model.joints());
         let rigid = fit.model.group(ColumnGroup::RigidBody);
         let mut residual: Vec<Vec<f64>> = measured.iter().map(|m| m[..samples].to_vec()).collect();
-        let noise = residual.iter().map(|m| white_level(m)).collect();
+        let noise = residual.iter().map(|m| white_level_at(motion.time_s(), m)).collect();
         let mut load = vec![vec![0.0; samples]; joints];
         for_each_tile(fit.model, segment, fit.load, |start, tile| {
             for joint in 0..joints {

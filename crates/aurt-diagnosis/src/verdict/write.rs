@@ -94,6 +94,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
     verdict.notes.extend(investigation.untried.iter().cloned());
+    verdict.notes.extend(investigation.noise_notes.iter().cloned());
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
     }

@@ -70,6 +70,18 @@ impl ZeroPhase {
         self.design.padding()
     }
 
+    /// The gain |H(f)|² that forward and backward pass have together at a frequency.
+    #[must_use]
+    pub fn gain(&self, frequency_hz: f64) -> f64 {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * frequency_hz / self.rate_hz);
+        let (sin2, cos2) = (2.0 * sin * cos, cos * cos - sin * sin);
+        let power = |c: [f64; 3]| {
+            let (re, im) = (c[0] + c[1] * cos + c[2] * cos2, c[1] * sin + c[2] * sin2);
+            re * re + im * im
+        };
+        self.design.sections.iter().map(|s| power(s.b) / power([1.0, s.a[0], s.a[1]])).product()
+    }
+
     pub(crate) const fn design(&self) -> &Butterworth {
         &self.design
     }

@@ -1,3 +1,5 @@
+//! The inertia matrix along a motion.
+
 use aurt_traits::{Motion, MotionView, RegressorTile, RigidBodyRegressor};
 
 use crate::error::DiagnosisError;

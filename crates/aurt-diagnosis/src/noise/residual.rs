@@ -1,0 +1,76 @@
+//! What the fitted model leaves at full rate, where nothing jolts.
+
+use aurt_calibration::{for_each_tile, predict_tile};
+use aurt_recording::{MedianSpectrum, Segment};
+
+use crate::error::DiagnosisError;
+use crate::recordings::rows::Fit;
+
+/// A joint rests below this speed, rad/s.
+const REST_RAD_S: f64 = 0.01;
+/// Time before and after a start, stop or reversal that does not count, s: dry friction jumps there.
+const JOLT_S: f64 = 0.1;
+/// Length of a piece, in periods of f_dyn: it resolves a quarter of it.
+const PIECE_PERIODS: f64 = 4.0;
+/// Fewer calm pieces than this say nothing; then all are taken, whose median forgives a few jolts.
+const FEWEST_PIECES: usize = 8;
+
+/// Spectra of the unfiltered residual of each joint, over the calm pieces of all segments; `None` where a segment has
+/// no measurement at full rate.
+///
+/// # Errors
+/// What the model reports.
+pub(super) fn spectra(
+    segments: &[Segment],
+    fit: &Fit<'_>,
+    f_dyn_hz: f64,
+) -> Result<Option<Vec<MedianSpectrum>>, DiagnosisError> {
+    let joints = fit.model.joints();
+    let Some(rate_hz) = segments.first().map(|s| s.rate_hz) else { return Ok(None) };
+    let empty = vec![MedianSpectrum::new(rate_hz, PIECE_PERIODS / f_dyn_hz); joints];
+    let (mut calm, mut all) = (empty.clone(), empty);
+    for segment in segments {
+        let Some(residual) = full_rate(segment, fit)? else { return Ok(None) };
+        for (joint, series) in residual.iter().enumerate() {
+            let usable = calm_samples(segment, joint);
+            calm[joint].push(series, |k| usable[k]);
+            all[joint].push(series, |_| true);
+        }
+    }
+    let spectra = calm.into_iter().zip(all);
+    Ok(Some(spectra.map(|(calm, all)| if calm.pieces() < FEWEST_PIECES { all } else { calm }).collect()))
+}
+
+/// Measured less predicted, `[joint][sample]`.
+fn full_rate(segment: &Segment, fit: &Fit<'_>) -> Result<Option<Vec<Vec<f64>>>, DiagnosisError> {
+    let Some(measured) = &segment.raw_measurement else { return Ok(None) };
+    let samples = segment.motion.samples();
+    let mut residual: Vec<Vec<f64>> = measured.iter().map(|m| m[..samples].to_vec()).collect();
+    let mut predicted = Vec::new();
+    for_each_tile(fit.model, segment, fit.load, |start, tile| {
+        let count = tile.samples();
+        predicted.resize(residual.len() * count, 0.0);
+        predict_tile(fit.model, tile, fit.coefficients, count, &mut predicted);
+        for (joint, series) in residual.iter_mut().enumerate() {
+            let left = &mut series[start..start + count];
+            for (r, p) in left.iter_mut().zip(&predicted[joint * count..]) {
+                *r -= p;
+            }
+        }
+    })?;
+    Ok(Some(residual))
+}
+
+fn calm_samples(segment: &Segment, joint: usize) -> Vec<bool> {
+    let motion = segment.motion.view();
+    let velocity = motion.velocity_rad_s(joint);
+    let reach = (JOLT_S * segment.rate_hz).ceil() as usize;
+    let mut calm = vec![true; velocity.len()];
+    let rests = |k: usize| velocity[k].abs() < REST_RAD_S;
+    for k in 0..velocity.len() {
+        if rests(k) || k > 0 && velocity[k] * velocity[k - 1] < 0.0 {
+            calm[k.saturating_sub(reach)..(k + reach + 1).min(velocity.len())].fill(false);
+        }
+    }
+    calm
+}

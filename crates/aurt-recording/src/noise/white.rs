@@ -1,0 +1,180 @@
+//! The white part of a series, beneath its motion.
+
+use crate::preprocess::clock::median;
+
+/// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
+/// sampling rate is gone.
+const DIFFERENCE: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+
+/// Orders of the divided differences. White noise has the same level in all of them; of motion a higher order leaves
+/// less below a sixth of the sampling rate, and more above it. The least level counts.
+const ORDERS: [usize; 3] = [4, 6, 8];
+
+/// A higher order must show this much less: two estimates from a hundred chunks differ by some per cent.
+const LESS: f64 = 0.93;
+
+/// Differences in one chunk: long enough for a mean square, short enough that an impact spoils few chunks.
+const CHUNK: usize = 32;
+
+/// Neighbouring stamps further apart than this, in median distances, are no neighbours: motion would count.
+const FARTHEST: f64 = 3.5;
+
+/// Standard deviation of the white part of a series, from its fourth differences; the median of their
+/// magnitudes is used, so that impacts and reversals do not count. The series' stamps are taken to be even; see
+/// [`white_level_at`] for those that are not.
+#[must_use]
+pub fn white_level(series: &[f64]) -> f64 {
+    let power: f64 = DIFFERENCE.iter().map(|c| c * c).sum();
+    let mut magnitudes: Vec<f64> = series
+        .windows(DIFFERENCE.len())
+        .map(|w| w.iter().zip(DIFFERENCE).map(|(x, c)| x * c).sum::<f64>().abs())
+        .collect();
+    if magnitudes.is_empty() {
+        return 0.0;
+    }
+    // The median of |x| of a normal variable is 0.6745 of its standard deviation.
+    median(&mut magnitudes) / 0.674_49 / power.sqrt()
+}
+
+/// Standard deviation of the white part of a series, from divided differences on its own stamps in s: the
+/// coefficients c_i = 1/Π_{k≠i}(t_i − t_k), scaled to Σ c_i² = 1, remove every polynomial below their order from samples
+/// at any stamps, so that a clock that jitters and says so is no noise.
+///
+/// The median of mean squares over chunks of 32 differences is used, so that impacts and reversals do not count;
+/// chunks in which nothing changes (a resting joint on the lattice of its encoder) do not count either.
+/// 0 where the series is too short.
+#[must_use]
+pub fn white_level_at(time_s: &[f64], series: &[f64]) -> f64 {
+    level_and_order(time_s, series).map_or(0.0, |(level, _)| level)
+}
+
+/// The level, and the order of the differences that show it; `None` where the series is too short.
+pub(super) fn level_and_order(time_s: &[f64], series: &[f64]) -> Option<(f64, usize)> {
+    let mut found: Option<(f64, usize)> = None;
+    for order in ORDERS {
+        let Some(level) = level_of_order(time_s, series, order) else { continue };
+        if found.is_none_or(|(least, _)| level < LESS * least) {
+            found = Some((level, order));
+        }
+    }
+    found
+}
+
+/// The level in divided differences of one order; `None` where there is no chunk of them.
+fn level_of_order(time_s: &[f64], series: &[f64], order: usize) -> Option<f64> {
+    let mut distances: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).collect();
+    if distances.is_empty() {
+        return None;
+    }
+    let usual_s = median(&mut distances);
+    let mut squares = Vec::with_capacity(CHUNK);
+    let mut chunks = Vec::new();
+    let mut still = 0;
+    for (t, x) in time_s.windows(order + 1).zip(series.windows(order + 1)) {
+        let neighbours = t.windows(2).all(|w| w[1] - w[0] > 0.0 && w[1] - w[0] < FARTHEST * usual_s);
+        if !neighbours {
+            squares.clear();
+            continue;
+        }
+        squares.push(divided(t, x).powi(2));
+        if squares.len() == CHUNK {
+            let mean = squares.iter().sum::<f64>() / CHUNK as f64;
+            if mean > 0.0 {
+                chunks.push(mean)
+            } else {
+                still += 1
+            }
+            squares.clear();
+        }
+    }
+    if chunks.is_empty() {
+        return (still > 0).then_some(0.0);
+    }
+    Some((median(&mut chunks) / median_share(order)).sqrt())
+}
+
+/// Σ c_i x_i with the coefficients of a divided difference, scaled to unit power.
+fn divided(t: &[f64], x: &[f64]) -> f64 {
+    let (mut sum, mut power) = (0.0, 0.0);
+    // The value at the first stamp is taken off, so that large angles lose no digits.
+    for (i, (ti, xi)) in t.iter().zip(x).enumerate() {
+        // In units of the first distance, so that products stay near one.
+        let unit_s = t[1] - t[0];
+        let product: f64 =
+            t.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, tk)| (ti - tk) / unit_s).product();
+        sum += (xi - x[0]) / product;
+        power += 1.0 / (product * product);
+    }
+    sum / power.sqrt()
+}
+
+/// Median over mean of the mean square of a chunk of white noise's differences, which are correlated: with
+/// ρ_k = C(2p, p+k)/C(2p, p) a chunk has ν = n / Σ ρ_k² independent values, and the median of χ²_ν/ν is
+/// (1 − 2/9ν)³ (Wilson and Hilferty 1931).
+fn median_share(order: usize) -> f64 {
+    let mut correlation = 1.0;
+    let mut squares = 1.0;
+    for k in 0..order {
+        correlation *= -((order - k) as f64) / (order + k + 1) as f64;
+        squares += 2.0 * correlation * correlation;
+    }
+    let independent = CHUNK as f64 / squares;
+    (1.0 - 2.0 / (9.0 * independent)).powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fourier::tests::Normal;
+    use super::{white_level, white_level_at};
+
+    #[test]
+    fn noise_is_measured_beneath_a_motion() {
+        let mut normal = Normal::new(1);
+        let series: Vec<f64> =
+            (0..5000).map(|k| 3.0 * (k as f64 * 0.01).sin() + 0.02 * normal.next()).collect();
+        let level = white_level(&series);
+        assert!((level - 0.02).abs() < 0.001, "{level}");
+    }
+
+    /// Stamps of 500 Hz that jitter by a share of the period, and an angle at each.
+    fn jittering(share: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
+        let mut normal = Normal::new(7);
+        let time: Vec<f64> = (0..6000).map(|k| 0.002 * (f64::from(k) + share * normal.next())).collect();
+        let angle =
+            time.iter().map(|t| 1.2 * (3.0 * t).sin() + 0.4 * (11.0 * t).cos() + noise * normal.next());
+        let angle = angle.collect();
+        (time, angle)
+    }
+
+    #[test]
+    fn a_clock_that_jitters_and_says_so_is_no_noise() {
+        let (time, angle) = jittering(0.02, 0.0);
+        assert!(white_level(&angle) > 1e-5, "the rows alone look noisy");
+        assert!(white_level_at(&time, &angle) < 1e-11, "{}", white_level_at(&time, &angle));
+    }
+
+    #[test]
+    fn noise_is_found_on_stamps_that_jitter() {
+        for noise in [1e-6, 1e-5, 1e-4] {
+            let (time, angle) = jittering(0.06, noise);
+            let ratio = white_level_at(&time, &angle) / noise;
+            assert!((0.95..1.05).contains(&ratio), "{noise}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn rest_on_a_lattice_counts_neither_as_nothing_nor_as_noise() {
+        let (time, mut angle) = jittering(0.0, 1e-4);
+        for value in angle.iter_mut().skip(1000).take(3500) {
+            *value = 0.125;
+        }
+        let level = white_level_at(&time, &angle);
+        assert!((level / 1e-4 - 1.0).abs() < 0.08, "{level}");
+    }
+
+    #[test]
+    fn too_short_a_series_has_no_level() {
+        assert_eq!(white_level_at(&[], &[]), 0.0);
+        assert_eq!(white_level_at(&[0.0, 0.1, 0.2], &[1.0, 2.0, 0.0]), 0.0);
+    }
+}
