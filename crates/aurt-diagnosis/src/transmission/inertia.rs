@@ -65,6 +65,12 @@ impl InertiaColumns {
         Ok(Self { step, columns })
     }
 
+    /// Every how many samples of the motion it is evaluated.
+    #[must_use]
+    pub const fn step(&self) -> usize {
+        self.step
+    }
+
     /// M_ij at a sample of the motion, kg m².
     #[must_use]
     pub fn at(&self, accelerated: usize, joint: usize, sample: usize) -> f64 {
