@@ -41,8 +41,14 @@ pub(super) fn without_gears(
     for turn in 0..TURNS {
         let baseline = &judged.baseline;
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-        let inertial: Vec<(usize, f64)> =
-            question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
+        let inertial: Vec<(usize, f64)> = question
+            .model
+            .base()
+            .columns
+            .iter()
+            .copied()
+            .zip(baseline.coefficients.iter().copied())
+            .collect();
         let found = find_gears(question, &fit, &inertial)?;
         let confirmed = found.found.iter().any(|g| g.confirmed);
         if turn == 0 || confirmed {

@@ -160,7 +160,8 @@ fn investigate_as_it_is(
     }
     progress("simulating links on their gears");
     let gears = without_gears(question, judged, undetermined)?;
-    let freed = Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
+    let freed =
+        Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
     let question = &freed;
     let (shaking, gears_not_seen, before_gears) = (gears.gears.found, gears.gears.not_seen, gears.before);
     let Judged { baseline, own_rows, floors } = gears.judged;

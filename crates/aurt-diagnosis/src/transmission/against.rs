@@ -116,7 +116,9 @@ impl<'a> Against<'a> {
         let mut columns: Vec<Vec<f64>> = self
             .span
             .iter()
-            .map(|i| self.freed.column(*i, &rows.torque(self.joint, *i, gear, &deflection)).unwrap_or_default())
+            .map(|i| {
+                self.freed.column(*i, &rows.torque(self.joint, *i, gear, &deflection)).unwrap_or_default()
+            })
             .collect();
         free_all(&mut columns, &self.bands);
         let mut moments = vec![[0.0; 2]; rows.blocks];

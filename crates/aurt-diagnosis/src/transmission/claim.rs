@@ -149,7 +149,9 @@ impl<'a> JointRows<'a> {
                 fitted_gain(sums(&scanned[*a], half)).total_cmp(&fitted_gain(sums(&scanned[*b], half)))
             })
         };
-        let (Some(first), Some(second)) = (best(&halves[0]), best(&halves[1])) else { return (None, visible) };
+        let (Some(first), Some(second)) = (best(&halves[0]), best(&halves[1])) else {
+            return (None, visible);
+        };
         let crossed = |start: usize, fit: &[Block], judge: &[Block]| -> f64 {
             let amplitude = amplitude(sums(&scanned[start], fit));
             gain(sums(&scanned[start], judge), amplitude)
@@ -265,8 +267,7 @@ impl Found {
         }
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let [a, b] = [shapes[0], shapes[1]];
-        let same_gap =
-            self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
+        let same_gap = self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
         let same_hz = self.shape.half_gap_rad > 0.0 || ratio(a.hz, b.hz) <= SAME_HZ;
         if !same_gap || !same_hz {
             fails.push("two halves of the data give two different gears".into());

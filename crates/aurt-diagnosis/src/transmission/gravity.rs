@@ -47,6 +47,12 @@ impl GravityGradients {
         Ok(Self { step, columns })
     }
 
+    /// An arm without gravity.
+    #[cfg(test)]
+    pub fn none(joints: usize) -> Self {
+        Self { step: 1, columns: vec![vec![vec![0.0]; joints]; joints] }
+    }
+
     /// ∂g_i/∂q_j at a sample of the motion, Nm/rad.
     #[must_use]
     pub fn at(&self, turned: usize, joint: usize, sample: usize) -> f64 {

@@ -49,10 +49,8 @@ impl Gear {
     /// Rows of a gear with play are means over the row's period, since impacts are shorter than that.
     pub fn deflection(self, drive: &Drive<'_>) -> Deflection {
         let rows = drive.load_nm.len();
-        let mut out = Deflection {
-            angle_rad: Vec::with_capacity(rows),
-            acceleration_rad_s2: Vec::with_capacity(rows),
-        };
+        let mut out =
+            Deflection { angle_rad: Vec::with_capacity(rows), acceleration_rad_s2: Vec::with_capacity(rows) };
         let Some(first) = drive.load_nm.first() else { return out };
         let lightest = drive.inertia_kg_m2.iter().copied().fold(f64::INFINITY, f64::min);
         let omega = (self.stiffness_nm_rad / lightest.max(f64::MIN_POSITIVE)).sqrt();
@@ -79,7 +77,8 @@ impl Gear {
                         touches = push * pressed > 0.0;
                     }
                     let (k, d, rest) = if touches {
-                        let rest = if self.half_gap_rad > 0.0 { self.half_gap_rad * pressed.signum() } else { 0.0 };
+                        let rest =
+                            if self.half_gap_rad > 0.0 { self.half_gap_rad * pressed.signum() } else { 0.0 };
                         (self.stiffness_nm_rad, self.damping_nm_s, rest)
                     } else {
                         (0.0, 0.0, 0.0)

@@ -16,6 +16,8 @@ mod link;
 mod rows;
 mod series;
 mod shape;
+#[cfg(test)]
+mod tests;
 mod undo;
 mod whiten;
 
@@ -200,7 +202,8 @@ fn of_joint(freed: &[OwnFreed], joint: usize, effects: [bool; 2]) -> Result<OfJo
     let kinds = [freed.iter().any(|f| !f.target), freed.iter().any(|f| f.target)];
     let search = |starts: &[Shape]| {
         let (found, visible) = rows.search(starts, Among::All);
-        let found = if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
+        let found =
+            if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
         (found.filter(|f| f.gain >= LEAST_GAIN), visible)
     };
     let mut of_joint = OfJoint::default();

@@ -59,7 +59,12 @@ impl Shape {
         (0..GAPS)
             .flat_map(|k| {
                 let half_gap_rad = LEAST_GAP_RAD * f64::from(2_u32.pow(k));
-                FLANKS.map(|share| Self { hz: share * top_hz, ratio: FLANK_RATIO, half_gap_rad, rotor_share: 0.0 })
+                FLANKS.map(|share| Self {
+                    hz: share * top_hz,
+                    ratio: FLANK_RATIO,
+                    half_gap_rad,
+                    rotor_share: 0.0,
+                })
             })
             .collect()
     }

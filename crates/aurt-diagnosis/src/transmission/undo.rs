@@ -61,9 +61,7 @@ pub(crate) fn undone(
             }
             if let Some(measurement) = &mut segment.measurement {
                 for (rows, torque) in measurement.iter_mut().zip(&filtered) {
-                    rows.iter_mut()
-                        .zip(torque.iter().step_by(segment.decimation))
-                        .for_each(|(r, t)| *r -= t);
+                    rows.iter_mut().zip(torque.iter().step_by(segment.decimation)).for_each(|(r, t)| *r -= t);
                 }
             }
         }

@@ -31,9 +31,8 @@ impl Whitener {
             .zip(counts)
             .map(|(r, counts)| if *counts { r.clamp(-limit, limit) } else { 0.0 })
             .collect();
-        let mut correlation: Vec<f64> = (0..=order)
-            .map(|lag| clipped.iter().zip(&clipped[lag..]).map(|(a, b)| a * b).sum())
-            .collect();
+        let mut correlation: Vec<f64> =
+            (0..=order).map(|lag| clipped.iter().zip(&clipped[lag..]).map(|(a, b)| a * b).sum()).collect();
         correlation[0] *= 1.0 + RIDGE;
         let mut power = correlation[0];
         let positive = power > 0.0 && power.is_finite();
@@ -112,9 +111,8 @@ mod tests {
         let counts = vec![true; white.len()];
         let whitener = Whitener::of(&coloured, &counts, 6).unwrap();
         let out = whitener.apply(&coloured);
-        let power = |lag: usize| {
-            out.iter().zip(&out[lag..]).map(|(a, b)| a * b).sum::<f64>() / out.len() as f64
-        };
+        let power =
+            |lag: usize| out.iter().zip(&out[lag..]).map(|(a, b)| a * b).sum::<f64>() / out.len() as f64;
         assert!((power(0) - 1.0).abs() < 0.05, "{}", power(0));
         assert!((1..5).all(|lag| power(lag).abs() < 0.03), "{:?}", (1..5).map(power).collect::<Vec<_>>());
     }

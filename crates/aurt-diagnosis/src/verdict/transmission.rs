@@ -33,8 +33,10 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Option<Finding> {
     let effect = effects::find(shaking.effect)?;
     let [in_calibration, in_target] = shaking.present;
     let kinds = [("calibration", in_calibration), ("target", in_target || (targets && in_calibration))];
-    let number =
-        |[value, std]: [f64; 2]| ParameterValue { value: json!(value), std: json!(std.is_finite().then_some(std)) };
+    let number = |[value, std]: [f64; 2]| ParameterValue {
+        value: json!(value),
+        std: json!(std.is_finite().then_some(std)),
+    };
     let mut parameters = BTreeMap::from([
         ("stiffness_nm_rad".to_owned(), number(shaking.stiffness_nm_rad)),
         ("damping_nm_s".to_owned(), number(shaking.damping_nm_s)),
