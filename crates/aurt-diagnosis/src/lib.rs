@@ -37,11 +37,11 @@ pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
 pub use hypotheses::{Candidate, Group, RegisteredModel, Switch, effects};
 pub use improvement::{Improvement, improved_experiment, improvement};
-pub use investigation::{Delay, Investigation, Late, investigate};
+pub use investigation::{BeforeGears, Delay, Investigation, Late, investigate};
 pub use recordings::{Fault, Fit, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role};
 pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
 pub use search::{Chosen, Selection};
-pub use transmission::{FullRate, InertiaColumns, Shaking, find_shaking};
+pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, find_gears};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, JointSeriesRows, Learnt, NotDecidable,
     RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,

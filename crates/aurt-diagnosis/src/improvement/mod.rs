@@ -64,6 +64,13 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
             improvement.delay_s = Some(vec![late.delay.delay_s; joints]);
         }
     }
+    for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
+        improvement.notes.push(format!(
+            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) moves a link against its motor; no term of a model \
+             that is linear in its parameters carries that, and the improved experiment does without it",
+            gear.joint, gear.stiffness_nm_rad[0], gear.gap_rad[0]
+        ));
+    }
     for chosen in &investigation.selection.chosen {
         let group = &investigation.groups[chosen.group];
         let candidate = &investigation.candidates[group.candidate];

@@ -1,7 +1,9 @@
 //! The walk through all rooms, from recordings to what was found.
 
+mod gears;
 mod late;
 
+pub use gears::BeforeGears;
 pub use late::{Delay, Late};
 
 use aurt_plugins::Registry;
@@ -27,8 +29,9 @@ use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::search::instrument_filter::is_common_filter;
 use crate::search::selection::{Selection, Selector};
-use crate::transmission::{Shaking, find_shaking};
+use crate::transmission::Shaking;
 use crate::{hypotheses::registered, search};
+use gears::without_gears;
 use late::Found;
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
@@ -68,8 +71,12 @@ pub struct Investigation {
     pub faults: Vec<Fault>,
     /// Whether their repair improves the fit of the model in question.
     pub faults_matter: bool,
-    /// Play and ringing above the cut-off of the filters; their windows took no part in selection.
+    /// Gears that give way or have play; the torque of those that are confirmed was taken out of the measurement.
     pub shaking: Vec<Shaking>,
+    /// From which stiffness and play on gears would have shown, in sentences.
+    pub gears_not_seen: Vec<String>,
+    /// What the model left before that torque was taken out, if any was.
+    pub before_gears: Option<BeforeGears>,
     /// The delay that was undone before everything else here, if any.
     pub late: Option<Late>,
     /// Contacts with the surroundings; their windows took no part in selection.
@@ -156,16 +163,15 @@ fn investigate_as_it_is(
     if undetermined {
         judged = Judged::new(question, Baseline::of_all(question)?)?;
     }
-    let Judged { baseline, mut own_rows, mut floors, noise, notes: mut noise_notes, .. } = judged;
-    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-
-    progress("looking for impacts and ringing");
+    progress("simulating links on their gears");
+    let gears = without_gears(question, judged, undetermined)?;
+    let freed =
+        Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
+    let question = &freed;
+    let (shaking, gears_not_seen, before_gears) = (gears.gears.found, gears.gears.not_seen, gears.before);
+    let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = gears.judged;
     let inertial: Vec<(usize, f64)> =
         question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
-    let shaking = find_shaking(question, &fit, &inertial)?;
-    for (recording, window) in shaking.iter().flat_map(|s| &s.windows_s) {
-        leave_out_at(&mut own_rows[*recording], *window);
-    }
 
     progress("making candidates");
     let residual: Vec<Vec<Vec<f64>>> = own_rows
@@ -192,8 +198,8 @@ fn investigate_as_it_is(
         residual: &context_residual,
         inertial: &inertial,
     };
-    // What rings is known to; its slow side is left out with the windows.
-    let rings = shaking.iter().any(|s| s.effect == "joint_elasticity");
+    // The torque of an elastic gear that was found is no longer in the measurement.
+    let rings = shaking.iter().any(|s| s.confirmed && s.effect == "joint_elasticity");
     let unasked =
         |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
     let (proposed, untried) = registered::proposals(question, registry);
@@ -211,9 +217,6 @@ fn investigate_as_it_is(
             RecordingRows::evaluate(name, recording.role, data, &model, &load, &own)?;
         recording.mask(&mut own_and_candidates);
         rows.push(own_and_candidates);
-    }
-    for (recording, window) in shaking.iter().flat_map(|s| &s.windows_s) {
-        leave_out_at(&mut rows[*recording], *window);
     }
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
@@ -233,7 +236,7 @@ fn investigate_as_it_is(
     let mut contacts = parts.contacts(&rows, &selected)?;
     // A few periods of a ringing gear push like a hand.
     let shortest_s =
-        shaking.iter().filter_map(|s| s.frequency_hz).map(|f| RINGS_PERIODS / f).fold(0.0, f64::max);
+        shaking.iter().filter(|s| s.confirmed).map(|s| RINGS_PERIODS / s.frequency_hz).fold(0.0, f64::max);
     contacts.retain(|c| c.window_s[1] - c.window_s[0] > shortest_s);
     if !contacts.is_empty() {
         for contact in &contacts {
@@ -265,6 +268,8 @@ fn investigate_as_it_is(
         undetermined,
         late: None,
         shaking,
+        gears_not_seen,
+        before_gears,
         contacts,
         selection,
         untried,
@@ -400,11 +405,7 @@ impl Parts<'_> {
 /// Leaves out the rows of a window, s from the first row.
 fn leave_out(rows: &mut RecordingRows, window_s: [f64; 2]) {
     let start = rows.time_s.first().copied().unwrap_or(0.0);
-    leave_out_at(rows, window_s.map(|t| t + start));
-}
-
-/// Leaves out the rows of a window, s as in the recording's stamps.
-fn leave_out_at(rows: &mut RecordingRows, window_s: [f64; 2]) {
+    let window_s = window_s.map(|t| t + start);
     let within: Vec<bool> = rows.time_s.iter().map(|t| (window_s[0]..=window_s[1]).contains(t)).collect();
     for joint in &mut rows.joints {
         for (counts, within) in joint.counts.iter_mut().zip(&within) {

@@ -67,6 +67,19 @@ impl InertiaColumns {
         Ok(Self { step, columns })
     }
 
+    /// An arm whose inertia is the same in every pose, `[j][i]`.
+    #[cfg(test)]
+    pub(crate) fn constant(columns: &[Vec<f64>]) -> Self {
+        let columns = columns.iter().map(|c| c.iter().map(|m| vec![*m]).collect()).collect();
+        Self { step: 1, columns }
+    }
+
+    /// Every how many samples of the motion it is evaluated.
+    #[must_use]
+    pub const fn step(&self) -> usize {
+        self.step
+    }
+
     /// M_ij at a sample of the motion, kg m².
     #[must_use]
     pub fn at(&self, accelerated: usize, joint: usize, sample: usize) -> f64 {

@@ -1,116 +1,300 @@
-//! What the filters of calibration hide: impacts and ringing, above the cut-off and unpredictable from the motion.
+//! Gears that give way or have play: links that move against their motors.
 //!
-//! Calibration sees nothing above 2 f_dyn, and no column of a regressor predicts when a tooth strikes or how a gear
-//! rings. Both are found in what the fitted model leaves of the measurement at the recording's own rate, by three
-//! marks that noise and rigid physics do not have:
-//!
-//! - *where in the arm*: a link j that moves against its motor with the acceleration x asks M(q) e_j x of the
-//!   drives, the column of the inertia matrix ([`InertiaColumns`]);
-//! - *when*: play makes itself felt where the transmitted torque changes its sign ([`play`]), and not elsewhere;
-//! - *how*: a spring rings at a frequency of its own, in bursts ([`ring`]), where a disturbance from outside hums.
+//! A gear shows above the filters of calibration, where noise, servos and friction show as well. So what rings or strikes
+//! is no evidence; what is *predicted* is. The link of a joint is simulated, driven by the measured motion of its motor
+//! ([`link`]); the torque that this asks of all drives is set against what the fitted model leaves at the recording's own
+//! rate, on rows that are white ([`whiten`], [`rows`]), beside what the noise of the encoders and the rigid model explain
+//! ([`against`]); and it counts by what it gains on blocks of time that had no part in the fit ([`claim`]).
 //!
 //! Joints that rest, or have just reversed, started or stopped, are left out: the sign of dry friction jumps there.
 
-mod pattern;
-mod play;
-mod ring;
+mod against;
+mod claim;
+mod gravity;
+mod link;
+mod rows;
 mod series;
+mod shape;
+#[cfg(test)]
+mod tests;
+mod undo;
+mod whiten;
 
 pub use crate::noise::inertia::InertiaColumns;
 pub use series::FullRate;
+pub(crate) use undo::undone;
+
+use aurt_recording::Segment;
+use rayon::prelude::*;
 
 use crate::error::DiagnosisError;
 use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
+use against::OwnFreed;
+use claim::{Among, Found, JointRows, LEAST_GAIN, Visible};
+use gravity::GravityGradients;
+use rows::Rows;
+use shape::{Inertia, Shape};
 
-/// Play or ringing that was found.
+/// A gear that gives way or has play.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaking {
     /// Identifier: `backlash` or `joint_elasticity`.
     pub effect: &'static str,
     /// The joint whose link moves against its motor.
     pub joint: usize,
-    /// Whether the calibration recordings (or the only ones) show it, and whether the targets do.
+    /// Whether the calibration recordings show it, and whether the targets do.
     pub present: [bool; 2],
-    /// Evidence in nats.
+    /// Gain in log-likelihood on rows that had no part in the fit, nats.
     pub score: f64,
-    /// Energy where the mark is, over that elsewhere.
-    pub contrast: f64,
-    /// Frequency of the ringing, Hz.
-    pub frequency_hz: Option<f64>,
-    /// Stiffness that goes with the frequency, M_jj ω², Nm/rad.
-    pub stiffness_nm_rad: Option<f64>,
-    /// How often the load changed its sign.
-    pub crossings: Option<usize>,
-    /// When it shakes: recording and window, s as in the recording's stamps.
-    pub windows_s: Vec<(usize, [f64; 2])>,
+    /// Stiffness of the gear or of its flanks and its standard deviation, Nm/rad (A/rad of a current).
+    pub stiffness_nm_rad: [f64; 2],
+    /// Damping and its standard deviation, Nm s/rad.
+    pub damping_nm_s: [f64; 2],
+    /// Half the play and its standard deviation, rad; 0 of a gear without.
+    pub gap_rad: [f64; 2],
+    /// Frequency of the link on the gear, Hz.
+    pub frequency_hz: f64,
+    /// Measured torque over the predicted one, and its standard deviation; 1 where the fitted inertias are the link's own.
+    pub amplitude: [f64; 2],
+    /// Whether it passes all tests; what does not is no more than an indication.
+    pub confirmed: bool,
+    /// The tests that it fails, in words.
+    pub fails: Vec<String>,
+    /// Shape and inertia that it was simulated with.
+    simulated: (Shape, Inertia),
+}
+
+/// What was looked for in the gears of all joints.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Gears {
+    /// What was found, the clearest first.
+    pub found: Vec<Shaking>,
+    /// What could not have been seen, in sentences.
+    pub not_seen: Vec<String>,
 }
 
 /// A segment at full rate, with the recording that it belongs to.
-pub(crate) struct Piece {
-    pub recording: usize,
-    pub target: bool,
-    pub full: FullRate,
+struct Piece<'a> {
+    recording: usize,
+    target: bool,
+    segment: &'a Segment,
+    full: FullRate,
+    gradients: GravityGradients,
+    position_cutoff_hz: f64,
 }
 
-/// A stretch between gaps that is shorter than this says nothing of rare bursts, and filters may not fit into it, s.
+/// A stretch between gaps that is shorter than this has too few blocks of time, and filters may not fit into it, s.
 const SHORTEST_S: f64 = 2.0;
 
 /// Recordings of fewer samples per second do not resolve impacts: what is high in them is the upper end of the motion.
 pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
 
-/// Looks for play and ringing in all recordings that are not for validation and have at least 200 samples per second.
+/// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.
+const MOST_GEARS: usize = 3;
+
+/// Play is another gear than an elastic one if it gains this much more, nats: the price of a further shape.
+const PLAY_PRICE: f64 = 5.0;
+
+/// A gear would show if, fitted, it gained this much on all rows, nats: twice what is asked of the half that judges, twice since
+/// whitening and a wrong shape cost about as much.
+const VISIBLE_GAIN: f64 = 4.0 * LEAST_GAIN;
+
+/// Looks for gears that give way or have play in all recordings that are not for validation and have at least 200 samples
+/// per second.
 ///
 /// # Errors
 /// What the model and the filters report.
-pub fn find_shaking(
+pub fn find_gears(
     question: &Question<'_>,
     fit: &Fit<'_>,
     inertial: &[(usize, f64)],
-) -> Result<Vec<Shaking>, DiagnosisError> {
+) -> Result<Gears, DiagnosisError> {
+    let asked = |effect: &str| !question.without.iter().any(|w| w == effect);
+    let effects = [asked("joint_elasticity"), asked("backlash")];
+    if !effects.contains(&true) {
+        return Ok(Gears::default());
+    }
+    let mut pieces = pieces(question, fit, inertial, |role| role != Role::Validation)?;
+    if pieces.is_empty() {
+        return Ok(Gears::default());
+    }
+    let mut gears = Gears::default();
+    loop {
+        let freed = pieces
+            .par_iter()
+            .map(|p| {
+                let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz)?;
+                Ok(OwnFreed::new(rows, p.target))
+            })
+            .collect::<Result<Vec<_>, DiagnosisError>>()?;
+        let open: Vec<usize> = (0..question.model.joints())
+            .filter(|j| gears.found.iter().all(|g| !g.confirmed || g.joint != *j))
+            .collect();
+        let of_joints = open
+            .par_iter()
+            .map(|joint| of_joint(&freed, *joint, effects))
+            .collect::<Result<Vec<_>, DiagnosisError>>()?;
+        gears.found.retain(|g| g.confirmed);
+        let mut round: Vec<Shaking> = of_joints.iter().flat_map(|o| o.found.iter().cloned()).collect();
+        round.sort_by(|a, b| b.confirmed.cmp(&a.confirmed).then(b.score.total_cmp(&a.score)));
+        if gears.found.is_empty() {
+            gears.not_seen = not_seen(&open, &of_joints, effects);
+        }
+        let clearest = round.first().filter(|g| g.confirmed && gears.found.len() < MOST_GEARS).cloned();
+        let Some(clearest) = clearest else {
+            round.retain(|g| !g.confirmed);
+            gears.found.extend(round);
+            return Ok(gears);
+        };
+        for piece in pieces.iter_mut().filter(|p| clearest.present[usize::from(p.target)]) {
+            let torque = undo::torque(&clearest, &piece.full, &piece.gradients);
+            for (residual, torque) in piece.full.residual.iter_mut().zip(torque) {
+                residual.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
+            }
+        }
+        gears.found.push(clearest);
+    }
+}
+
+/// The segments in which gears can be looked for.
+fn pieces<'a>(
+    question: &'a Question<'_>,
+    fit: &Fit<'_>,
+    inertial: &[(usize, f64)],
+    asked: impl Fn(Role) -> bool,
+) -> Result<Vec<Piece<'a>>, DiagnosisError> {
+    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
     let mut pieces = Vec::new();
     for (recording, questioned) in question.recordings.iter().enumerate() {
         // Another simulator's prediction is no torque of this model.
-        if questioned.role == Role::Validation || questioned.simulated.is_some() {
+        if !asked(questioned.role) || questioned.simulated.is_some() {
             continue;
         }
+        let position_cutoff_hz = questioned.options.effective_position_cutoff_hz();
         for segment in questioned.data.data.segments.iter().filter(|s| s.rate_hz >= LEAST_RATE_HZ) {
             if (segment.motion.samples() as f64) < SHORTEST_S * segment.rate_hz {
                 continue;
             }
-            if let Some(full) = FullRate::evaluate(segment, fit, inertial)? {
-                pieces.push(Piece { recording, target: questioned.role == Role::Target, full });
-            }
+            let Some(full) = FullRate::evaluate(segment, fit, inertial)? else { continue };
+            let body = &**fit.model.rigid_body();
+            let gradients =
+                GravityGradients::evaluate(body, inertial, segment.motion.view(), full.inertia.step())?;
+            // Validation recordings are of the robot as it is in the targets, where there are any.
+            let target = questioned.role == Role::Target || targets && questioned.role == Role::Validation;
+            pieces.push(Piece { recording, target, segment, full, gradients, position_cutoff_hz });
         }
     }
-    if pieces.is_empty() {
-        return Ok(Vec::new());
-    }
-    let mut found = play::find(&mut pieces, question.f_dyn_hz)?;
-    let rings = ring::find(&pieces, question.f_dyn_hz)?;
-    // A gear that rings is set off by changes of the load, too; flanks that strike each other ring, but not at one
-    // frequency above all others.
-    found.retain(|play| !rings.iter().any(|ring| ring.joint == play.joint && ring.contrast > PURE));
-    let plays: Vec<usize> = found.iter().map(|f| f.joint).collect();
-    found.extend(rings.into_iter().filter(|f| !plays.contains(&f.joint)));
-    Ok(found)
+    Ok(pieces)
 }
 
-/// A peak that stands out by more than this is a spring's: of playing gears of tuning cases, the purest reached 4.7.
-const PURE: f64 = 6.0;
+/// What one joint shows.
+#[derive(Default)]
+struct OfJoint {
+    found: Option<Shaking>,
+    visible: Visible,
+}
 
-/// Windows shorter than this apart are one, s.
-const JOIN_S: f64 = 0.1;
+fn of_joint(freed: &[OwnFreed], joint: usize, effects: [bool; 2]) -> Result<OfJoint, DiagnosisError> {
+    let Some(rows) = JointRows::new(freed, joint)? else { return Ok(OfJoint::default()) };
+    let [elastic_starts, play_starts] = rows.starts();
+    let kinds = [freed.iter().any(|f| !f.target), freed.iter().any(|f| f.target)];
+    let search = |starts: &[Shape]| {
+        let (found, visible) = rows.search(starts, Among::All);
+        let found =
+            if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
+        (found.filter(|f| f.gain >= LEAST_GAIN), visible)
+    };
+    let mut of_joint = OfJoint::default();
+    let (mut elastic, mut play) = (None, None);
+    if effects[0] {
+        let (found, visible) = search(&elastic_starts);
+        elastic = found;
+        let shows = elastic_starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN);
+        of_joint.visible.hz = shows.map(|(s, _)| s.hz).max_by(f64::total_cmp);
+    }
+    if effects[1] {
+        let (found, visible) = search(&play_starts);
+        play = found;
+        let shows = play_starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN);
+        of_joint.visible.half_gap_rad = shows.map(|(s, _)| s.half_gap_rad).min_by(f64::total_cmp);
+    }
+    of_joint.visible.inertia = Some(rows.inertia());
+    let found = match (elastic, play) {
+        (Some(e), Some(p)) if e.confirmed() == p.confirmed() => {
+            Some(if p.gain > e.gain + PLAY_PRICE { p } else { e })
+        }
+        (Some(e), Some(p)) => Some(if p.confirmed() { p } else { e }),
+        (e, p) => e.or(p),
+    };
+    of_joint.found = found.map(|f| Shaking::new(f, kinds));
+    Ok(of_joint)
+}
 
-/// The windows of marked samples of a piece.
-fn windows(piece: &Piece, marked: impl Iterator<Item = usize>, reach_s: f64) -> Vec<(usize, [f64; 2])> {
-    let mut windows: Vec<(usize, [f64; 2])> = Vec::new();
-    for k in marked {
-        let (from, to) = (piece.full.time_s[k] - reach_s, piece.full.time_s[k] + reach_s);
-        match windows.last_mut() {
-            Some((_, last)) if from <= last[1] + JOIN_S => last[1] = to,
-            _ => windows.push((piece.recording, [from, to])),
+/// Of a gear among all recordings and one among the targets alone, the one that the recordings speak for.
+fn changed(all: Option<Found>, targets: Option<Found>) -> Option<Found> {
+    let in_reference = all.as_ref().is_some_and(|a| a.confirmed() && a.gains[0] >= LEAST_GAIN / 2.0);
+    match (all, targets) {
+        (Some(all), _) if in_reference => Some(all),
+        (_, Some(targets)) if targets.confirmed() => Some(targets),
+        (all, targets) => all.filter(Found::confirmed).or(targets),
+    }
+}
+
+impl Shaking {
+    fn new(found: Found, kinds: [bool; 2]) -> Self {
+        let play = found.shape.half_gap_rad > 0.0;
+        let (amplitude, std) = (found.amplitude, found.amplitude_std);
+        let gear = found.shape.gear(found.inertia);
+        let [hz, ratio, _, gap] = found.shape_std;
+        let relative = std / amplitude.max(f64::MIN_POSITIVE);
+        // The torque of the swinging inertia is its frequency's square: of what the fit takes for the link, the amplitude
+        // is the link's share.
+        let stiffness = amplitude * gear.stiffness_nm_rad;
+        let damping = amplitude * gear.damping_nm_s;
+        let shown = |kind: usize| kinds[kind] && found.gains[kind] > 0.0;
+        Self {
+            effect: if play { "backlash" } else { "joint_elasticity" },
+            joint: found.joint,
+            present: [shown(0), shown(1)],
+            score: found.gain,
+            stiffness_nm_rad: [stiffness, stiffness * (2.0 * hz).hypot(relative)],
+            damping_nm_s: [damping, damping * hz.hypot(ratio).hypot(relative)],
+            gap_rad: [gear.half_gap_rad, if play { gear.half_gap_rad * gap } else { 0.0 }],
+            frequency_hz: found.shape.hz,
+            amplitude: [amplitude, std],
+            confirmed: found.confirmed(),
+            fails: found.fails,
+            simulated: (found.shape, found.inertia),
         }
     }
-    windows
+}
+
+/// From which stiffness and which play on gears would have been found, joint by joint.
+fn not_seen(joints: &[usize], of_joints: &[OfJoint], effects: [bool; 2]) -> Vec<String> {
+    let list = |of: &dyn Fn(&OfJoint) -> Option<String>, nothing: &str| -> String {
+        let one = |(joint, of_joint): (&usize, &OfJoint)| {
+            format!("{} on joint {joint}", of(of_joint).unwrap_or_else(|| nothing.to_owned()))
+        };
+        joints.iter().zip(of_joints).map(one).collect::<Vec<_>>().join(", ")
+    };
+    let mut sentences = Vec::new();
+    if effects[0] {
+        let stiffness = |o: &OfJoint| {
+            let omega = std::f64::consts::TAU * o.visible.hz?;
+            Some(format!("{:.1e} Nm/rad", o.visible.inertia?.mean_kg_m2 * omega * omega))
+        };
+        sentences.push(format!(
+            "an elastic gear shows in these recordings if it is softer than {}",
+            list(&stiffness, "any robot's gear")
+        ));
+    }
+    if effects[1] {
+        let gap = |o: &OfJoint| Some(format!("± {:.1e} rad", o.visible.half_gap_rad?));
+        sentences.push(format!(
+            "backlash shows in these recordings if it is wider than {}",
+            list(&gap, "any that was tried")
+        ));
+    }
+    sentences
 }

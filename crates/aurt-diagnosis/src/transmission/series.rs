@@ -1,5 +1,5 @@
 use aurt_calibration::for_each_tile;
-use aurt_recording::{Segment, white_level_at};
+use aurt_recording::Segment;
 use aurt_traits::{ColumnGroup, MotionView};
 
 use crate::error::DiagnosisError;
@@ -17,8 +17,8 @@ pub struct FullRate {
     pub residual: Vec<Vec<f64>>,
     /// The part of the prediction that the rigid bodies need: the torque that the gear transmits.
     pub load: Vec<Vec<f64>>,
-    /// Standard deviation of the measurement's white noise.
-    pub noise: Vec<f64>,
+    /// Acceleration of the motors, rad/s².
+    pub acceleration_rad_s2: Vec<Vec<f64>>,
     /// Whether a joint moves, and neither it has just reversed, started or stopped nor is about to.
     pub calm: Vec<Vec<bool>>,
     /// Inertia along the motion.
@@ -50,7 +50,6 @@ impl FullRate {
         let (samples, joints) = (motion.samples(), fit.model.joints());
         let rigid = fit.model.group(ColumnGroup::RigidBody);
         let mut residual: Vec<Vec<f64>> = measured.iter().map(|m| m[..samples].to_vec()).collect();
-        let noise = residual.iter().map(|m| white_level_at(motion.time_s(), m)).collect();
         let mut load = vec![vec![0.0; samples]; joints];
         for_each_tile(fit.model, segment, fit.load, |start, tile| {
             for joint in 0..joints {
@@ -78,7 +77,7 @@ impl FullRate {
             time_s: motion.time_s().to_vec(),
             residual,
             load,
-            noise,
+            acceleration_rad_s2: (0..joints).map(|j| motion.acceleration_rad_s2(j).to_vec()).collect(),
             calm: calm(motion, segment.rate_hz),
             inertia: InertiaColumns::evaluate(&**fit.model.rigid_body(), inertial, motion, step)?,
         }))

@@ -103,7 +103,7 @@ impl From<&JointResidual> for Left {
 /// Whether something was found whose name may not be used: structure that has no name.
 fn nameless(question: &Question<'_>, investigation: &Investigation) -> bool {
     let barred = |effect: &str| question.without.iter().any(|w| w == effect);
-    investigation.shaking.iter().any(|s| barred(s.effect))
+    investigation.shaking.iter().any(|s| s.confirmed && barred(s.effect))
         || investigation.faults.iter().any(|f| f.suffices && barred(f.effect))
         || !investigation.contacts.is_empty() && barred("external_contact")
 }

@@ -17,7 +17,6 @@ use crate::recordings::faults::Fault;
 use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::search::selection::Chosen;
-use crate::transmission::Shaking;
 use crate::verdict::confidence::confidence;
 use crate::verdict::{Alternative, Evidence, Finding};
 
@@ -156,54 +155,6 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
     };
     finding.sentence = sentence(&finding);
     Some(finding)
-}
-
-/// Findings for play and ringing that may be named.
-pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
-    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
-    let one = |shaking: &Shaking| {
-        let effect = effects::find(shaking.effect)?;
-        let [in_calibration, in_target] = shaking.present;
-        let kinds = [("calibration", in_calibration), ("target", in_target || (targets && in_calibration))];
-        let number = |value: Value| ParameterValue { value, std: Value::Null };
-        let mut parameters = BTreeMap::new();
-        if let (Some(stiffness), Some(frequency)) = (shaking.stiffness_nm_rad, shaking.frequency_hz) {
-            parameters.insert("stiffness_nm_rad".to_owned(), number(json!(stiffness)));
-            parameters.insert("frequency_hz".to_owned(), number(json!(frequency)));
-        }
-        if let Some(crossings) = shaking.crossings {
-            parameters.insert("load_reversals".to_owned(), number(json!(crossings)));
-            parameters.insert("energy_ratio".to_owned(), number(json!(shaking.contrast)));
-        }
-        let joint = shaking.joint;
-        let sentence = match (shaking.frequency_hz, shaking.crossings) {
-            (Some(frequency), _) => format!(
-                "{} on joint {joint}: it rings at {frequency:.1} Hz, in bursts, along its own inertia",
-                effect.title()
-            ),
-            (None, crossings) => format!(
-                "{} on joint {joint}: impacts where its load changes sign ({} times), {:.1} times as strong as elsewhere",
-                effect.title(),
-                crossings.unwrap_or(0),
-                shaking.contrast
-            ),
-        };
-        Some(Finding {
-            effect: shaking.effect.to_owned(),
-            family: effect.family(),
-            joints: vec![joint],
-            present_in: kinds.iter().filter(|(_, is)| *is).map(|(kind, _)| (*kind).to_owned()).collect(),
-            recording: None,
-            window_s: None,
-            confidence: confidence(shaking.score, false),
-            parameters,
-            alternatives: Vec::new(),
-            evidence: Evidence { score: shaking.score, threshold: question.selection.score },
-            sentence,
-        })
-    };
-    let known = |s: &&Shaking| !question.without.iter().any(|w| w == s.effect);
-    investigation.shaking.iter().filter(known).filter_map(one).collect()
 }
 
 pub(crate) fn findings(

@@ -7,6 +7,7 @@ pub(crate) mod localise;
 mod model;
 pub(crate) mod registered;
 mod series;
+pub(crate) mod transmission;
 mod write;
 
 pub use confidence::Learnt;

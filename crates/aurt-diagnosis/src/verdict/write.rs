@@ -14,7 +14,8 @@ use crate::recordings::rows::{RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
 use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::answer::Account;
-use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, findings, shaking_findings};
+use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, findings};
+use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
     Answer, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, registered,
 };
@@ -46,6 +47,12 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             now.baseline_rms = then.baseline_rms;
         }
         held_out.rms_before = self::held_out(before, own, &first).rms_before;
+    }
+    if let Some(before) = &investigation.before_gears {
+        for (now, then) in residual.iter_mut().zip(&before.baseline_rms) {
+            now.baseline_rms = *then;
+        }
+        held_out.rms_before.clone_from(&before.held_out_rms);
     }
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
@@ -95,6 +102,10 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     );
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());
+    for (finding, fails) in shaking_indications(question, investigation) {
+        verdict.notes.push(format!("an indication only: {}; {}", finding.sentence, fails.join("; ")));
+    }
+    verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
     }

@@ -1,19 +1,19 @@
 //! `backlash`: play between the teeth.
 //!
 //! # What it is
-//! Motor and link are not in touch while |θ − q| < b: whenever the load changes its sign, the motor crosses the
-//! gap 2b free of load and strikes the other flank.
+//! Motor and link are not in touch while |θ − q| < b: whenever the load changes its sign, the link crosses the
+//! gap 2b free of its motor and strikes the other flank.
 //!
-//! - `load_reversals`: how often the load changed its sign; `energy_ratio`: how much louder it was there.
+//! - `gap_rad`: b, half the play;
+//! - `stiffness_nm_rad`, `damping_nm_s`: of the flanks, as far as the band of the recording shows them.
 //!
 //! # How it shows
-//! Short bursts of residual, an impact and some ringing, each time the transmitted torque changes sign, and
-//! nothing in between. They lie above the cut-off of the filters, so they are looked for in the raw recording:
-//! the energy along the joint's column of the inertia matrix is higher where its load changes sign than beside it.
-//! The gap itself is not estimated.
+//! Where the transmitted torque changes its sign, the link's weight and inertia are missing from the drive's torque
+//! for a moment, and come back as an impact. The link is simulated, driven by the measured motion of the motor; play is
+//! claimed if the torque that this predicts is found in blocks of time that had no part in the fit.
 //!
 //! # Easily confused with
-//! - `joint_elasticity`: rings as well, but after every jolt, not at changes of the load's sign.
+//! - `joint_elasticity`: the same link without a gap; the gap must predict more.
 //! - `presliding_hysteresis`: acts after changes of the *velocity's* sign, smoothly, without impacts. A joint
 //!   whose load changes sign with its velocity (no gravity) shows both at the same instants.
 //! - `external_contact`: does not repeat with the motion.
@@ -50,8 +50,8 @@ impl Effect for Backlash {
         include_str!("backlash.rs")
     }
 
-    /// None: impacts cannot be predicted from the motion, so no column of a regressor describes them. They are found in
-    /// the raw recording, by their statistics.
+    /// None: the torque is not linear in the gap, so no column of a regressor describes it. It is simulated at the
+    /// recording's own rate ([`crate::transmission`]).
     fn proposals(&self, _context: &Context<'_>) -> Vec<Proposal> {
         Vec::new()
     }

@@ -2,23 +2,23 @@
 //!
 //! # What it is
 //! Motor and link are joined by τ_J = K (θ − q) + D (θ̇ − q̇). The link then lags behind or runs ahead of the
-//! motor and the two of them ring. Well below the resonance, the torque of the rigid model is only off by a
-//! multiple of its second derivative, τ̈.
+//! motor, and the drives feel M(q) times the acceleration between the two. Well below the resonance, the torque of the
+//! rigid model is only off by a multiple of its second derivative, τ̈.
 //!
-//! - `stiffness_nm_rad`: K, 10³–10⁵ Nm/rad, from the frequency of the ringing (`frequency_hz`) and the inertia of
-//!   the joint, where the recording rings;
+//! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π;
 //! - what a slow motion determines is the ratio of the inertia that swings to the stiffness,
 //!   `inertia_over_stiffness_s2`: 1/ω² of the resonance ω.
 //!
 //! # How it shows
-//! Residuals at reversals and starts of fast motion that follow τ̈, and a peak in the spectrum, at 5–50 Hz,
-//! that every jolt sets off. Above the cut-off of the filters only the raw recording shows it.
+//! Torque that the measured motion of the motor predicts through a resonator, at 1–60 Hz, along M e_j of the joint.
+//! Noise of the encoders and the positions' filter follow the motion, too, but turn no phase; what they could explain
+//! is taken away before. It is claimed if it predicts blocks of time that had no part in the fit.
 //!
 //! # Easily confused with
 //! - `time_delay`: follows τ̇; a resonance well above the motion delays, too.
 //! - `rotor_inertia`: follows q̈, which τ̈ resembles for a single sine.
 //! - noise of the acceleration: a low-pass is an elasticity of the wrong sign, which is why the sign is held.
-//! - `backlash`: also rings, after impacts.
+//! - `backlash`: a link that is free within a gap, and rings on the flanks.
 //!
 //! # What to record to be sure
 //! Fast reversals at a rate of 500 Hz or more, in poses of small and large inertia: the resonance moves with

@@ -1,0 +1,311 @@
+//! The search for a joint's gear, and what is claimed of it.
+//!
+//! Shapes are found on one half of the blocks of time and judged on the other, and the other way round: what is counted is the
+//! log-likelihood that a prediction gains on rows which had no part in it. Frequency, damping and play are found by variable
+//! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
+
+use super::against::{Against, Moments, OwnFreed};
+use super::shape::{Inertia, Shape};
+use crate::error::DiagnosisError;
+
+/// Least gain in log-likelihood on rows that had no part in it, nats. The starts are some fifty shapes of each of seven
+/// joints: where nothing is there, the best of them gains less than 1 on other rows (it is as likely to lose).
+pub(super) const LEAST_GAIN: f64 = 12.0;
+/// Least mean of the gain over the blocks, in standard errors: of fourteen tries one in 3000 (Student, 20 blocks).
+const LEAST_T: f64 = 4.0;
+/// Fewest blocks that may judge.
+const FEWEST_BLOCKS: usize = 8;
+/// A gear's torque is what physics asks: amplitude 1. A rotor's inertia that a fit cannot tell from the link's makes it smaller, a load that
+/// is biased by what the gear does makes it differ either way.
+const AMPLITUDE: [f64; 2] = [0.3, 2.0];
+/// Shapes found on two halves of the data are one if their frequencies agree to this factor, …
+const SAME_HZ: f64 = 1.25;
+/// … and the play to this one.
+const SAME_GAP: f64 = 2.0;
+/// Least share of the power of the joint's own rows that a gear explains.
+const LEAST_SHARE: f64 = 0.02;
+/// Gains on the joint's own rows alone below which shapes are not refined.
+const WORTH_REFINING: f64 = 3.0;
+/// First steps of the pattern search in the logarithms of frequency and damping, the rotor's share and the logarithm of the play, and how often they are halved.
+const FIRST_STEPS: [f64; 4] = [0.07, 0.5, 0.2, 0.35];
+const HALVINGS: usize = 4;
+/// Steps of the second differences that give deviations.
+const CURVATURE_STEPS: [f64; 4] = [0.01, 0.1, 0.05, 0.1];
+
+/// Which recordings a gear is looked for in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Among {
+    All,
+    Targets,
+}
+
+/// A gear that was found, whether or not it passes all tests.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub joint: usize,
+    pub shape: Shape,
+    pub inertia: Inertia,
+    pub amplitude: f64,
+    pub amplitude_std: f64,
+    /// Standard deviations of the shape's freedoms.
+    pub shape_std: [f64; 4],
+    /// Gain in log-likelihood on rows that had no part in the fit: over all, over reference and target recordings.
+    pub gain: f64,
+    pub gains: [f64; 2],
+    /// Mean gain of the blocks in standard errors.
+    pub t: f64,
+    /// Share of the power of the joint's own rows that it explains.
+    pub share: f64,
+    /// Tests that it fails, in words.
+    pub fails: Vec<String>,
+}
+
+/// What the data could show of a joint's gear.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Visible {
+    /// M_jj.
+    pub inertia: Option<Inertia>,
+    /// Highest frequency of a resonance that would show, Hz.
+    pub hz: Option<f64>,
+    /// Smallest half play that would show, rad.
+    pub half_gap_rad: Option<f64>,
+}
+
+/// The rows of all segments, for gears of one joint.
+pub(super) struct JointRows<'a> {
+    joint: usize,
+    own: Vec<Against<'a>>,
+    all: Vec<Against<'a>>,
+    target: Vec<bool>,
+    inertia: Inertia,
+    top_hz: f64,
+}
+
+/// (segment, block).
+type Block = (usize, usize);
+
+impl<'a> JointRows<'a> {
+    /// `None` where a joint's rows say nothing in any segment.
+    pub fn new(freed: &'a [OwnFreed], joint: usize) -> Result<Option<Self>, DiagnosisError> {
+        let (mut own, mut all, mut target) = (Vec::new(), Vec::new(), Vec::new());
+        let mut inertia = Inertia { mean_kg_m2: 0.0, least_kg_m2: f64::INFINITY };
+        let mut top_hz = f64::INFINITY;
+        for segment in freed {
+            if let (Some(o), Some(a)) =
+                (Against::new(segment, joint, false)?, Against::new(segment, joint, true)?)
+            {
+                let Some(of_segment) = segment.rows.inertia(joint) else { continue };
+                inertia.mean_kg_m2 += of_segment.mean_kg_m2;
+                inertia.least_kg_m2 = inertia.least_kg_m2.min(of_segment.least_kg_m2);
+                top_hz = segment.rows.top_hz.min(top_hz);
+                own.push(o);
+                all.push(a);
+                target.push(segment.target);
+            }
+        }
+        if own.is_empty() {
+            return Ok(None);
+        }
+        inertia.mean_kg_m2 /= own.len() as f64;
+        Ok(Some(Self { joint, own, all, target, inertia, top_hz }))
+    }
+
+    /// Starts for elastic gears and for gears with play.
+    pub fn starts(&self) -> [Vec<Shape>; 2] {
+        [Shape::elastic(self.top_hz), Shape::with_play(self.top_hz)]
+    }
+
+    /// M_jj over the segments.
+    pub const fn inertia(&self) -> Inertia {
+        self.inertia
+    }
+
+    fn moments(&self, of: &[Against<'a>], shape: Shape) -> Vec<Moments> {
+        let gear = shape.gear(self.inertia);
+        of.iter().map(|against| against.moments(gear)).collect()
+    }
+
+    fn blocks(&self, among: Among) -> Vec<Block> {
+        let power: Vec<Vec<f64>> = self.own.iter().map(Against::power).collect();
+        (0..self.own.len())
+            .filter(|s| among == Among::All || self.target[*s])
+            .flat_map(|s| (0..power[s].len()).map(move |b| (s, b)))
+            .filter(|(s, b)| power[*s][*b] > 0.0)
+            .collect()
+    }
+
+    /// Looks for a gear among starts; `None` if nothing is worth a test. Also what starts of amplitude 1 would gain.
+    pub fn search(&self, starts: &[Shape], among: Among) -> (Option<Found>, Vec<f64>) {
+        let blocks = self.blocks(among);
+        let halves: [Vec<Block>; 2] =
+            [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b) % 2 == half).collect());
+        let scanned: Vec<Vec<Moments>> = starts.iter().map(|s| self.moments(&self.own, *s)).collect();
+        let visible = scanned.iter().map(|m| 0.5 * sums(m, &blocks)[0]).collect();
+        if halves.iter().any(|h| 2 * h.len() < FEWEST_BLOCKS) {
+            return (None, visible);
+        }
+        let best = |half: &[Block]| {
+            (0..starts.len()).max_by(|a, b| {
+                fitted_gain(sums(&scanned[*a], half)).total_cmp(&fitted_gain(sums(&scanned[*b], half)))
+            })
+        };
+        let (Some(first), Some(second)) = (best(&halves[0]), best(&halves[1])) else {
+            return (None, visible);
+        };
+        let crossed = |start: usize, fit: &[Block], judge: &[Block]| -> f64 {
+            let amplitude = amplitude(sums(&scanned[start], fit));
+            gain(sums(&scanned[start], judge), amplitude)
+        };
+        if crossed(first, &halves[0], &halves[1]) + crossed(second, &halves[1], &halves[0]) < WORTH_REFINING {
+            return (None, visible);
+        }
+        (Some(self.tested(&halves, [starts[first], starts[second]], &blocks)), visible)
+    }
+
+    fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block]) -> Found {
+        let mut gains = vec![Vec::new(), Vec::new()];
+        let mut shapes = Vec::new();
+        let mut amplitudes = Vec::new();
+        for (k, start) in starts.into_iter().enumerate() {
+            let (fit, judge) = (&halves[k], &halves[1 - k]);
+            let shape = self.refined(start, fit);
+            let moments = self.moments(&self.all, shape);
+            let amplitude = amplitude(sums(&moments, fit));
+            for (s, b) in judge {
+                gains[usize::from(self.target[*s])].push(gain(moments[*s][*b], amplitude));
+            }
+            shapes.push(shape);
+            amplitudes.push(amplitude);
+        }
+        let judged: Vec<f64> = gains.iter().flatten().copied().collect();
+        let total: f64 = judged.iter().sum();
+        let better = usize::from(
+            fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
+                > fitted_gain(sums(&self.moments(&self.all, shapes[0]), blocks)),
+        );
+        let shape = self.refined(shapes[better], blocks);
+        let own_power: f64 = {
+            let power: Vec<Vec<f64>> = self.own.iter().map(Against::power).collect();
+            blocks.iter().map(|(s, b)| power[*s][*b]).sum()
+        };
+        let [cc, cr] = sums(&self.moments(&self.all, shape), blocks);
+        let mut found = Found {
+            joint: self.joint,
+            shape,
+            inertia: self.inertia,
+            amplitude: amplitude([cc, cr]),
+            amplitude_std: 1.0 / cc.sqrt(),
+            shape_std: self.shape_std(shape, blocks),
+            gain: total,
+            gains: [gains[0].iter().sum(), gains[1].iter().sum()],
+            t: in_standard_errors(&judged),
+            share: 2.0 * total / own_power.max(f64::MIN_POSITIVE),
+            fails: Vec::new(),
+        };
+        found.test(&shapes, &amplitudes);
+        found
+    }
+
+    /// A pattern search from a start.
+    fn refined(&self, start: Shape, blocks: &[Block]) -> Shape {
+        let value = |shape: Shape| fitted_gain(sums(&self.moments(&self.all, shape), blocks));
+        let (mut best, mut most) = (start, value(start));
+        let mut steps = FIRST_STEPS;
+        for _ in 0..HALVINGS {
+            for which in 0..start.freedoms() {
+                for sign in [1.0, -1.0] {
+                    let mut moves = false;
+                    loop {
+                        let next = best.moved(which, sign * steps[which], self.top_hz);
+                        let gains = if next == best { most } else { value(next) };
+                        if gains <= most {
+                            break;
+                        }
+                        (best, most) = (next, gains);
+                        moves = true;
+                    }
+                    if moves {
+                        break;
+                    }
+                }
+            }
+            steps.iter_mut().for_each(|s| *s *= 0.5);
+        }
+        best
+    }
+
+    /// Standard deviations of a shape's logarithms, from the curvature of the log-likelihood along each.
+    fn shape_std(&self, shape: Shape, blocks: &[Block]) -> [f64; 4] {
+        let value = |shape: Shape| fitted_gain(sums(&self.moments(&self.all, shape), blocks));
+        let at = value(shape);
+        let mut std = [f64::NAN; 4];
+        for (which, std) in std.iter_mut().enumerate().take(shape.freedoms()) {
+            let step = CURVATURE_STEPS[which];
+            let [ahead, behind] = [step, -step].map(|by| value(shape.moved(which, by, self.top_hz)));
+            let curvature = (2.0 * at - ahead - behind) / (step * step);
+            *std = if curvature > 0.0 { curvature.sqrt().recip() } else { f64::NAN };
+        }
+        std
+    }
+}
+
+impl Found {
+    fn test(&mut self, shapes: &[Shape], amplitudes: &[f64]) {
+        let mut fails = Vec::new();
+        if self.gain < LEAST_GAIN {
+            fails.push(format!("it gains {:.1} nats on other rows, less than {LEAST_GAIN}", self.gain));
+        }
+        if self.t.is_nan() || self.t < LEAST_T {
+            fails.push(format!("its gain is {:.1} standard errors, less than {LEAST_T}", self.t));
+        }
+        if self.share < LEAST_SHARE {
+            fails.push(format!("it explains {:.1} % of the joint's rows", 100.0 * self.share));
+        }
+        let possible = |a: &f64| (AMPLITUDE[0]..=AMPLITUDE[1]).contains(a);
+        if !amplitudes.iter().chain([&self.amplitude]).all(possible) {
+            fails.push(format!("the torque is {:.2} times what physics asks for", self.amplitude));
+        }
+        let ratio = |a: f64, b: f64| (a / b).max(b / a);
+        let [a, b] = [shapes[0], shapes[1]];
+        let same_gap = self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
+        let same_hz = self.shape.half_gap_rad > 0.0 || ratio(a.hz, b.hz) <= SAME_HZ;
+        if !same_gap || !same_hz {
+            fails.push("two halves of the data give two different gears".into());
+        }
+        self.fails = fails;
+    }
+
+    /// Whether it passes all tests.
+    pub fn confirmed(&self) -> bool {
+        self.fails.is_empty()
+    }
+}
+
+fn sums(moments: &[Moments], blocks: &[Block]) -> [f64; 2] {
+    blocks.iter().fold([0.0; 2], |[cc, cr], (s, b)| {
+        let [c, r] = moments[*s][*b];
+        [cc + c, cr + r]
+    })
+}
+
+/// A gear gives way; it does not stiffen.
+fn amplitude([cc, cr]: [f64; 2]) -> f64 {
+    if cc > 0.0 { (cr / cc).max(0.0) } else { 0.0 }
+}
+
+/// What an amplitude gains in log-likelihood.
+fn gain([cc, cr]: [f64; 2], amplitude: f64) -> f64 {
+    amplitude * cr - 0.5 * amplitude * amplitude * cc
+}
+
+fn fitted_gain(moments: [f64; 2]) -> f64 {
+    gain(moments, amplitude(moments))
+}
+
+/// The mean over its standard error.
+fn in_standard_errors(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean / (variance / n).sqrt()
+}

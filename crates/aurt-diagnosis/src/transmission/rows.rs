@@ -1,0 +1,169 @@
+//! The rows on which the transmission is judged: band-limited, thinned out, white.
+
+use aurt_recording::{Segment, ZeroPhase};
+
+use super::gravity::GravityGradients;
+use super::link::{Deflection, Drive, Gear};
+use super::series::FullRate;
+use super::shape::Inertia;
+use super::whiten::Whitener;
+use crate::error::DiagnosisError;
+
+/// Rows end at this share of the cut-off of the positions' filter: there it still passes 0.86 of the motion.
+const OF_POSITION_CUTOFF: f64 = 0.8;
+/// … and of the sampling rate: above, differences are no derivatives.
+const OF_RATE: f64 = 0.2;
+/// Rows per period of the highest frequency: the filter passes 1 % at half the row rate.
+const ROWS_PER_PERIOD: f64 = 3.6;
+/// Memory of the whitening filter, s: two periods of 10 Hz.
+const WHITENED_S: f64 = 0.2;
+/// Blocks of contiguous time, s, …
+const BLOCK_S: f64 = 1.0;
+/// … at whose ends this much belongs to none, so that the filters' memory does not tie neighbours together, s.
+const GAP_S: f64 = 0.1;
+/// The link's motion at the start of a segment is unknown for this time, s.
+const SETTLES_S: f64 = 0.5;
+
+/// The rows of one segment.
+pub(super) struct Rows {
+    pub rate_hz: f64,
+    pub top_hz: f64,
+    /// `[joint][row]`.
+    pub load_nm: Vec<Vec<f64>>,
+    pub velocity_rad_s: Vec<Vec<f64>>,
+    pub acceleration_rad_s2: Vec<Vec<f64>>,
+    /// M_ij and ∂g_i/∂q_j, `[j][i][row]`.
+    inertia_kg_m2: Vec<Vec<Vec<f64>>>,
+    gradient_nm_rad: Vec<Vec<Vec<f64>>>,
+    whiteners: Vec<Option<Whitener>>,
+    /// Residual after whitening, `[joint][row]`.
+    pub white: Vec<Vec<f64>>,
+    /// Which rows count, `[joint][row]`.
+    pub counts: Vec<Vec<bool>>,
+    /// The block of each row.
+    pub block: Vec<Option<usize>>,
+    pub blocks: usize,
+}
+
+/// M_jj of a fitted model is taken as at least this share of its mean: a link has mass in every pose.
+pub(super) const LEAST_INERTIA: f64 = 0.2;
+
+impl Rows {
+    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`.
+    pub fn new(
+        segment: &Segment,
+        full: &FullRate,
+        gradients: &GravityGradients,
+        position_cutoff_hz: f64,
+    ) -> Result<Self, DiagnosisError> {
+        let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz);
+        let step = ((full.rate_hz / (ROWS_PER_PERIOD * top_hz)) as usize).max(1);
+        let rate_hz = full.rate_hz / step as f64;
+        let low = ZeroPhase::butterworth(4, top_hz, full.rate_hz)?;
+        let thin = |series: Vec<f64>| -> Vec<f64> { series.into_iter().step_by(step).collect() };
+        let passed = |series: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, DiagnosisError> {
+            Ok(low.filter_all(series)?.into_iter().map(thin).collect())
+        };
+        let joints = full.joints();
+        let motion = segment.motion.view();
+        let residual = passed(&full.residual)?;
+        let load_nm = passed(&full.load)?;
+        let of = |series: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> { (0..joints).map(series).collect() };
+        let velocity_rad_s = passed(&of(&|j| motion.velocity_rad_s(j).to_vec()))?;
+        let acceleration_rad_s2 = passed(&of(&|j| motion.acceleration_rad_s2(j).to_vec()))?;
+        let rows = residual.first().map_or(0, Vec::len);
+        let table = |at: &dyn Fn(usize, usize, usize) -> f64| -> Vec<Vec<Vec<f64>>> {
+            let column = |j: usize, i: usize| (0..rows).map(|k| at(j, i, k * step)).collect();
+            (0..joints).map(|j| (0..joints).map(|i| column(j, i)).collect()).collect()
+        };
+        let inertia_kg_m2 = table(&|j, i, k| full.inertia.at(j, i, k));
+        let gradient_nm_rad = table(&|j, i, k| gradients.at(j, i, k));
+        let order = (WHITENED_S * rate_hz).round() as usize;
+        let settled = (SETTLES_S * rate_hz) as usize;
+        let mut counts: Vec<Vec<bool>> =
+            full.calm.iter().map(|c| c.iter().copied().step_by(step).collect()).collect();
+        let whiteners: Vec<Option<Whitener>> =
+            (0..joints).map(|j| Whitener::of(&residual[j], &counts[j], order)).collect();
+        let mut white = Vec::with_capacity(joints);
+        for (j, whitener) in whiteners.iter().enumerate() {
+            let silent = settled.max(whitener.as_ref().map_or(rows, Whitener::memory)).min(rows);
+            counts[j][..silent].fill(false);
+            white.push(whitener.as_ref().map_or_else(|| vec![0.0; rows], |w| w.apply(&residual[j])));
+        }
+        let per_block = (BLOCK_S * rate_hz) as usize;
+        let gap = (GAP_S * rate_hz / 2.0).ceil() as usize;
+        let blocks = rows / per_block.max(1);
+        let block = (0..rows)
+            .map(|k| {
+                let (block, within) = (k / per_block, k % per_block);
+                (block < blocks && within >= gap && within + gap < per_block).then_some(block)
+            })
+            .collect();
+        Ok(Self {
+            rate_hz,
+            top_hz,
+            load_nm,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            inertia_kg_m2,
+            gradient_nm_rad,
+            whiteners,
+            white,
+            counts,
+            block,
+            blocks,
+        })
+    }
+
+    /// M_jj, if the fitted model has one.
+    pub fn inertia(&self, joint: usize) -> Option<Inertia> {
+        let series = &self.inertia_kg_m2[joint][joint];
+        let mean_kg_m2 = series.iter().sum::<f64>() / series.len().max(1) as f64;
+        let least_kg_m2 = series.iter().copied().fold(f64::INFINITY, f64::min);
+        (mean_kg_m2 > 0.0).then_some(Inertia { mean_kg_m2, least_kg_m2 })
+    }
+
+    /// The motion of a joint's link against its motor.
+    pub fn deflection(&self, joint: usize, gear: Gear) -> Deflection {
+        let own = &self.inertia_kg_m2[joint][joint];
+        let least = LEAST_INERTIA * self.inertia(joint).map_or(f64::MIN_POSITIVE, |m| m.mean_kg_m2);
+        let inertia: Vec<f64> = own.iter().map(|m| (m - gear.rotor_kg_m2).max(least)).collect();
+        let moved = self.load_nm[joint].iter().zip(&self.acceleration_rad_s2[joint]);
+        let load: Vec<f64> = moved.map(|(load, q)| load - gear.rotor_kg_m2 * q).collect();
+        gear.deflection(&Drive {
+            period_s: 1.0 / self.rate_hz,
+            load_nm: &load,
+            inertia_kg_m2: &inertia,
+            gradient_nm_rad: &self.gradient_nm_rad[joint][joint],
+        })
+    }
+
+    /// The torque at joint i of joint j's deflection.
+    pub fn torque(&self, joint: usize, i: usize, gear: Gear, deflection: &Deflection) -> Vec<f64> {
+        let rotor = if i == joint { gear.rotor_kg_m2 } else { 0.0 };
+        let (inertia, gradient) = (&self.inertia_kg_m2[joint][i], &self.gradient_nm_rad[joint][i]);
+        let moved = deflection.acceleration_rad_s2.iter().zip(&deflection.angle_rad);
+        inertia.iter().zip(gradient).zip(moved).map(|((m, g), (a, x))| (m - rotor) * a + g * x).collect()
+    }
+
+    /// M_ij times a series.
+    pub fn along_inertia(&self, joint: usize, i: usize, series: &[f64]) -> Vec<f64> {
+        self.inertia_kg_m2[joint][i].iter().zip(series).map(|(m, s)| m * s).collect()
+    }
+
+    /// A series of joint i, whitened as its residual is, where it counts; `None` for a joint without noise to judge by.
+    pub fn whitened(&self, i: usize, series: &[f64]) -> Option<Vec<f64>> {
+        let mut out = self.whiteners[i].as_ref()?.apply(series);
+        self.silence(i, &mut out);
+        Some(out)
+    }
+
+    /// Sets the rows of joint i that do not count to zero.
+    pub fn silence(&self, i: usize, series: &mut [f64]) {
+        for (value, (counts, block)) in series.iter_mut().zip(self.counts[i].iter().zip(&self.block)) {
+            if !counts || block.is_none() {
+                *value = 0.0;
+            }
+        }
+    }
+}

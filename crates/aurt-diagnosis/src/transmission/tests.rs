@@ -1,0 +1,133 @@
+//! A gear of known stiffness, noise of known size, and what is found of them.
+
+use std::f64::consts::TAU;
+
+use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_traits::MeasurementUnit;
+
+use super::against::OwnFreed;
+use super::claim::{Among, Found, JointRows};
+use super::gravity::GravityGradients;
+use crate::noise::inertia::InertiaColumns;
+use super::rows::Rows;
+use super::series::FullRate;
+use super::shape::Shape;
+
+const RATE_HZ: f64 = 500.0;
+const SECONDS: f64 = 30.0;
+/// M of two joints, kg m².
+const INERTIA: [[f64; 2]; 2] = [[2.0, 0.4], [0.4, 0.5]];
+const TORQUE_NOISE_NM: f64 = 0.2;
+
+/// Deviates of unit variance: sums of twelve uniforms.
+fn normal(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// The motors' angles and accelerations: slow sines, and the small fast motion of a servo.
+fn motion(joint: usize, t: f64) -> [f64; 2] {
+    let parts = [(0.31, 0.5), (0.83, 0.2), (1.7, 0.06), (5.3, 2e-3), (8.9, 6e-4), (11.7, 4e-4), (17.1, 1e-4)];
+    parts.iter().enumerate().fold([0.0; 2], |[q, a], (k, (hz, amplitude))| {
+        let omega = TAU * hz * if joint == 0 { 1.0 } else { 1.13 };
+        let value = amplitude * (omega * t + k as f64).sin();
+        [q + value, a - omega * omega * value]
+    })
+}
+
+/// The link of joint 0 on a spring of `hz` (integrated ten times finer than it is recorded), or rigid gears.
+fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
+    let samples = (SECONDS * RATE_HZ) as usize;
+    let mut noise = normal(3);
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut recording = Recording {
+        file: "made".into(),
+        time_s: (0..samples).map(|k| k as f64 / RATE_HZ).collect(),
+        position_rad: vec![Vec::new(); 2],
+        velocity_rad_s: None,
+        measurement: Some(vec![Vec::new(); 2]),
+        unit: MeasurementUnit::NewtonMetre,
+        report: ReadReport::default(),
+    };
+    let mut measured = vec![Vec::new(); 2];
+    for k in 0..samples {
+        let t = k as f64 / RATE_HZ;
+        let acceleration = [0, 1].map(|j| motion(j, t)[1]);
+        let mut link = 0.0;
+        if let Some(hz) = hz {
+            let (stiffness, damping) =
+                (INERTIA[0][0] * (TAU * hz).powi(2), 2.0 * 0.03 * INERTIA[0][0] * TAU * hz);
+            let h = 0.1 / RATE_HZ;
+            for step in 0..10 {
+                let at = t + h * f64::from(step);
+                let load: f64 = (0..2).map(|i| INERTIA[0][i] * motion(i, at)[1]).sum();
+                link = (-load - stiffness * x - damping * v) / INERTIA[0][0];
+                v += h * link;
+                x += h * v;
+            }
+        }
+        for j in 0..2 {
+            recording.position_rad[j].push(motion(j, t)[0] + encoder_noise_rad * noise());
+            let torque = INERTIA[j][0] * (acceleration[0] + link) + INERTIA[j][1] * acceleration[1];
+            measured[j].push(torque + TORQUE_NOISE_NM * noise());
+        }
+    }
+    recording.measurement = Some(measured);
+    let options = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(10.0) };
+    let data = preprocess(&recording, &options).unwrap();
+    let segment = &data.segments[0];
+    let motion = segment.motion.view();
+    let load: Vec<Vec<f64>> = (0..2)
+        .map(|j| {
+            let [a, b] = [0, 1].map(|i| motion.acceleration_rad_s2(i));
+            a.iter().zip(b).map(|(a, b)| INERTIA[j][0] * a + INERTIA[j][1] * b).collect()
+        })
+        .collect();
+    let raw = segment.raw_measurement.as_ref().unwrap();
+    let left = |j: usize| raw[j].iter().zip(&load[j]).map(|(y, l)| y - l).collect();
+    let full = FullRate {
+        rate_hz: segment.rate_hz,
+        time_s: motion.time_s().to_vec(),
+        residual: (0..2).map(left).collect(),
+        acceleration_rad_s2: (0..2).map(|j| motion.acceleration_rad_s2(j).to_vec()).collect(),
+        calm: vec![vec![true; motion.samples()]; 2],
+        inertia: InertiaColumns::constant(&INERTIA.map(|c| c.to_vec())),
+        load,
+    };
+    let rows = Rows::new(segment, &full, &GravityGradients::none(2), options.effective_position_cutoff_hz());
+    let freed = [OwnFreed::new(rows.unwrap(), false)];
+    let rows = JointRows::new(&freed, 0).unwrap().unwrap();
+    let [elastic, _]: [Vec<Shape>; 2] = rows.starts();
+    rows.search(&elastic, Among::All).0
+}
+
+#[test]
+fn a_gear_of_known_stiffness_is_found_with_it() {
+    for hz in [4.0, 9.0, 14.0] {
+        let found = searched(1e-6, Some(hz)).unwrap();
+        assert!(found.confirmed(), "{hz} Hz: {:?}", found.fails);
+        assert!((found.shape.hz / hz - 1.0).abs() < 0.03, "{hz} Hz: {:?}", found.shape);
+        assert!((found.amplitude - 1.0).abs() < 0.15, "{hz} Hz: {}", found.amplitude);
+    }
+}
+
+#[test]
+fn noise_of_encoders_is_no_gear() {
+    for noise_rad in [1e-6, 1e-5, 1e-4] {
+        let found = searched(noise_rad, None);
+        assert!(found.as_ref().is_none_or(|f| !f.confirmed()), "{noise_rad} rad: {found:?}");
+    }
+}
+
+#[test]
+fn a_gear_is_found_beneath_the_noise_of_encoders() {
+    let found = searched(1e-5, Some(9.0)).unwrap();
+    assert!(found.confirmed(), "{:?}", found.fails);
+    assert!((found.shape.hz / 9.0 - 1.0).abs() < 0.04, "{:?}", found.shape);
+}
