@@ -99,4 +99,19 @@ impl Effect for Payload {
         }
         parameters
     }
+
+    /// A load hangs within reach of the arm.
+    fn impossible(&self, parameters: &Parameters, reach_m: f64) -> Option<String> {
+        let (centre, deviation) = parameters.get("com_m")?;
+        let length = |of: &serde_json::Value| -> Option<f64> {
+            let squares = of.as_array()?.iter().map(|v| v.as_f64().map(|v| v * v));
+            squares.sum::<Option<f64>>().map(f64::sqrt)
+        };
+        let (distance_m, std_m) = (length(centre)?, length(deviation).unwrap_or(0.0));
+        (distance_m - 2.0 * std_m > reach_m).then(|| {
+            format!(
+                "the centre of mass is {distance_m:.2} ± {std_m:.2} m from the link's frame, and the arm reaches {reach_m:.2} m"
+            )
+        })
+    }
 }
