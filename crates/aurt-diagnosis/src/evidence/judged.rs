@@ -5,7 +5,7 @@ use aurt_traits::RobotModel;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, evaluate_all};
 use crate::noise::floor::noise_floor;
-use crate::recordings::rows::{Fit, RecordingRows, Role};
+use crate::recordings::rows::{Fit, JointRows, RecordingRows, Role};
 use crate::request::Question;
 
 /// Fewest rows that a block of time must have to judge anything.
@@ -50,7 +50,8 @@ impl Judged {
     pub(crate) fn noise_exceeds_all(&self) -> bool {
         self.own_rows.iter().zip(&self.floors).filter(|(r, _)| r.role != Role::Validation).any(
             |(rows, floors)| {
-                rows.joints.iter().zip(floors).any(|(joint, floor)| {
+                let moving = |(joint, _): &(&JointRows, &f64)| joint.counted(0, rows.rows()) > 0.0;
+                rows.joints.iter().zip(floors).filter(moving).any(|(joint, floor)| {
                     let power: f64 = joint.measurement.iter().map(|m| m * m).sum();
                     *floor > INCREDIBLE * power / joint.counted(0, rows.rows()).max(1.0)
                 })

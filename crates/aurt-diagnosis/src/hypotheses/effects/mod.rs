@@ -185,6 +185,12 @@ pub trait Effect: Sync {
         self.parameters(proposal, fitted)
     }
 
+    /// The effect with its first parameters as a phrase, where its title and a list of parameters say it badly.
+    fn phrase(&self, parameters: &BTreeMap<String, ParameterValue>) -> Option<String> {
+        let _ = parameters;
+        None
+    }
+
     /// Why no machine has these parameters; `None` where they are possible, or within two standard deviations of what
     /// is. `reach_m` is the longest lever of the arm that the recordings show.
     fn impossible(&self, parameters: &Parameters, reach_m: f64) -> Option<String> {
