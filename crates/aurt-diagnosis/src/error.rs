@@ -40,6 +40,38 @@ pub enum DiagnosisError {
         /// Blocks needed.
         blocks: usize,
     },
+    /// What is in question is too short for any judgement.
+    #[error(
+        "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed to judge a model by \
+         stretches of time that it was not fitted to; record longer, or raise `f_dyn_hz` if the motion is faster than that"
+    )]
+    Brief {
+        /// The recording, the longest of its kind.
+        recording: String,
+        /// How long it is, s.
+        length_s: f64,
+        /// How long it has to be, s.
+        needed_s: f64,
+    },
+    /// The measurement of no joint ever changes.
+    #[error(
+        "{recording}: the measurement of every joint is constant (joint 0: {first}); currents or torques that were not \
+         logged say nothing of a model. Check which columns `measurement` names"
+    )]
+    ConstantMeasurement {
+        /// The recording.
+        recording: String,
+        /// The value of joint 0.
+        first: f64,
+    },
+    /// A figure of a verdict is not a number.
+    #[error(
+        "{figure} is not a finite number: the recordings do not determine it; record longer, or motions of all joints"
+    )]
+    NotFinite {
+        /// Which one.
+        figure: String,
+    },
     /// A candidate term does not fit the robot.
     #[error("candidate of effect `{effect}`: {reason}")]
     Candidate {

@@ -32,17 +32,22 @@ pub mod transmission;
 pub mod verdict;
 
 pub use comparison::{Method, MethodFinding, MethodVerdict};
-pub use contact::{Contact, ContactOptions, ContactRows, ForceColumns, find_contacts, force_columns};
+pub use contact::{
+    Contact, ContactOptions, ContactRows, ForceColumns, StandingRows, find_contacts, find_standing_contacts,
+    force_columns,
+};
 pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
 pub use hypotheses::{Candidate, Group, RegisteredModel, Switch, effects};
 pub use improvement::{Improvement, improved_experiment, improvement};
-pub use investigation::{BeforeGears, Delay, Investigation, Late, investigate};
-pub use recordings::{Fault, Fit, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role};
+pub use investigation::{BeforeGears, Delay, Indicated, Investigation, Late, investigate};
+pub use recordings::{
+    ConfirmRows, Fault, Fit, FitRows, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role,
+};
 pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, find_gears};
 pub use verdict::{
-    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, JointSeriesRows, Learnt, NotDecidable,
-    RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, JointSeriesRows, Learnt,
+    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
 };

@@ -108,7 +108,7 @@ impl Diagnose {
             without: &self.without,
         };
         let investigation = investigate(&question, registry, |what| progress.step(what))?;
-        let mut verdict = write_verdict(&question, &investigation);
+        let mut verdict = write_verdict(&question, &investigation).checked()?;
         if let Some(learnt) = learnt {
             learnt.apply(&mut verdict);
         }
@@ -189,7 +189,15 @@ fn finished(
     json["command"] = json!("diagnose");
     json["warnings"] = json!(warnings);
     json["outputs"] = json!(written);
-    Report { text, json, findings: verdict.verdict != Answer::NoMismatch }
+    Report { text, json, findings: is_found(verdict) }
+}
+
+/// Whether something has changed or is missing.
+fn is_found(verdict: &Verdict) -> bool {
+    [Some(verdict.verdict), verdict.structure]
+        .into_iter()
+        .flatten()
+        .any(|answer| answer != Answer::NoMismatch)
 }
 
 /// Reads and preprocesses the recordings of an experiment, each with its part.
@@ -239,11 +247,19 @@ fn read(
             Some(window) => loaded.recording.window(window)?,
             None => loaded.recording.clone(),
         };
+        // A target in which the arm stands has no motion to be trimmed to; it can show a contact all the same.
+        let trimmed = pipeline.preprocess(&loaded, Purpose::Calibration);
+        let (data, purpose) = match trimmed {
+            Err(_) if role == Role::Target => {
+                (pipeline.preprocess(&loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
+            }
+            trimmed => (trimmed?, Purpose::Calibration),
+        };
         recordings.push(QuestionedRecording {
             role,
             raw,
-            data: pipeline.preprocess(&loaded, Purpose::Calibration)?,
-            options: pipeline.options(loaded.recording.unit, Purpose::Calibration),
+            data,
+            options: pipeline.options(loaded.recording.unit, purpose),
             simulated,
             spoilt: None,
         });

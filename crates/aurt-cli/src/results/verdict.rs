@@ -9,7 +9,9 @@ use crate::{
         terminal::{Emphasis, Terminal},
         text::{WIDTH, wrapped, wrapped_with},
     },
-    reports::diagnosis::words::{Asked, Group, claim, follows, groups, headline, nothing, objection},
+    reports::diagnosis::words::{
+        Asked, Group, claim, follows, groups, headline, indicated, nothing, objection,
+    },
 };
 
 /// What a terminal shows of a verdict.
@@ -41,6 +43,9 @@ impl Shown<'_> {
             let said = format!("{} (score {:.0})", model.sentence, model.evidence.score);
             text.push_str(&wrapped_with(&said, WIDTH, "  + ", "     "));
         }
+        for indication in &verdict.indications {
+            text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
+        }
         let warning = terminal.emphasise(Emphasis::Warning, "warning");
         let (warnings, notes): (Vec<&String>, Vec<&String>) =
             verdict.notes.iter().partition(|n| n.starts_with(WARNING));
@@ -60,6 +65,7 @@ impl Shown<'_> {
             let names: Vec<&str> = verdict.not_decidable.iter().map(|n| n.effect.as_str()).collect();
             text.push_str(&wrapped(&format!("not decidable here: {}", names.join(", "))));
         }
+        text.extend(verdict.not_examined.iter().map(|n| wrapped(&format!("not examined: {}", n.reason))));
         text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
         text
     }

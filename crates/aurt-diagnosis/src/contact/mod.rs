@@ -12,10 +12,12 @@
 mod columns;
 mod scan;
 mod search;
+mod standing;
 #[cfg(test)]
 mod tests;
 
 pub use columns::{ForceColumns, force_columns};
+pub use standing::{StandingRows, find_standing_contacts};
 
 use search::LinkSearch;
 

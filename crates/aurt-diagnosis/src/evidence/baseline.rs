@@ -26,7 +26,7 @@ pub struct Baseline {
 pub const BLOCKS: usize = 6;
 
 /// Rows within this time of a cut belong to no block, in periods of `f_dyn_hz`.
-const GAP_PERIODS: f64 = 2.0;
+pub const GAP_PERIODS: f64 = 2.0;
 
 impl Baseline {
     /// A fit to the rows of all recordings but those for validation.

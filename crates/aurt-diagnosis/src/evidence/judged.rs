@@ -71,7 +71,8 @@ fn exceeds_all(rows: &RecordingRows, floors: &[f64]) -> bool {
     rows.role != Role::Validation
         && rows.joints.iter().zip(floors).any(|(joint, floor)| {
             let power: f64 = joint.measurement.iter().map(|m| m * m).sum();
-            *floor > INCREDIBLE * power / joint.counted(0, rows.rows()).max(1.0)
+            let counted = joint.counted(0, rows.rows());
+            counted > 0.0 && *floor > INCREDIBLE * power / counted
         })
 }
 

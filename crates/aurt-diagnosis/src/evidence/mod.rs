@@ -3,6 +3,7 @@
 pub(crate) mod account;
 pub mod baseline;
 pub(crate) mod decidable;
+pub(crate) mod deviations;
 pub(crate) mod gram;
 pub(crate) mod judged;
 pub(crate) mod linear;

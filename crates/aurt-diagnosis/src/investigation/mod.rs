@@ -1,38 +1,44 @@
 //! The walk through all rooms, from recordings to what was found.
 
+mod contacts;
+mod earned;
+mod fitted;
 mod gears;
 mod late;
+mod predicted;
+mod repairs;
+mod selecting;
 
+pub use earned::Indicated;
+pub(crate) use earned::{WORSE, concerned};
+pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub use late::{Delay, Late};
 
 use aurt_plugins::Registry;
 use aurt_traits::RobotModel;
 
-use crate::contact::{Contact, ContactOptions, ContactRows, find_contacts, force_columns};
+use crate::contact::Contact;
 use crate::error::DiagnosisError;
-use crate::evidence::baseline::{
-    Baseline, evaluate_all, extended_load, own_switches, partition, weighted_fit,
-};
-use crate::evidence::decidable::groups;
-use crate::evidence::gram::BlockMoments;
+use crate::evidence::baseline::{BLOCKS, Baseline, GAP_PERIODS, extended_load, own_switches, partition};
 use crate::evidence::judged::{Judged, bound_floors, prepare};
 use crate::evidence::problem::Problem;
-use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::candidates::{Candidate, candidates};
 use crate::hypotheses::effects::Context;
 use crate::hypotheses::group::{Group, Switch};
+use crate::hypotheses::registered;
 use crate::noise::spectrum::RecordingNoise;
+use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
-use crate::request::{Question, QuestionedRecording};
-use crate::search::instrument_filter::is_common_filter;
-use crate::search::selection::{Selection, Selector};
+use crate::request::{Question, QuestionedRecording, length};
+use crate::search::selection::Selection;
 use crate::transmission::Shaking;
-use crate::{hypotheses::registered, search};
 use gears::without_gears;
 use late::Found;
+use repairs::repair_helps;
+use selecting::{Parts, Selected, mean_floor};
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
 #[derive(Debug)]
@@ -41,8 +47,10 @@ pub struct Investigation {
     pub model: RobotModel,
     /// The baseline.
     pub baseline: Baseline,
-    /// The rows of all recordings.
-    pub rows: Vec<RecordingRows>,
+    /// The rows of all recordings that fit, search and mask.
+    pub rows: FitRows,
+    /// The rows that only judge what was found.
+    pub confirm: ConfirmRows,
     /// Which of them fit and which judge.
     pub partition: Partition,
     /// Columns.
@@ -81,8 +89,17 @@ pub struct Investigation {
     pub late: Option<Late>,
     /// Contacts with the surroundings; their windows took no part in selection.
     pub contacts: Vec<Contact>,
-    /// What selection found.
+    /// What selection found and what passed every test after it.
     pub selection: Selection,
+    /// On which share of the blocks of time each of it lowers the error of its joints.
+    pub stability: Vec<f64>,
+    /// What selection found and what failed a test.
+    pub indicated: Vec<Indicated>,
+    /// Joints whose measurement never changes, by recording: (recording, joint, value).
+    pub constant: Vec<(usize, usize, f64)>,
+    /// Share of the measurement's variance that the model in question predicts on time that it was not fitted to, joint
+    /// by joint; none where nothing was measured in motion.
+    pub predicted: Vec<Option<f64>>,
     /// Registered models that could not be tried, and why.
     pub untried: Vec<String>,
     /// Share of each candidate's torque that the baseline cannot absorb: in all recordings, in targets only.
@@ -94,8 +111,13 @@ pub struct Investigation {
 impl Investigation {
     /// Coefficients of the final model: the baseline's and those of what was selected.
     pub(crate) fn switches(&self) -> Vec<Switch> {
+        self.switches_of(self.selection.chosen.iter().map(|c| &self.groups[c.group]))
+    }
+
+    /// The baseline's coefficients and those of some groups.
+    pub(crate) fn switches_of<'g>(&self, groups: impl Iterator<Item = &'g Group>) -> Vec<Switch> {
         let mut all = self.base_switches.clone();
-        for switch in self.selection.chosen.iter().flat_map(|c| &self.groups[c.group].switches) {
+        for switch in groups.flat_map(|g| &g.switches) {
             if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
                 all.push(*switch);
             }
@@ -110,6 +132,18 @@ impl Investigation {
 /// # Errors
 /// What evaluation reports; [`DiagnosisError::NothingToDiagnose`].
 pub fn investigate(
+    question: &Question<'_>,
+    registry: &Registry,
+    mut progress: impl FnMut(&str),
+) -> Result<Investigation, DiagnosisError> {
+    let mut investigation = selected(question, registry, &mut progress)?;
+    progress("testing what was found");
+    earned::earn(question, &mut investigation)?;
+    Ok(investigation)
+}
+
+/// Investigates up to selection, with a delay undone if there is one.
+fn selected(
     question: &Question<'_>,
     registry: &Registry,
     mut progress: impl FnMut(&str),
@@ -147,9 +181,11 @@ fn investigate_as_it_is(
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
         return Err(DiagnosisError::NothingToDiagnose);
     }
+    length::check(question, BLOCKS, GAP_PERIODS / question.f_dyn_hz)?;
     progress("looking for faults of the recordings");
-    let recordings =
-        question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<Vec<_>, _>>()?;
+    let repaired = |r: &QuestionedRecording| r.repaired(question.without);
+    let recordings = question.recordings.iter().map(repaired).collect::<Result<Vec<_>, _>>()?;
+    let constant = constant_joints(&recordings);
     let faults: Vec<Fault> =
         recordings.iter().filter_map(|r| r.spoilt.as_ref()).flat_map(|s| s.faults.faults.clone()).collect();
     let as_recorded = question;
@@ -170,6 +206,12 @@ fn investigate_as_it_is(
     let question = &freed;
     let (shaking, gears_not_seen, before_gears) = (gears.gears.found, gears.gears.not_seen, gears.before);
     let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = gears.judged;
+    if let Some(k) = baseline.coefficients.iter().position(|c| !c.is_finite()) {
+        let figure = format!("coefficient {k} of the model in question");
+        return Err(DiagnosisError::NotFinite { figure });
+    }
+    let own_partition = partition(question, &own_rows);
+    let (own_rows, _) = FitRows::divide(own_rows, &own_partition);
     let inertial: Vec<(usize, f64)> =
         question.model.base().columns.iter().copied().zip(baseline.coefficients.iter().copied()).collect();
 
@@ -189,6 +231,7 @@ fn investigate_as_it_is(
                 .collect()
         })
         .collect();
+    let predicted = predicted::shares(question, &baseline, &own_rows, &own_partition);
     let fitted: Vec<usize> = (0..own_rows.len()).filter(|r| own_rows[*r].role != Role::Validation).collect();
     let context_rows: Vec<RecordingRows> = fitted.iter().map(|r| own_rows[*r].clone()).collect();
     let context_residual: Vec<Vec<Vec<f64>>> = fitted.iter().map(|r| residual[*r].clone()).collect();
@@ -220,6 +263,7 @@ fn investigate_as_it_is(
     }
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
+    let (mut rows, confirm) = FitRows::divide(rows, &partition);
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
     let mut floor = mean_floor(&rows, &partition, &floors);
@@ -232,17 +276,17 @@ fn investigate_as_it_is(
         floor: &floor,
     };
     let mut selected = parts.select(&rows, progress);
-    progress("looking for contacts");
-    let mut contacts = parts.contacts(&rows, &selected)?;
-    // A few periods of a ringing gear push like a hand.
-    let shortest_s =
-        shaking.iter().filter(|s| s.confirmed).map(|s| RINGS_PERIODS / s.frequency_hz).fold(0.0, f64::max);
-    contacts.retain(|c| c.window_s[1] - c.window_s[0] > shortest_s);
-    if !contacts.is_empty() {
-        for contact in &contacts {
-            leave_out(&mut rows[contact.recording], contact.window_s);
-        }
-        selected = parts.select(&rows, progress);
+    let mut contacts = Vec::new();
+    if !question.without.iter().any(|w| w == "external_contact") {
+        progress("looking for contacts");
+        // A few periods of a ringing gear push like a hand.
+        let shortest_s = shaking
+            .iter()
+            .filter(|s| s.confirmed)
+            .map(|s| RINGS_PERIODS / s.frequency_hz)
+            .fold(0.0, f64::max);
+        (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
+        contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
     }
     let Selected { problem, groups, free, selection, mean_independent_share, misfit, switches, coefficients } =
         selected;
@@ -252,6 +296,7 @@ fn investigate_as_it_is(
         model,
         baseline,
         rows,
+        confirm,
         partition,
         layout,
         problem,
@@ -272,6 +317,10 @@ fn investigate_as_it_is(
         before_gears,
         contacts,
         selection,
+        stability: Vec::new(),
+        indicated: Vec::new(),
+        constant,
+        predicted,
         untried,
         free,
         mean_independent_share,
@@ -281,166 +330,11 @@ fn investigate_as_it_is(
 /// Where a gear rings, contacts shorter than this many of its periods are its ringing.
 const RINGS_PERIODS: f64 = 6.0;
 
-/// A repair matters if it lowers the mean squared residual of some joint by this share.
-const REPAIRED: f64 = 0.1;
-
-/// Whether the model in question fits the repaired recordings better than the recordings as they were made.
-fn repair_helps(as_recorded: &Question<'_>, repaired: &Question<'_>) -> Result<bool, DiagnosisError> {
-    let (before, after) = (mean_squares(as_recorded)?, mean_squares(repaired)?);
-    Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))
-}
-
-/// Mean squared residual of each joint under the model in question, over what is not for validation.
-fn mean_squares(question: &Question<'_>) -> Result<Vec<f64>, DiagnosisError> {
-    let baseline = Baseline::new(question)?;
-    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-    let mut rows = evaluate_all(question, question.model, &fit)?;
-    prepare(question, &baseline, question.model, &mut rows);
-    let asked: Vec<&RecordingRows> = rows.iter().filter(|r| r.role != Role::Validation).collect();
-    let joints = question.model.joints();
-    Ok((0..joints)
-        .map(|j| {
-            let columns = question.model.row_columns(j);
-            let value = |c: &usize| if baseline.frozen { 0.0 } else { baseline.coefficients[*c] };
-            let (sum, count) = asked.iter().fold((0.0, 0.0), |(sum, count), r| {
-                let residual = r.joints[j].residual(columns.iter().map(value));
-                let power: f64 = residual.iter().map(|e| e * e).sum();
-                (sum + power, count + r.joints[j].counted(0, r.rows()))
-            });
-            sum / f64::max(count, 1.0)
-        })
-        .collect())
-}
-
-/// What selection works on, beside the rows.
-struct Parts<'a> {
-    question: &'a Question<'a>,
-    candidates: &'a [Candidate],
-    partition: &'a Partition,
-    layout: &'a Layout,
-    base: &'a [Switch],
-    floor: &'a [f64],
-}
-
-/// A selection and what it was made from.
-struct Selected {
-    problem: Problem,
-    groups: Vec<Group>,
-    free: Vec<[f64; 2]>,
-    selection: Selection,
-    switches: Vec<Switch>,
-    coefficients: Vec<f64>,
-    mean_independent_share: f64,
-    misfit: Vec<f64>,
-}
-
-impl Parts<'_> {
-    fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
-        let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
-        let (_, weights) = weighted_fit(&problem, self.base, self.floor);
-        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
-        progress("selecting");
-        let shares = |switches: &[Switch], coefficients: &[f64]| {
-            shares(rows, self.partition, self.layout, switches, coefficients)
-        };
-        let misfit = misfit(&problem, self.base, &weights, self.floor);
-        let mut select = |groups: &[Group]| {
-            let selector = Selector {
-                problem: &problem,
-                baseline: self.base,
-                groups,
-                floor: self.floor,
-                misfit: &misfit,
-                independent_share: &shares,
-                options: &self.question.selection,
-            };
-            let selection = search::registered::choose(&selector, groups, &mut *progress);
-            let switches = selector.final_switches(&selection);
-            let (fit, _) = weighted_fit(&problem, &switches, self.floor);
-            (selection, switches, fit.coefficients)
-        };
-        let (mut selection, mut switches, mut coefficients) = select(&groups);
-        if is_common_filter(&groups, &selection, &switches, &coefficients) {
-            groups.retain(|g| g.effect != "joint_elasticity");
-            (selection, switches, coefficients) = select(&groups);
-        }
-        let final_shares = shares(&switches, &coefficients);
-        let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
-        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
-    }
-
-    /// Contacts in the recordings that are not for validation, after all that was selected.
-    fn contacts(&self, rows: &[RecordingRows], selected: &Selected) -> Result<Vec<Contact>, DiagnosisError> {
-        let asked: Vec<usize> = (0..rows.len()).filter(|r| rows[*r].role != Role::Validation).collect();
-        let body = self.question.model.rigid_body();
-        let mut searched = Vec::new();
-        for r in &asked {
-            let left = residuals(&rows[*r], self.layout, &selected.switches, &selected.coefficients);
-            // What is held out takes no part here either.
-            let end = self.partition.fitted().filter(|p| p.0 == *r).map(|p| p.2).max().unwrap_or(0);
-            let excluded = |(k, counts): (usize, &bool)| !counts || k >= end;
-            let out: Vec<Vec<bool>> =
-                rows[*r].joints.iter().map(|j| j.counts.iter().enumerate().map(excluded).collect()).collect();
-            searched.push((left, out, force_columns(&**body, &rows[*r])?));
-        }
-        let views: Vec<ContactRows<'_>> = asked
-            .iter()
-            .zip(&searched)
-            .map(|(r, (residual, left_out, forces))| ContactRows {
-                rows: &rows[*r],
-                origin_s: self.question.recordings[*r].raw.time_s.first().copied().unwrap_or(0.0),
-                residual,
-                forces,
-                left_out,
-            })
-            .collect();
-        let mut found = find_contacts(&views, &ContactOptions::new(self.question.f_dyn_hz));
-        for contact in &mut found {
-            contact.recording = asked[contact.recording];
-        }
-        Ok(found)
-    }
-}
-
-/// Leaves out the rows of a window, s from the first row.
-fn leave_out(rows: &mut RecordingRows, window_s: [f64; 2]) {
-    let start = rows.time_s.first().copied().unwrap_or(0.0);
-    let window_s = window_s.map(|t| t + start);
-    let within: Vec<bool> = rows.time_s.iter().map(|t| (window_s[0]..=window_s[1]).contains(t)).collect();
-    for joint in &mut rows.joints {
-        for (counts, within) in joint.counts.iter_mut().zip(&within) {
-            *counts &= !within;
-        }
-        joint.silence();
-    }
-}
-
-/// Log of the ratio by which the baseline's cross-validated error on the calibration recordings exceeds the noise
-/// floor; zero where there are none.
-fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) -> Vec<f64> {
-    let errors = problem.held_out(&problem.nest(base, weights), &[]);
-    (0..problem.joints())
-        .map(|j| {
-            let rows = problem.rows(j, false) - problem.rows(j, true);
-            if rows < 1.0 {
-                0.0
-            } else {
-                (errors[0][j] / rows / floor[j].max(f64::MIN_POSITIVE)).ln().max(0.0)
-            }
-        })
-        .collect()
-}
-
-/// Mean noise floor over the fitted rows.
-fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
-    let joints = rows.first().map_or(0, |r| r.joints.len());
-    (0..joints)
-        .map(|j| {
-            let (sum, count) = partition.fitted().fold((0.0, 0.0), |(sum, count), (r, start, end)| {
-                let counted = rows[r].joints[j].counted(start, end);
-                (sum + floors[r][j] * counted, count + counted)
-            });
-            sum / f64::max(count, 1.0)
-        })
-        .collect()
+/// Joints whose measurement never changes: (recording, joint, value).
+fn constant_joints(recordings: &[QuestionedRecording]) -> Vec<(usize, usize, f64)> {
+    let of_recording = |(r, recording): (usize, &QuestionedRecording)| {
+        let spoilt = recording.spoilt.iter().flat_map(|s| s.constant.iter().enumerate());
+        spoilt.filter_map(move |(joint, value)| Some((r, joint, (*value)?))).collect::<Vec<_>>()
+    };
+    recordings.iter().enumerate().flat_map(of_recording).collect()
 }

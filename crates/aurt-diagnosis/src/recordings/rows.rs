@@ -119,11 +119,48 @@ pub struct JointRows {
 }
 
 impl RecordingRows {
-    /// Evaluates `model` over a recording's segments.
+    /// Evaluates `model` over a recording's segments. Rows of a joint that stands do not count.
     ///
     /// # Errors
     /// If a segment has no measurement, or a model fails.
     pub fn evaluate(
+        name: &str,
+        role: Role,
+        data: &Preprocessed,
+        model: &RobotModel,
+        load: &LoadTorque,
+        baseline: &Fit<'_>,
+    ) -> Result<Self, DiagnosisError> {
+        let mut rows = Self::evaluate_all(name, role, data, model, load, baseline)?;
+        let stands = rows.stands();
+        for (joint, stands) in rows.joints.iter_mut().zip(stands) {
+            joint.counts = stands.iter().map(|stands| !stands).collect();
+            joint.silence();
+        }
+        Ok(rows)
+    }
+
+    /// The same of the rows in which a joint stands: these count, and no others do.
+    ///
+    /// # Errors
+    /// If a segment has no measurement, or a model fails.
+    pub(crate) fn evaluate_standing(
+        name: &str,
+        role: Role,
+        data: &Preprocessed,
+        model: &RobotModel,
+        load: &LoadTorque,
+        baseline: &Fit<'_>,
+    ) -> Result<Self, DiagnosisError> {
+        let mut rows = Self::evaluate_all(name, role, data, model, load, baseline)?;
+        let stands = rows.stands();
+        for (joint, stands) in rows.joints.iter_mut().zip(stands) {
+            joint.counts = stands;
+        }
+        Ok(rows)
+    }
+
+    fn evaluate_all(
         name: &str,
         role: Role,
         data: &Preprocessed,
@@ -175,27 +212,26 @@ impl RecordingRows {
             }
             segment_starts.push(time_s.len());
         }
-        let mut rows = Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints };
-        rows.leave_out_standing();
-        Ok(rows)
+        Ok(Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints })
     }
 
-    /// Leaves out the rows of a joint that stays below the rest velocity for some time.
-    fn leave_out_standing(&mut self) {
+    /// Where each joint stays below the rest velocity for some time, `[joint][row]`.
+    fn stands(&self) -> Vec<Vec<bool>> {
         let shortest = (STANDING_S * self.rate_hz).ceil().max(2.0) as usize;
-        for joint in &mut self.joints {
+        let of_joint = |joint: &JointRows| {
             let slow: Vec<bool> = joint.velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
-            joint.counts = vec![true; slow.len()];
+            let mut stands = vec![false; slow.len()];
             let mut start = 0;
             while start < slow.len() {
                 let length = slow[start..].iter().take_while(|s| **s).count();
                 if length >= shortest {
-                    joint.counts[start..start + length].fill(false);
+                    stands[start..start + length].fill(true);
                 }
                 start += length.max(1);
             }
-            joint.silence();
-        }
+            stands
+        };
+        self.joints.iter().map(of_joint).collect()
     }
 
     /// Number of rows per joint.

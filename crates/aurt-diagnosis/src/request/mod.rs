@@ -1,5 +1,6 @@
 //! What a diagnosis is asked.
 
+pub(crate) mod length;
 mod paths;
 mod question;
 mod settings;

@@ -32,26 +32,41 @@ pub struct Spoilt {
     pub original: Recording,
     /// Its faults.
     pub faults: RecordingFaults,
+    /// The value of each joint's measurement that never changes: what was logged there is no measurement, and the joint's
+    /// rows do not count.
+    pub constant: Vec<Option<f64>>,
 }
 
 impl QuestionedRecording {
-    /// The recording with its faults found and repaired.
+    /// The recording with its faults found and repaired, but for those of effects that are left out (`without`).
     ///
     /// # Errors
-    /// What preprocessing the repaired recording reports.
-    pub(crate) fn repaired(&self) -> Result<Self, DiagnosisError> {
-        let faults = RecordingFaults::find(&self.data.name, &self.raw);
+    /// [`DiagnosisError::ConstantMeasurement`] where no joint's measurement ever changes; what preprocessing the repaired
+    /// recording reports.
+    pub(crate) fn repaired(&self, without: &[String]) -> Result<Self, DiagnosisError> {
+        let asked = |effect: &str| !without.iter().any(|w| w == effect);
+        let constant: Vec<Option<f64>> =
+            self.raw.measurement.iter().flatten().map(|series| constant(series)).collect();
+        if let Some(Some(value)) = constant.first()
+            && constant.iter().all(Option::is_some)
+        {
+            return Err(DiagnosisError::ConstantMeasurement {
+                recording: self.data.name.clone(),
+                first: *value,
+            });
+        }
+        let faults = RecordingFaults::find_asked(&self.data.name, &self.raw, asked);
         let mut repaired = self.clone();
         // A simulator's prediction belongs to the stamps as they are.
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
             repaired.data.data = preprocess(&raw, &self.options)?;
             repaired.raw = raw;
         }
-        repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults }));
+        repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant }));
         Ok(repaired)
     }
 
-    /// Leaves out the rows that a fault has touched.
+    /// Leaves out the rows that a fault has touched, and all of a joint whose measurement never changes.
     pub(crate) fn mask(&self, rows: &mut RecordingRows) {
         let (Some(spoilt), Some(segment)) = (&self.spoilt, self.data.data.segments.first()) else { return };
         let cutoff_hz = segment.parallel_filter.cutoff_hz();
@@ -62,7 +77,17 @@ impl QuestionedRecording {
             }
             joint.silence();
         }
+        for (joint, _) in rows.joints.iter_mut().zip(&spoilt.constant).filter(|(_, value)| value.is_some()) {
+            joint.counts.fill(false);
+            joint.silence();
+        }
     }
+}
+
+/// The value of a series that never changes.
+fn constant(series: &[f64]) -> Option<f64> {
+    let first = *series.first()?;
+    series.iter().all(|v| *v == first).then_some(first)
 }
 
 /// What a diagnosis is asked: a model, recordings, and what is taken as given.

@@ -8,10 +8,10 @@ use aurt_traits::MeasurementUnit;
 use super::against::OwnFreed;
 use super::claim::{Among, Found, JointRows};
 use super::gravity::GravityGradients;
-use crate::noise::inertia::InertiaColumns;
 use super::rows::Rows;
 use super::series::FullRate;
 use super::shape::Shape;
+use crate::noise::inertia::InertiaColumns;
 
 const RATE_HZ: f64 = 500.0;
 const SECONDS: f64 = 30.0;

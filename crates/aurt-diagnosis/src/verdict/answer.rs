@@ -1,14 +1,15 @@
-//! Which of the four answers a diagnosis gives.
+//! Which of the four answers a diagnosis gives, to each of its two questions.
 //!
 //! What was selected describes the data better than the model does; whether it *is* what is missing is another
-//! question. It is not where much of the mismatch stays, or where it takes more coincidences than happen at once.
+//! question. It is not where much of the mismatch stays, where data that took no part deny it, or where it takes more
+//! coincidences than happen at once.
 
-use crate::evidence::account::{Left, STRUCTURE, accounts_for};
+use crate::evidence::account::{Left, accounts_for};
+use crate::hypotheses::effects::Family;
 use crate::hypotheses::group::is_friction;
 use crate::investigation::Investigation;
-use crate::recordings::rows::Role;
-use crate::request::Question;
-use crate::verdict::{Answer, Finding, JointResidual};
+use crate::verdict::errors::Errors;
+use crate::verdict::{Answer, Finding, RegisteredFinding};
 
 /// More things than this do not change at once, each for itself. Friction does, from day to day.
 const MOST_CHANGES: usize = 3;
@@ -19,93 +20,80 @@ const MOST_CHANGED_JOINTS: usize = 2;
 /// So many contacts, beside changes that are not friction, are one thing that has no name.
 const MOST_CONTACTS: usize = 3;
 
-/// What was found, as far as the answer depends on it.
-pub(crate) struct Account<'a> {
-    /// Physics, the first label first.
-    pub(crate) physics: &'a [Finding],
-    /// What it leaves.
-    pub(crate) residual: &'a [JointResidual],
-    /// Whether contacts are named.
-    pub(crate) contacts: bool,
-    /// Whether impacts or ringing are named.
-    pub(crate) shaking: bool,
-    /// Whether faults of the recordings are named.
-    pub(crate) faults: bool,
-}
+/// A model that predicts less than this share of every joint's measurement has nothing to do with it.
+pub(crate) const UNRELATED: f64 = 0.1;
 
-impl Account<'_> {
-    /// The answer.
-    pub(crate) fn answer(&self, question: &Question<'_>, investigation: &Investigation) -> Answer {
-        if self.shaking {
-            return Answer::Named;
+/// The answer to what has changed (to all, where there is but one question), and to what is missing in all recordings.
+pub(crate) fn answers(
+    investigation: &Investigation,
+    effects: &[Finding],
+    registered: &[RegisteredFinding],
+    errors: &Errors,
+) -> (Answer, Option<Answer>) {
+    let in_all = |present_in: &[String]| present_in.len() > 1;
+    let word = |is_asked: &dyn Fn(&[String]) -> bool, question: &Asked<'_>| {
+        let named: Vec<&Finding> = effects.iter().filter(|f| is_asked(&f.present_in)).collect();
+        let nameless = registered.iter().any(|r| is_asked(&r.present_in));
+        word(investigation, &named, nameless, question)
+    };
+    match &errors.change {
+        Some(change) => {
+            let coincidence = coincidences(investigation);
+            let changed = Asked { fitted: &change.fitted, confirmed: &change.confirmed, coincidence };
+            let structure = &errors.structure;
+            let missing =
+                Asked { fitted: &structure.fitted, confirmed: &structure.confirmed, coincidence: false };
+            (word(&|p| !in_all(p), &changed), Some(word(&in_all, &missing)))
         }
-        if nameless(question, investigation) {
-            return Answer::Unexplained;
-        }
-        if self.contacts {
-            return if self.contacts_suffice(question, investigation) {
-                Answer::Named
-            } else {
-                Answer::Unexplained
+        None => {
+            let structure = &errors.structure;
+            let all = Asked {
+                fitted: &structure.fitted,
+                confirmed: &structure.confirmed,
+                coincidence: coincidences(investigation),
             };
+            (word(&|_| true, &all), None)
         }
-        let by_physics = self.by_physics(investigation);
-        if self.faults && (investigation.faults_matter || by_physics == Answer::NoMismatch) {
-            return Answer::Named;
-        }
-        by_physics
     }
+}
 
-    fn by_physics(&self, investigation: &Investigation) -> Answer {
-        let Some(first) = self.physics.first() else {
-            return if self.structure_left() { Answer::Unexplained } else { Answer::NoMismatch };
-        };
-        if !self.accounts() || coincidences(investigation) {
-            Answer::Unexplained
-        } else if first.alternatives.is_empty() {
+/// One question.
+struct Asked<'a> {
+    fitted: &'a [Left],
+    confirmed: &'a [Left],
+    coincidence: bool,
+}
+
+fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked: &Asked<'_>) -> Answer {
+    let (faults, physics): (Vec<&Finding>, Vec<&Finding>) = named.iter().partition(|f| f.family == Family::Q);
+    let by_physics = by_physics(&physics, asked);
+    match by_physics {
+        _ if !faults.is_empty() && (investigation.faults_matter || by_physics == Answer::NoMismatch) => {
             Answer::Named
-        } else {
-            Answer::Ambiguous
         }
-    }
-
-    fn structure_left(&self) -> bool {
-        self.residual.iter().any(|r| r.structure_left)
-    }
-
-    fn accounts(&self) -> bool {
-        accounts_for(&self.residual.iter().map(Left::from).collect::<Vec<_>>())
-    }
-
-    /// Whether contacts, and the physics beside them, are all there is. Outside its windows a contact leaves nothing,
-    /// beyond what the model in question leaves of recordings that have no contact.
-    fn contacts_suffice(&self, question: &Question<'_>, investigation: &Investigation) -> bool {
-        if coincidences(investigation) {
-            return false;
-        }
-        let in_targets = |c: &crate::contact::Contact| question.recordings[c.recording].role == Role::Target;
-        let reference = investigation.contacts.iter().all(in_targets);
-        let left = |(r, misfit): (&JointResidual, &f64)| {
-            let usual = if reference { (0.5 * misfit).exp() } else { 1.0 };
-            r.unexplained_rms > STRUCTURE * usual * r.floor_rms
-        };
-        !self.residual.iter().zip(&investigation.misfit).any(left)
-            || (!self.physics.is_empty() && self.accounts())
+        Answer::NoMismatch if nameless || is_unrelated(&investigation.predicted) => Answer::Unexplained,
+        answer => answer,
     }
 }
 
-impl From<&JointResidual> for Left {
-    fn from(residual: &JointResidual) -> Self {
-        Self { before: residual.baseline_rms, after: residual.unexplained_rms, floor: residual.floor_rms }
+fn by_physics(physics: &[&Finding], asked: &Asked<'_>) -> Answer {
+    let Some(first) = physics.first() else {
+        let left = asked.fitted.iter().any(Left::has_structure);
+        return if left { Answer::Unexplained } else { Answer::NoMismatch };
+    };
+    if asked.coincidence || !accounts_for(asked.fitted) || !accounts_for(asked.confirmed) {
+        Answer::Unexplained
+    } else if first.alternatives.is_empty() {
+        Answer::Named
+    } else {
+        Answer::Ambiguous
     }
 }
 
-/// Whether something was found whose name may not be used: structure that has no name.
-fn nameless(question: &Question<'_>, investigation: &Investigation) -> bool {
-    let barred = |effect: &str| question.without.iter().any(|w| w == effect);
-    investigation.shaking.iter().any(|s| s.confirmed && barred(s.effect))
-        || investigation.faults.iter().any(|f| f.suffices && barred(f.effect))
-        || !investigation.contacts.is_empty() && barred("external_contact")
+/// Whether the model in question predicts next to nothing of any joint.
+pub(crate) fn is_unrelated(predicted: &[Option<f64>]) -> bool {
+    let mut known = predicted.iter().flatten().peekable();
+    known.peek().is_some() && known.all(|share| *share < UNRELATED)
 }
 
 /// Whether more has changed from calibration to target than changes at once: several things that are not friction,
@@ -131,4 +119,16 @@ fn coincidences(investigation: &Investigation) -> bool {
     strange > MOST_CHANGES
         || strange > 0 && joints.len() > MOST_CHANGED_JOINTS
         || strange > 0 && investigation.contacts.len() >= MOST_CONTACTS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_predicts_nothing_anywhere_is_unrelated() {
+        assert!(is_unrelated(&[Some(0.01), Some(-0.3), None]));
+        assert!(!is_unrelated(&[Some(0.01), Some(0.8)]), "a wrist may be all noise");
+        assert!(!is_unrelated(&[None]), "nothing moved");
+    }
 }

@@ -2,18 +2,24 @@
 
 pub(crate) mod answer;
 pub(crate) mod confidence;
+mod contacts;
+mod errors;
+mod faults;
 pub(crate) mod findings;
+mod finite;
 pub(crate) mod localise;
 mod model;
+mod not_examined;
 pub(crate) mod registered;
+pub(crate) mod sentence;
 mod series;
 pub(crate) mod transmission;
 mod write;
 
 pub use confidence::Learnt;
 pub use model::{
-    Alternative, Answer, Evidence, Finding, HeldOut, JointResidual, NotDecidable, RegisteredFinding, Shift,
-    Verdict,
+    Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, NotDecidable, NotExamined,
+    RegisteredFinding, Shift, Verdict,
 };
 pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use write::verdict as write_verdict;

@@ -4,6 +4,7 @@ use aurt_traits::Slot;
 use serde::{Deserialize, Serialize};
 
 use crate::hypotheses::effects::{Family, ParameterValue};
+use crate::investigation::WORSE;
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,16 +23,26 @@ pub enum Answer {
 /// A diagnosis, as `verdict.json` carries it. Joints count from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// The answer.
+    /// The answer: where there are targets beside other recordings, of what has changed in them; else of what is missing.
     pub verdict: Answer,
-    /// The effects, strongest first.
+    /// Of what is missing in all recordings, where [`Self::verdict`] is about what has changed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Answer>,
+    /// The effects, strongest first. Each has passed every test and belongs to the answer of the recordings in which it is
+    /// present.
     pub effects: Vec<Finding>,
+    /// What describes these recordings and fails a test: it is not claimed, and not in the improved model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub indications: Vec<Indication>,
     /// Registered friction models that predict what no named effect does, strongest first. They have no word of the
     /// vocabulary: where they alone explain the mismatch, the answer is `unexplained`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub registered_models: Vec<RegisteredFinding>,
     /// Effects that these recordings can neither show nor exclude.
     pub not_decidable: Vec<NotDecidable>,
+    /// What could not be looked at in these recordings, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_examined: Vec<NotExamined>,
     /// What is left, joint by joint.
     pub residual: Vec<JointResidual>,
     /// Improvement on data that took no part.
@@ -66,8 +77,33 @@ pub struct Finding {
     pub alternatives: Vec<Alternative>,
     /// Why it was accepted.
     pub evidence: Evidence,
+    /// Share of the blocks of time on which it lowers the error of its joints, where it is part of the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<f64>,
     /// The effect in a sentence.
     pub sentence: String,
+}
+
+/// An effect that describes the recordings and is not claimed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Indication {
+    /// What it would be.
+    pub finding: Finding,
+    /// The tests that it fails.
+    pub fails: Vec<String>,
+}
+
+/// Something that could not be looked at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotExamined {
+    /// The recording it concerns, if it is one.
+    pub recording: Option<String>,
+    /// The joints that it concerns.
+    pub joints: Vec<usize>,
+    /// The effects that it concerns; empty where it is all of them.
+    pub effects: Vec<String>,
+    /// Why, in a sentence that names the recording and the joints.
+    pub reason: String,
 }
 
 /// A registered friction model that predicts what no named effect does.
@@ -162,10 +198,6 @@ pub struct HeldOut {
     /// What noise alone leaves.
     pub rms_floor: Vec<f64>,
 }
-
-/// A joint is predicted worse if its held-out error grows by this share; less is within what two stretches of time
-/// differ by.
-const WORSE: f64 = 0.05;
 
 impl HeldOut {
     /// Whether what was found makes a joint's error grow.

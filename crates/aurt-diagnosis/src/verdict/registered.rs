@@ -4,21 +4,17 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::evidence::problem::TotalFit;
 use crate::hypotheses::effects::ParameterValue;
-use crate::hypotheses::group::Switch;
-use crate::hypotheses::registered::REGISTERED;
-use crate::investigation::Investigation;
+use crate::investigation::{Fitted, Investigation};
 use crate::request::Question;
-use crate::verdict::findings::{fitted_coefficients, present_in};
+use crate::verdict::findings::present_in;
 use crate::verdict::{Evidence, RegisteredFinding};
 
 /// The registered models that selection took, strongest first.
 pub(crate) fn findings(
     question: &Question<'_>,
     investigation: &Investigation,
-    all: &[Switch],
-    fit: &TotalFit,
+    fitted: &Fitted,
 ) -> Vec<RegisteredFinding> {
     let mut found = Vec::new();
     for chosen in &investigation.selection.chosen {
@@ -30,7 +26,8 @@ pub(crate) fn findings(
             .map(|(name, value)| (name.clone(), ParameterValue { value: json!(value), std: Value::Null }))
             .collect();
         parameters.extend(
-            fitted_coefficients(investigation, candidate, group.target_only(), all, fit)
+            fitted
+                .columns(candidate, group.target_only())
                 .into_iter()
                 .map(|(name, value, std)| (name, ParameterValue { value: json!(value), std: json!(std) })),
         );
@@ -61,17 +58,4 @@ pub(crate) fn findings(
     }
     found.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
     found
-}
-
-/// The coefficients of the final model without those of registered models: what the vocabulary has named.
-pub(crate) fn names_only(investigation: &Investigation) -> Vec<Switch> {
-    let named = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
-    let named: Vec<&Switch> =
-        named.filter(|g| g.effect != REGISTERED).flat_map(|group| &group.switches).collect();
-    let base = investigation.base_switches.len();
-    let all = investigation.switches();
-    let kept = |k: usize, switch: &Switch| {
-        k < base || named.iter().any(|n| n.column == switch.column && n.target_only == switch.target_only)
-    };
-    all.into_iter().enumerate().filter(|(k, switch)| kept(*k, switch)).map(|(_, switch)| switch).collect()
 }

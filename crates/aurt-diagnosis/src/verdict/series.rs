@@ -60,19 +60,17 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
     // Before is before a delay was undone, too.
     let first = investigation.late.as_ref().map_or(investigation, |late| &late.before);
     let base = weighted_fit(&first.problem, &first.base_switches, &first.floor).0.coefficients;
-    investigation
-        .rows
-        .iter()
-        .enumerate()
-        .map(|(r, rows)| {
-            let same_rows = first.rows[r].rows() == rows.rows();
-            let before = if same_rows { &first.rows[r] } else { rows };
+    let whole = |of: &Investigation, r: usize| of.rows[r].followed_by(&of.confirm.to_judge()[r]);
+    (0..investigation.rows.len())
+        .map(|r| {
+            let rows = &whole(investigation, r);
+            let then = &whole(first, r);
+            let before = if then.rows() == rows.rows() { then } else { rows };
             let left =
                 |coefficients: &[f64]| residuals(before, &first.layout, &first.base_switches, coefficients);
             let (fitted, calibrated) = (left(&base), left(&first.baseline.coefficients));
             let after = residuals(rows, layout, &all, &full);
-            let held_out = investigation.partition.held_out.iter().find(|part| part.0 == r);
-            let held_out_from = held_out.map_or(rows.rows(), |part| part.1);
+            let held_out_from = investigation.rows[r].rows();
             let raw = &question.recordings[r].raw;
             let origin_s = raw.time_s.first().copied().unwrap_or(0.0);
             let measured = match &investigation.late {

@@ -11,7 +11,7 @@ use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::transmission::Shaking;
 use crate::verdict::confidence::confidence;
-use crate::verdict::{Evidence, Finding};
+use crate::verdict::{Evidence, Finding, Indication};
 
 /// Findings for gears that pass all tests.
 pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
@@ -20,12 +20,9 @@ pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investig
 }
 
 /// Gears that pass only part of the tests, each with those that it fails.
-pub(crate) fn shaking_indications(
-    question: &Question<'_>,
-    investigation: &Investigation,
-) -> Vec<(Finding, Vec<String>)> {
+pub(crate) fn shaking_indications(question: &Question<'_>, investigation: &Investigation) -> Vec<Indication> {
     let rest = investigation.shaking.iter().filter(|s| !s.confirmed);
-    rest.filter_map(|s| Some((finding(question, s)?, s.fails.clone()))).collect()
+    rest.filter_map(|s| Some(Indication { finding: finding(question, s)?, fails: s.fails.clone() })).collect()
 }
 
 fn finding(question: &Question<'_>, shaking: &Shaking) -> Option<Finding> {
@@ -71,6 +68,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Option<Finding> {
         parameters,
         alternatives: Vec::new(),
         evidence: Evidence { score: shaking.score, threshold: question.selection.score },
+        stability: None,
         sentence,
     })
 }

@@ -9,36 +9,36 @@ use crate::evidence::residuals::residuals;
 use crate::hypotheses::effects;
 use crate::hypotheses::effects::Presence;
 use crate::hypotheses::group::Switch;
-use crate::investigation::Investigation;
+use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
-use crate::request::{Question, QuestionedRecording};
-use crate::transmission::LEAST_RATE_HZ;
-use crate::verdict::answer::Account;
-use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, findings};
+use crate::request::Question;
+use crate::verdict::answer::answers;
+use crate::verdict::contacts::contact_findings;
+use crate::verdict::errors::Errors;
+use crate::verdict::faults::fault_findings;
+use crate::verdict::findings::{delay_finding, findings, indications};
+use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
-use crate::verdict::{
-    Answer, Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, registered,
-};
+use crate::verdict::{Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, registered};
 use aurt_traits::ColumnGroup;
 
 /// The verdict of an investigation.
 #[must_use]
 pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdict {
-    let chosen = &investigation.selection.chosen;
-    let all = investigation.switches();
-    let (fit, weights) = weighted_fit(&investigation.problem, &all, &investigation.floor);
+    let fitted = Fitted::new(investigation, investigation.switches());
+    let (all, fit) = (&fitted.switches, &fitted.fit);
     let baseline = (
         &investigation.base_switches,
         weighted_fit(&investigation.problem, &investigation.base_switches, &investigation.floor).0,
     );
-    let mut effects = findings(question, investigation, chosen, &all, &fit, &weights);
+    let mut effects = findings(question, investigation, &fitted);
     effects.extend(delay_finding(question, investigation));
     effects.sort_by(|a, b| {
         let changed = |f: &Finding| f.present_in.len() == 1 && f.present_in[0] == "target";
         changed(b).cmp(&changed(a)).then(b.evidence.score.total_cmp(&a.evidence.score))
     });
-    let mut residual = joint_residuals(investigation, &all, &fit, baseline.0, &baseline.1);
-    let mut held_out = held_out(investigation, &all, &fit);
+    let mut residual = joint_residuals(investigation, all, fit, baseline.0, &baseline.1);
+    let mut held_out = held_out(investigation, all, fit);
     if let Some(late) = &investigation.late {
         let before = &late.before;
         let own = &before.base_switches;
@@ -57,40 +57,30 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let faults = fault_findings(question, investigation);
     let touched = contact_findings(question, investigation);
     let shaking = shaking_findings(question, investigation);
-    let registered_models = registered::findings(question, investigation, &all, &fit);
-    // Registered models account for nothing that has a name.
-    let of_names = (!registered_models.is_empty()).then(|| {
-        let named = registered::names_only(investigation);
-        let fit = weighted_fit(&investigation.problem, &named, &investigation.floor).0;
-        let mut of_names = joint_residuals(investigation, &named, &fit, baseline.0, &baseline.1);
-        for (name, whole) in of_names.iter_mut().zip(&residual) {
-            name.baseline_rms = whole.baseline_rms;
-        }
-        of_names
-    });
-    let account = Account {
-        physics: &effects,
-        residual: of_names.as_ref().unwrap_or(&residual),
-        contacts: !touched.is_empty(),
-        shaking: !shaking.is_empty(),
-        faults: !faults.is_empty(),
-    };
-    let verdict = match account.answer(question, investigation) {
-        Answer::NoMismatch if !registered_models.is_empty() => Answer::Unexplained,
-        answer => answer,
-    };
+    let registered_models = registered::findings(question, investigation, &fitted);
+    // What shakes is no part of the model: its joints' rows say nothing of how much else accounts for.
+    let apart: Vec<usize> = shaking.iter().flat_map(|f| f.joints.iter().copied()).collect();
+    let targets = question.recordings.iter().any(|r| r.role == Role::Target);
+    let errors = Errors::new(investigation, targets, &apart);
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
     effects.splice(0..0, shaking.into_iter().chain(touched));
+    let (answer, structure) = answers(investigation, &effects, &registered_models, &errors);
     let mut verdict = Verdict {
-        verdict,
+        verdict: answer,
+        structure,
         effects,
+        indications: shaking_indications(question, investigation)
+            .into_iter()
+            .chain(indications(question, investigation))
+            .collect(),
         registered_models,
         not_decidable: not_decidable(question, investigation),
+        not_examined: not_examined(question, investigation),
         residual,
         held_out,
-        shifts: shifts(investigation, &all, &fit, &baseline.1),
+        shifts: shifts(investigation, &fitted, &baseline.1),
         notes: Vec::new(),
     };
     verdict.notes.extend(
@@ -102,9 +92,6 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     );
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());
-    for (finding, fails) in shaking_indications(question, investigation) {
-        verdict.notes.push(format!("an indication only: {}; {}", finding.sentence, fails.join("; ")));
-    }
     verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
@@ -115,13 +102,6 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
              together, and what has changed can hide in that; calibrate on motions of all joints"
                 .into(),
         );
-    }
-    let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
-    if question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow) {
-        verdict.notes.push(format!(
-            "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
-             {LEAST_RATE_HZ:.0} samples per second or more"
-        ));
     }
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
         verdict.notes.push(
@@ -208,9 +188,7 @@ fn joint_residuals(
     base: &[Switch],
     base_fit: &TotalFit,
 ) -> Vec<JointResidual> {
-    let fitted: Vec<usize> =
-        (0..investigation.rows.len()).filter(|r| investigation.rows[*r].role != Role::Validation).collect();
-    let rows: Vec<&RecordingRows> = fitted.iter().map(|r| &investigation.rows[*r]).collect();
+    let rows: Vec<&RecordingRows> = investigation.rows.iter().filter(|r| r.rows() > 0).collect();
     let layout = &investigation.layout;
     let after: Vec<Vec<Vec<f64>>> =
         rows.iter().map(|r| residuals(r, layout, all, &fit.coefficients)).collect();
@@ -268,16 +246,15 @@ fn held_out(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> He
     let own: Vec<Switch> = investigation.base_switches.clone();
     let (mut before, mut after, mut floor) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
     let mut counts = vec![0.0; joints];
-    for (r, start, end) in &investigation.partition.held_out {
-        let rows = &investigation.rows[*r];
+    for (r, rows) in investigation.confirm.to_judge().iter().enumerate().filter(|(_, r)| r.rows() > 0) {
         let base = residuals(rows, &investigation.layout, &own, &investigation.baseline.coefficients);
         let full = residuals(rows, &investigation.layout, all, &fit.coefficients);
         for j in 0..joints {
-            let sum = |series: &[f64]| series[*start..*end].iter().map(|v| v * v).sum::<f64>();
-            let counted = rows.joints[j].counted(*start, *end);
+            let sum = |series: &[f64]| series.iter().map(|v| v * v).sum::<f64>();
+            let counted = rows.joints[j].counted(0, rows.rows());
             before[j] += sum(&base[j]);
             after[j] += sum(&full[j]);
-            floor[j] += investigation.floors[*r][j] * counted;
+            floor[j] += investigation.floors[r][j] * counted;
             counts[j] += counted;
         }
     }
@@ -291,17 +268,17 @@ fn held_out(investigation: &Investigation, all: &[Switch], fit: &TotalFit) -> He
     }
 }
 
-/// Parameters of the baseline that moved most, in standard deviations.
-fn shifts(investigation: &Investigation, all: &[Switch], fit: &TotalFit, base: &TotalFit) -> Vec<Shift> {
+/// Parameters of the baseline that moved most, in standard deviations with the memory and the misfit of the residual.
+fn shifts(investigation: &Investigation, fitted: &Fitted, base: &TotalFit) -> Vec<Shift> {
     let mut shifts: Vec<Shift> = (0..investigation.base_switches.len())
-        .filter(|k| base.variance[*k].is_finite() && fit.variance[*k].is_finite())
+        .filter(|k| base.variance[*k].is_finite() && fitted.deviations[*k].is_finite())
         .map(|k| {
-            let std = fit.variance[k].sqrt().max(f64::MIN_POSITIVE);
+            let (before, after) = (base.coefficients[k], fitted.fit.coefficients[k]);
             Shift {
-                parameter: investigation.model.parameters()[all[k].column].name.clone(),
-                before: base.coefficients[k],
-                after: fit.coefficients[k],
-                in_std: (fit.coefficients[k] - base.coefficients[k]).abs() / std,
+                parameter: investigation.model.parameters()[fitted.switches[k].column].name.clone(),
+                before,
+                after,
+                in_std: (after - before).abs() / fitted.deviations[k].max(f64::MIN_POSITIVE),
             }
         })
         .filter(|s| s.in_std > 3.0)

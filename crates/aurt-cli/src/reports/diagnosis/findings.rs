@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{
     Diagnosed, capital,
-    words::{claim, groups, nothing, objection},
+    words::{claim, groups, indicated, nothing, objection},
 };
 use crate::{rendering::number::significant, reports::parts};
 
@@ -35,6 +35,16 @@ impl Diagnosed<'_> {
             open: true,
             blocks: registered_blocks(model),
         }));
+        if !self.verdict.indications.is_empty() {
+            blocks.push(Block::Text(
+                "Indications. These describe the recordings and fail a test; they are not claimed, and the improved model \
+                 does without them:"
+                    .into(),
+            ));
+            let lines =
+                self.verdict.indications.iter().map(|i| format!("{}.", capital(&indicated(i, self.asked))));
+            blocks.push(Block::List(lines.collect()));
+        }
         Section {
             title: "What was found".into(),
             introduction:
@@ -67,6 +77,9 @@ impl Diagnosed<'_> {
             finding.evidence.score,
             finding.evidence.threshold
         )];
+        if let Some(share) = finding.stability {
+            facts.push(format!("lowers the error on {:.0} % of the blocks of time", 100.0 * share));
+        }
         if let Some([from, to]) = finding.window_s {
             let recording = finding.recording.as_deref().unwrap_or("the recording");
             facts.push(format!("from {from:.2} s to {to:.2} s of {recording}"));

@@ -79,7 +79,9 @@ impl Diagnosed<'_> {
 
     /// Whether there is anything to add to the model.
     const fn found(&self) -> bool {
-        !self.verdict.effects.is_empty() || !self.verdict.registered_models.is_empty()
+        !self.verdict.effects.is_empty()
+            || !self.verdict.registered_models.is_empty()
+            || !self.verdict.indications.is_empty()
     }
 
     fn answer(&self) -> Verdict {
@@ -268,6 +270,11 @@ impl Diagnosed<'_> {
                 ]);
             }
             blocks.push(Block::Table(table));
+        }
+        if !self.verdict.not_examined.is_empty() {
+            blocks.push(Block::Text("Not examined:".into()));
+            let reasons = self.verdict.not_examined.iter().map(|n| format!("{}.", capital(&n.reason)));
+            blocks.push(Block::List(reasons.collect()));
         }
         let notes = self.verdict.notes.iter().filter(|n| !n.starts_with("WARNING"));
         let notes: Vec<String> = notes.map(|n| format!("{}.", capital(n))).collect();

@@ -1,6 +1,9 @@
 //! What a verdict says, in the order in which a person asks: has something changed, what is missing, does it hold.
 
-use aurt_diagnosis::{Answer, Finding, JointResidual, Question, Role, Verdict, effects::Family};
+use aurt_diagnosis::{
+    Answer, Finding, Indication, JointResidual, Question, Role, Verdict,
+    effects::{self, Family},
+};
 
 use crate::{rendering::number::significant, reports::parts};
 
@@ -104,42 +107,114 @@ pub fn claim(finding: &Finding, asked: Asked) -> String {
 
 /// The answer in words.
 pub fn headline(verdict: &Verdict, asked: Asked) -> String {
-    let has = |wanted: Place| verdict.effects.iter().any(|f| place(f, asked) == wanted);
-    let first = verdict.effects.first().map(|f| place(f, asked));
-    let words = match (asked, verdict.verdict) {
-        (Asked::Change, Answer::NoMismatch) => {
-            "nothing has changed, and nothing is missing: what is left is noise"
-        }
-        (_, Answer::NoMismatch) => "nothing is missing: what is left is noise",
-        (Asked::Change, Answer::Named) if has(Place::Changed) => "what has changed in the target has a name",
-        (Asked::Change, Answer::Named) if has(Place::Missing) => {
-            "nothing has changed; what the model lacks in all recordings has a name"
-        }
-        (Asked::Change, Answer::Named) if has(Place::Before) => {
-            "what differs is in the calibration recordings, and has a name"
-        }
-        (_, Answer::Named) if first == Some(Place::Fault) => {
-            "a fault of the recordings accounts for what differs"
-        }
-        (_, Answer::Named) => "the missing physics has a name",
-        (Asked::Change, Answer::Ambiguous) if has(Place::Changed) => {
-            "what has changed is one of a class of effects that these recordings cannot separate"
-        }
-        (Asked::Change, Answer::Ambiguous) => {
-            "nothing has changed; what the model lacks in all recordings is one of a class of effects that these \
-             recordings cannot separate"
-        }
-        (_, Answer::Ambiguous) => "one of a class of effects that these recordings cannot separate",
-        (Asked::Change, Answer::Unexplained) if has(Place::Changed) => {
-            "something has changed in the target, and no known effect accounts for all of it"
-        }
-        (_, Answer::Unexplained) => "something is missing that no known effect accounts for",
+    let mut words = match asked {
+        Asked::Change => changed(verdict, asked),
+        Asked::Lack | Asked::Beyond => missing(verdict, asked),
     };
-    let mut words = words.to_owned();
     if fails_on_held_out(verdict, asked) {
         words.push_str(" – but held-out data are predicted worse with it");
     }
     words
+}
+
+/// What has changed; and, where nothing has, what is missing in all recordings.
+fn changed(verdict: &Verdict, asked: Asked) -> String {
+    let differs = |f: &Finding| matches!(place(f, asked), Place::Changed | Place::Before);
+    let [changes, faults] = [brief(verdict, differs), brief(verdict, |f| place(f, asked) == Place::Fault)];
+    let only_before = changes.is_some() && !verdict.effects.iter().any(|f| place(f, asked) == Place::Changed);
+    match (verdict.verdict, changes) {
+        (Answer::NoMismatch, _) => match verdict.structure {
+            None | Some(Answer::NoMismatch) => {
+                "nothing has changed, and nothing is missing: what is left is noise".to_owned()
+            }
+            Some(Answer::Named) if faults.is_some() && !has_physics(verdict) => {
+                "nothing has changed; a fault of the recordings accounts for what is left".to_owned()
+            }
+            Some(Answer::Named) => {
+                "nothing has changed; what the model lacks in all recordings has a name".to_owned()
+            }
+            Some(Answer::Ambiguous) => {
+                "nothing has changed; what the model lacks in all recordings is one of a class of effects that these \
+                 recordings cannot separate"
+                    .to_owned()
+            }
+            Some(Answer::Unexplained) => {
+                "nothing has changed; what the model lacks in all recordings has no name that accounts for it"
+                    .to_owned()
+            }
+        },
+        (Answer::Named, Some(changes)) if only_before => {
+            format!("in the calibration recordings and not in the target: {changes}")
+        }
+        (Answer::Named, Some(changes)) => format!("changed since calibration: {changes}"),
+        (Answer::Named, None) => match faults {
+            Some(fault) => format!("a fault of the recordings accounts for what differs: {fault}"),
+            None => "the difference has a name".to_owned(),
+        },
+        (Answer::Ambiguous, changes) => {
+            format!("changed since calibration: {}, or another of a class that these recordings cannot separate",
+                changes.unwrap_or_else(|| "something".to_owned()))
+        }
+        (Answer::Unexplained, Some(changes)) => {
+            format!("something has changed that no known effect accounts for; part of it looks like {changes}")
+        }
+        (Answer::Unexplained, None) => {
+            "something has changed in the target, and no known effect accounts for it".to_owned()
+        }
+    }
+}
+
+/// What a model lacks, where that is the only question.
+fn missing(verdict: &Verdict, asked: Asked) -> String {
+    let found = brief(verdict, |f| place(f, asked) != Place::Fault);
+    match (verdict.verdict, found) {
+        (Answer::NoMismatch, _) => "nothing is missing: what is left is noise".to_owned(),
+        (Answer::Named, None) => "a fault of the recordings accounts for what differs".to_owned(),
+        (Answer::Named, Some(found)) => format!("the model lacks {found}"),
+        (Answer::Ambiguous, found) => format!(
+            "the model lacks {}, or another of a class of effects that these recordings cannot separate",
+            found.unwrap_or_else(|| "something".to_owned())
+        ),
+        (Answer::Unexplained, Some(found)) => {
+            format!(
+                "the model lacks something that no known effect accounts for; part of it looks like {found}"
+            )
+        }
+        (Answer::Unexplained, None) => {
+            "the model lacks something that no known effect accounts for".to_owned()
+        }
+    }
+}
+
+fn has_physics(verdict: &Verdict) -> bool {
+    verdict.effects.iter().any(|f| f.family != Family::Q)
+}
+
+/// The first of some findings in a few words, and how many more there are.
+fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> {
+    let mut found = verdict.effects.iter().filter(|f| which(f));
+    let first = found.next()?;
+    let effect = effects::find(&first.effect);
+    let named = effect.and_then(|e| e.phrase(&first.parameters)).unwrap_or_else(|| {
+        let title = effect.map_or(first.effect.as_str(), |e| e.title());
+        let title = title.split(" (").next().unwrap_or(title);
+        let joints: Vec<String> = first.joints.iter().map(ToString::to_string).collect();
+        match (effect.is_some_and(|e| e.whole_arm()) || first.family == Family::Q, joints.len()) {
+            (true, _) => title.to_owned(),
+            (false, 1) => format!("{title} on joint {}", joints[0]),
+            (false, _) => format!("{title} on joints {}", parts::listed(&joints)),
+        }
+    });
+    Some(match found.count() {
+        0 => named,
+        1 => format!("{named}, and one more effect"),
+        more => format!("{named}, and {more} more effects"),
+    })
+}
+
+/// An indication in a line: what it would be, and what it fails.
+pub fn indicated(indication: &Indication, asked: Asked) -> String {
+    format!("{}: not claimed, since {}", claim(&indication.finding, asked), indication.fails.join("; "))
 }
 
 /// What is left of a joint's residual, in a few words: the coordinate that it follows, or how far it is from noise.
@@ -198,7 +273,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
 
 #[cfg(test)]
 mod tests {
-    use aurt_diagnosis::{Evidence, HeldOut};
+    use aurt_diagnosis::{Evidence, HeldOut, effects::ParameterValue};
 
     use super::*;
 
@@ -215,6 +290,7 @@ mod tests {
             parameters: std::collections::BTreeMap::new(),
             alternatives: Vec::new(),
             evidence: Evidence { score: 50.0, threshold: 8.0 },
+            stability: None,
             sentence: format!("{effect}{only} (k = 1)"),
         }
     }
@@ -222,7 +298,10 @@ mod tests {
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
             verdict: answer,
+            structure: None,
             effects,
+            indications: Vec::new(),
+            not_examined: Vec::new(),
             not_decidable: Vec::new(),
             residual: Vec::new(),
             held_out: HeldOut {
@@ -240,13 +319,15 @@ mod tests {
     #[test]
     fn an_unchanged_target_is_said_to_be_unchanged_whatever_the_structure_lacks() {
         let lacking = finding("stribeck", Family::F, &[1], &["calibration", "target"]);
-        let found = verdict(Answer::Named, vec![lacking], &[1.0, 1.0], &[1.0, 0.5]);
+        let mut found = verdict(Answer::NoMismatch, vec![lacking], &[1.0, 1.0], &[1.0, 0.5]);
+        found.structure = Some(Answer::Named);
         assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
         let groups = groups(&found, Asked::Change);
         let seen: Vec<(&str, usize)> = groups.iter().map(|g| (g.title, g.findings.len())).collect();
         assert_eq!(seen, [("changed in the target", 0), ("missing in all recordings", 1)]);
         // Without a target there is nothing that could have changed.
-        assert_eq!(headline(&found, Asked::Lack), "the missing physics has a name");
+        found.verdict = Answer::Named;
+        assert_eq!(headline(&found, Asked::Lack), "the model lacks Stribeck friction on joint 1");
         let alone = super::groups(&found, Asked::Lack);
         assert_eq!((alone.len(), alone[0].title), (1, ""));
     }
@@ -262,7 +343,13 @@ mod tests {
         let groups = groups(&found, Asked::Change);
         let seen: Vec<(Place, usize)> = groups.iter().map(|g| (g.place, g.findings[0].0)).collect();
         assert_eq!(seen, [(Place::Changed, 2), (Place::Missing, 3), (Place::Fault, 1)]);
-        assert_eq!(headline(&found, Asked::Change), "what has changed in the target has a name");
+        assert_eq!(headline(&found, Asked::Change), "changed since calibration: a load attached to a link");
+        let mut removed = found.clone();
+        let number = |value: f64| ParameterValue { value: value.into(), std: serde_json::Value::Null };
+        removed.effects[1].parameters.insert("mass_kg".into(), number(-2.764));
+        removed.effects[1].parameters.insert("link".into(), number(5.0));
+        let said = "changed since calibration: a load of 2.764 kg removed from link 5";
+        assert_eq!(headline(&removed, Asked::Change), said);
         assert_eq!(claim(groups[0].findings[0].1, Asked::Change), "payload (k = 1)");
         let nothing = verdict(Answer::NoMismatch, Vec::new(), &[1.0], &[1.0]);
         assert!(headline(&nothing, Asked::Change).starts_with("nothing has changed"));

@@ -58,6 +58,12 @@ impl Effect for BaseTilt {
         true
     }
 
+    /// The columns beside roll and pitch are of a vertical first axis, which a tilt alone loads; without roll and pitch
+    /// they are no tilt.
+    fn is_essential(&self, coefficient: usize) -> bool {
+        coefficient < 2
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
         vec![Proposal {

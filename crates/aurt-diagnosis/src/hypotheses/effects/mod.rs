@@ -184,6 +184,41 @@ pub trait Effect: Sync {
         let _ = own;
         self.parameters(proposal, fitted)
     }
+
+    /// The effect with its first parameters as a phrase, where its title and a list of parameters say it badly.
+    fn phrase(&self, parameters: &BTreeMap<String, ParameterValue>) -> Option<String> {
+        let _ = parameters;
+        None
+    }
+
+    /// Why no machine has these parameters; `None` where they are possible, or within two standard deviations of what
+    /// is. `reach_m` is the longest lever of the arm that the recordings show.
+    fn impossible(&self, parameters: &Parameters, reach_m: f64) -> Option<String> {
+        let _ = reach_m;
+        NEVER_NEGATIVE.iter().find_map(|name| negative(parameters, name))
+    }
+}
+
+/// Parameters of friction and inertia that take energy from the arm, or store it: a negative one would drive it.
+const NEVER_NEGATIVE: [&str; 11] = [
+    "coulomb_nm",
+    "coulomb_neg_nm",
+    "coulomb_pos_nm",
+    "inertia_kg_m2",
+    "new_coulomb_nm",
+    "new_viscous_nm_s",
+    "static_nm",
+    "stiffness_nm_rad",
+    "viscous_neg_nm_s",
+    "viscous_nm_s",
+    "viscous_pos_nm_s",
+];
+
+/// A parameter that is negative by more than two standard deviations, in words.
+fn negative(parameters: &Parameters, name: &str) -> Option<String> {
+    let (value, std) = parameters.get(name)?;
+    let (value, std) = (value.as_f64()?, std.as_f64().unwrap_or(0.0));
+    (value + 2.0 * std < 0.0).then(|| format!("{name} is {value:.3} ± {std:.3}, and cannot be negative"))
 }
 
 /// All effects, by family and identifier.

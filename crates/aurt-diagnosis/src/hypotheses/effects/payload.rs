@@ -32,9 +32,12 @@
 
 use std::collections::BTreeMap;
 
+use aurt_calibration::with_deviation;
 use serde_json::json;
 
-use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal};
+use super::{
+    Addition, Context, Effect, Family, FittedColumn, ParameterValue, Parameters, Presence, Proposal,
+};
 
 pub(super) struct Payload;
 
@@ -98,5 +101,34 @@ impl Effect for Payload {
             parameters.insert("inertia_kg_m2".to_owned(), inertia);
         }
         parameters
+    }
+
+    fn phrase(&self, parameters: &BTreeMap<String, ParameterValue>) -> Option<String> {
+        let number = |name: &str| parameters.get(name)?.value.as_f64();
+        let (mass_kg, link) = (number("mass_kg")?, number("link")?);
+        let mass = match parameters.get("mass_kg")?.std.as_f64() {
+            Some(std) => with_deviation(mass_kg.abs(), std),
+            None => format!("{:.3}", mass_kg.abs()),
+        };
+        Some(if mass_kg < 0.0 {
+            format!("a load of {mass} kg removed from link {link}")
+        } else {
+            format!("a payload of {mass} kg on link {link}")
+        })
+    }
+
+    /// A load hangs within reach of the arm.
+    fn impossible(&self, parameters: &Parameters, reach_m: f64) -> Option<String> {
+        let (centre, deviation) = parameters.get("com_m")?;
+        let length = |of: &serde_json::Value| -> Option<f64> {
+            let squares = of.as_array()?.iter().map(|v| v.as_f64().map(|v| v * v));
+            squares.sum::<Option<f64>>().map(f64::sqrt)
+        };
+        let (distance_m, std_m) = (length(centre)?, length(deviation).unwrap_or(0.0));
+        (distance_m - 2.0 * std_m > reach_m).then(|| {
+            format!(
+                "the centre of mass is {distance_m:.2} ± {std_m:.2} m from the link's frame, and the arm reaches {reach_m:.2} m"
+            )
+        })
     }
 }

@@ -89,6 +89,14 @@ impl Effect for TemperatureDependentFriction {
         }
         parameters
     }
+
+    /// Friction that falls by all of itself in an e-fold would drive the joint.
+    fn impossible(&self, parameters: &Parameters, _reach_m: f64) -> Option<String> {
+        let (rate, std) = parameters.get("rate_per_efold")?;
+        let (rate, std) = (rate.as_f64()?, std.as_f64().unwrap_or(0.0));
+        (rate + 2.0 * std < -1.0)
+            .then(|| format!("rate_per_efold is {rate:.2} ± {std:.2}: no friction would be left"))
+    }
 }
 
 /// Root mean square speed of a joint over all recordings.

@@ -67,4 +67,10 @@ impl Effect for TorqueConstant {
         }
         parameters
     }
+
+    /// A drive with a gain error of −1 has no torque, with a lower one it pushes the other way.
+    fn impossible(&self, parameters: &Parameters, _reach_m: f64) -> Option<String> {
+        let error = parameters.get("gain_error")?.0.as_f64()?;
+        (error <= -1.0).then(|| format!("gain_error is {error:.2}: the drive would push the other way"))
+    }
 }

@@ -69,8 +69,23 @@ impl RecordingFaults {
     /// nothing is found.
     #[must_use]
     pub fn find(name: &str, recording: &Recording) -> Self {
-        let found = rows::find(name, recording);
-        let (mut faults, clipped) = saturation::find(name, recording, &found.spoilt);
+        Self::find_asked(name, recording, |_| true)
+    }
+
+    /// The same with those detectors alone whose effect is asked for: the others do not run, repair nothing and mask
+    /// nothing.
+    #[must_use]
+    pub fn find_asked(name: &str, recording: &Recording, asked: impl Fn(&str) -> bool) -> Self {
+        let found = if asked("dropped_samples") {
+            rows::find(name, recording)
+        } else {
+            rows::RowFaults { fault: None, spoilt: vec![false; recording.samples()], gaps_s: Vec::new() }
+        };
+        let (mut faults, clipped) = if asked("saturation") {
+            saturation::find(name, recording, &found.spoilt)
+        } else {
+            (Vec::new(), vec![vec![false; recording.samples()]; recording.joints()])
+        };
         faults.extend(found.fault);
         faults.sort_by(|a, b| a.log10_probability.total_cmp(&b.log10_probability));
         Self { faults, clipped, spoilt: found.spoilt, gaps_s: found.gaps_s }

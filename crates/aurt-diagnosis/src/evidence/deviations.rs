@@ -1,0 +1,69 @@
+//! How far coefficients may be off: memory and misfit of the residual, and not white noise alone.
+
+use crate::evidence::linear::solve_signed;
+use crate::evidence::problem::{Problem, TotalFit};
+use crate::hypotheses::group::Switch;
+
+/// Fits of everything but one block of time, block by block.
+#[derive(Debug)]
+pub(crate) struct Resampled {
+    coefficients: Vec<Vec<f64>>,
+}
+
+impl Resampled {
+    /// Fits switches to all blocks but one, for every block that has rows.
+    pub(crate) fn new(problem: &Problem, switches: &[Switch], weights: &[f64]) -> Self {
+        let nonnegative: Vec<bool> = switches.iter().map(|s| s.nonnegative).collect();
+        let coefficients = (0..problem.blocks())
+            .filter_map(|block| {
+                let (rest, left_out) = problem.fold(block);
+                let rows: f64 = left_out.iter().flatten().map(|m| m.rows).sum();
+                (rows > 0.0).then(|| {
+                    let matrix = problem.cross(rest, switches, switches, weights);
+                    solve_signed(&matrix, &problem.right(rest, switches, weights), &nonnegative)
+                })
+            })
+            .collect();
+        Self { coefficients }
+    }
+
+    /// Jackknife standard deviation of a function of the coefficients: √((B − 1)/B Σ_b (f_b − f̄)²) over the B fits.
+    pub(crate) fn std(&self, of: impl Fn(&[f64]) -> f64) -> f64 {
+        let values: Vec<f64> = self.coefficients.iter().map(|c| of(c)).collect();
+        let count = values.len() as f64;
+        if values.len() < 2 {
+            return f64::INFINITY;
+        }
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        ((count - 1.0) / count * squares).sqrt()
+    }
+
+    /// Standard deviation of every coefficient: the larger of what residuals with a memory give (`independent_share` of
+    /// the rows are independent) and of the jackknife, which sees that a wrong model errs differently at other times.
+    pub(crate) fn deviations(&self, fit: &TotalFit, independent_share: f64) -> Vec<f64> {
+        let correlated = 1.0 / independent_share.max(0.01);
+        fit.variance
+            .iter()
+            .enumerate()
+            .map(|(k, variance)| (variance * correlated).sqrt().max(self.std(|c| c[k])))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_standard_error() {
+        // Means of 1, 2, 3, 6 without one of them.
+        let values = [1.0, 2.0, 3.0, 6.0];
+        let sum: f64 = values.iter().sum();
+        let resampled = Resampled { coefficients: values.iter().map(|v| vec![(sum - v) / 3.0]).collect() };
+        let variance = values.iter().map(|v| (v - 3.0_f64).powi(2)).sum::<f64>() / 3.0;
+        assert!((resampled.std(|c| c[0]) - (variance / 4.0).sqrt()).abs() < 1e-12);
+        let alone = Resampled { coefficients: vec![vec![1.0]] };
+        assert!(alone.std(|c| c[0]).is_infinite());
+    }
+}

@@ -1,0 +1,182 @@
+//! Contacts, while the arm moves and while it stands.
+
+use crate::contact::{
+    Contact, ContactOptions, ContactRows, StandingRows, find_contacts, find_standing_contacts, force_columns,
+};
+use crate::error::DiagnosisError;
+use crate::evidence::baseline::{Baseline, extended_load};
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::effects::{self, Family, OwnFriction};
+use crate::hypotheses::group::Switch;
+use crate::investigation::selecting::{Parts, Selected};
+use crate::recordings::divided::FitRows;
+use crate::recordings::rows::{Fit, RecordingRows, Role};
+use aurt_traits::{ColumnGroup, RobotModel};
+
+impl Parts<'_> {
+    /// Contacts of at least `shortest_s`, and what is selected without their windows, which are left out of `rows`. A
+    /// contact has to be found again beside that: physics that the window had hidden may explain it.
+    pub(super) fn with_contacts(
+        &self,
+        rows: &mut FitRows,
+        selected: Selected,
+        shortest_s: f64,
+        progress: &mut impl FnMut(&str),
+    ) -> Result<(Vec<Contact>, Selected), DiagnosisError> {
+        let lasts = |c: &Contact| c.window_s[1] - c.window_s[0] > shortest_s;
+        let mut found = self.contacts(rows, &selected)?;
+        found.retain(lasts);
+        if found.is_empty() {
+            return Ok((found, selected));
+        }
+        let untouched = rows.clone();
+        self.leave_out(rows, &found);
+        let after = self.select(rows, progress);
+        let mut again = self.contacts(&untouched, &after)?;
+        again.retain(lasts);
+        again.retain(|c| found.iter().any(|f| meet(f, c)));
+        if again.len() == found.len() {
+            return Ok((found, after));
+        }
+        *rows = untouched;
+        found.retain(|f| again.iter().any(|c| meet(f, c)));
+        self.leave_out(rows, &found);
+        let selected = self.select(rows, progress);
+        Ok((found, selected))
+    }
+
+    fn leave_out(&self, rows: &mut FitRows, contacts: &[Contact]) {
+        for contact in contacts {
+            let origin_s = self.origin_s(contact.recording);
+            rows[contact.recording].leave_out(contact.window_s.map(|t| t + origin_s));
+        }
+    }
+
+    /// Contacts in the recordings that are not for validation, while the arm moves, after all that was selected.
+    pub(super) fn contacts(
+        &self,
+        rows: &[RecordingRows],
+        selected: &Selected,
+    ) -> Result<Vec<Contact>, DiagnosisError> {
+        let asked: Vec<usize> = (0..rows.len()).filter(|r| rows[*r].rows() > 0).collect();
+        let body = self.question.model.rigid_body();
+        let mut searched = Vec::new();
+        for r in &asked {
+            let left = residuals(&rows[*r], self.layout, &selected.switches, &selected.coefficients);
+            let out: Vec<Vec<bool>> =
+                rows[*r].joints.iter().map(|j| j.counts.iter().map(|counts| !counts).collect()).collect();
+            searched.push((left, out, force_columns(&**body, &rows[*r])?));
+        }
+        let views: Vec<ContactRows<'_>> = asked
+            .iter()
+            .zip(&searched)
+            .map(|(r, (residual, left_out, forces))| ContactRows {
+                rows: &rows[*r],
+                origin_s: self.origin_s(*r),
+                residual,
+                forces,
+                left_out,
+            })
+            .collect();
+        let mut found = find_contacts(&views, &ContactOptions::new(self.question.f_dyn_hz));
+        for contact in &mut found {
+            contact.recording = asked[contact.recording];
+        }
+        Ok(found)
+    }
+
+    /// Contacts while the arm stands: what its friction cannot hold against the rigid bodies' torque.
+    pub(super) fn standing_contacts(
+        &self,
+        model: &RobotModel,
+        baseline: &Baseline,
+        selected: &Selected,
+    ) -> Result<Vec<Contact>, DiagnosisError> {
+        let mut found = Vec::new();
+        let fit = selected.problem.fit(&selected.switches, &vec![1.0; selected.problem.joints()]);
+        let left_rms: Vec<f64> = (0..selected.problem.joints())
+            .map(|j| {
+                let squares = fit.squared_errors[0][j] + fit.squared_errors[1][j];
+                (squares / selected.problem.rows(j, false).max(1.0)).max(self.floor[j]).sqrt()
+            })
+            .collect();
+        let load = extended_load(baseline, self.question.model, model);
+        let own =
+            Fit { model: self.question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+        // Friction of the fit, or of the given model where that was not fitted.
+        let mut coefficients = baseline.coefficients.clone();
+        for (switch, value) in selected.switches.iter().zip(&selected.coefficients) {
+            if switch.column < coefficients.len() && !switch.target_only && !baseline.frozen {
+                coefficients[switch.column] = *value;
+            }
+        }
+        for (r, recording) in self.question.recordings.iter().enumerate() {
+            let (name, data) = (&recording.data.name, &recording.data.data);
+            if recording.role == Role::Validation || recording.simulated.is_some() {
+                continue;
+            }
+            let rows = RecordingRows::evaluate_standing(name, recording.role, data, model, &load, &own)?;
+            let end = self.partition.end_of_fit[r];
+            let rows = rows.part(0..end.min(rows.rows()));
+            let stands = |k: usize| rows.joints.iter().all(|j| j.counts[k]);
+            if !(0..rows.rows()).any(stands) {
+                continue;
+            }
+            let at_rest = self.at_rest(model, selected, &coefficients, recording.role);
+            let residual: Vec<Vec<f64>> = (0..rows.joints.len())
+                .map(|j| {
+                    let columns = self.layout.rows[j].iter();
+                    rows.joints[j].residual(columns.map(|c| at_rest.get(*c).copied().unwrap_or(0.0)))
+                })
+                .collect();
+            let friction_nm: Vec<f64> = (0..rows.joints.len())
+                .map(|j| OwnFriction::of(self.question.model, j, &coefficients).coulomb_nm.max(0.0))
+                .collect();
+            let forces = force_columns(&**self.question.model.rigid_body(), &rows)?;
+            let view = StandingRows {
+                rows: &rows,
+                origin_s: self.origin_s(r),
+                residual: &residual,
+                forces: &forces,
+                friction_nm: &friction_nm,
+                left_rms: &left_rms,
+                margin_s: 0.5 / self.question.f_dyn_hz,
+            };
+            found.extend(
+                find_standing_contacts(&view).into_iter().map(|contact| Contact { recording: r, ..contact }),
+            );
+        }
+        Ok(found)
+    }
+
+    /// Coefficients of the torque of an arm that stands: rigid bodies, loads, springs and offsets, no friction.
+    fn at_rest(&self, model: &RobotModel, selected: &Selected, baseline: &[f64], role: Role) -> Vec<f64> {
+        let mut at_rest = vec![0.0; self.layout.coefficients];
+        let rigid = model.group(ColumnGroup::RigidBody);
+        for column in rigid.clone().filter(|c| *c < baseline.len()) {
+            at_rest[column] = baseline[column];
+        }
+        let still = |switch: &&Switch| {
+            let mut groups = selected.selection.chosen.iter().map(|c| &selected.groups[c.group]);
+            groups.any(|g| {
+                let family = effects::find(g.effect).map(|e| e.family());
+                matches!(family, Some(Family::I | Family::P)) && g.switches.contains(switch)
+            })
+        };
+        for (switch, value) in selected.switches.iter().zip(&selected.coefficients) {
+            if still(&switch) && (!switch.target_only || role == Role::Target) {
+                at_rest[switch.column] += value;
+            }
+        }
+        at_rest
+    }
+
+    fn origin_s(&self, recording: usize) -> f64 {
+        self.question.recordings[recording].raw.time_s.first().copied().unwrap_or(0.0)
+    }
+}
+
+/// Whether two contacts are one: the same recording, and windows that meet.
+fn meet(a: &Contact, b: &Contact) -> bool {
+    a.recording == b.recording && a.window_s[0] < b.window_s[1] && b.window_s[0] < a.window_s[1]
+}

@@ -1,0 +1,310 @@
+//! What was selected, put to the test before it is said.
+//!
+//! Selection asks what describes the recordings best. What it takes may still have parameters that no machine has, or be
+//! within chance of nothing, or predict rows that it has not seen worse than the model without it. What fails one of
+//! these tests is an indication: it leaves the model, and is listed apart with what it fails.
+
+use std::collections::BTreeMap;
+
+use crate::contact::force_columns;
+use crate::error::DiagnosisError;
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::effects::{self, OwnFriction, Parameters};
+use crate::hypotheses::group::{Group, Switch};
+use crate::investigation::Investigation;
+use crate::investigation::fitted::Fitted;
+use crate::recordings::rows::RecordingRows;
+use crate::request::Question;
+use crate::search::selection::Chosen;
+
+/// What was selected and fails a test.
+#[derive(Debug, Clone)]
+pub struct Indicated {
+    /// What was selected.
+    pub chosen: Chosen,
+    /// Which tests it fails, in words.
+    pub fails: Vec<String>,
+}
+
+/// Standard deviations that a coefficient has to be away from zero: one finding in twenty of nothing is that far.
+const AWAY_STD: f64 = 2.0;
+
+/// A joint is predicted worse if its held-out error (root mean square) grows by this share; less is within what two
+/// stretches of time differ by.
+pub(crate) const WORSE: f64 = 0.05;
+
+/// Of the joints that a whole-arm effect concerns, fewer than this share may be predicted worse.
+const WORSE_JOINTS: f64 = 1.0 / 3.0;
+
+/// A whole-arm effect concerns joints that lose at least this share of the largest loss.
+const CONCERNED: f64 = 0.08;
+
+/// The joints whose error a whole-arm effect explains.
+pub(crate) fn concerned(chosen: &Chosen) -> Vec<usize> {
+    let largest = chosen.joint_loss.iter().copied().fold(0.0, f64::max);
+    (0..chosen.joint_loss.len()).filter(|j| chosen.joint_loss[*j] > CONCERNED * largest).collect()
+}
+
+/// Takes what fails out of the selection, and notes for the rest on which share of the blocks of time it lowers the
+/// error.
+pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -> Result<(), DiagnosisError> {
+    let chosen = std::mem::take(&mut investigation.selection.chosen);
+    if chosen.is_empty() {
+        return Ok(());
+    }
+    let reach_m = reach_m(question, investigation)?;
+    let trial = Trial::new(question, investigation, &chosen, reach_m);
+    let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
+    for (joint, times) in trial.worse_in_all() {
+        let on_it = |i: &usize| trial.groups[*i].joints == [joint];
+        let culprits: Vec<usize> = (0..chosen.len()).filter(on_it).collect();
+        if culprits.iter().any(|i| !fails[*i].is_empty()) {
+            continue;
+        }
+        for i in culprits {
+            fails[i].push(format!(
+                "with all that was selected the held-out error of joint {joint} is {times:.2} times as large as without"
+            ));
+        }
+    }
+    let stability: Vec<f64> = (0..chosen.len()).map(|i| trial.stability(i)).collect();
+    let mut kept_stability = Vec::new();
+    let (mut kept, mut indicated) = (Vec::new(), Vec::new());
+    for ((one, fails), share) in chosen.into_iter().zip(fails).zip(stability) {
+        if fails.is_empty() {
+            kept.push(one);
+            kept_stability.push(share);
+        } else {
+            indicated.push(Indicated { chosen: one, fails });
+        }
+    }
+    investigation.selection.chosen = kept;
+    investigation.stability = kept_stability;
+    investigation.indicated = indicated;
+    Ok(())
+}
+
+/// The longest lever of a force on any link about any joint, over the fitted rows, m.
+fn reach_m(question: &Question<'_>, investigation: &Investigation) -> Result<f64, DiagnosisError> {
+    let body = question.model.rigid_body();
+    let mut longest: f64 = 0.0;
+    for rows in investigation.rows.iter().filter(|r| r.rows() > 0) {
+        for link in force_columns(&**body, rows)? {
+            longest = link.axes.iter().flatten().flatten().fold(longest, |most, lever| most.max(lever.abs()));
+        }
+    }
+    Ok(longest)
+}
+
+/// What was selected, as it is fitted, and what each of it brings.
+struct Trial<'a> {
+    investigation: &'a Investigation,
+    groups: Vec<&'a Group>,
+    joints: Vec<Vec<usize>>,
+    parameters: Vec<Parameters>,
+    reach_m: f64,
+    least_share: f64,
+    whole: Fitted,
+    /// Fits without one of it.
+    without: Vec<(Vec<Switch>, Vec<f64>)>,
+    /// Mean squares over fitted rows, `[kind][joint]`: with all, and without one of it.
+    errors: [Vec<f64>; 2],
+    errors_without: Vec<[Vec<f64>; 2]>,
+    /// Sums of squares over the rows that confirm, by joint: without any, with all, without one of it.
+    confirmed_baseline: Vec<f64>,
+    confirmed: Vec<f64>,
+    confirmed_without: Vec<Vec<f64>>,
+}
+
+impl<'a> Trial<'a> {
+    fn new(
+        question: &Question<'_>,
+        investigation: &'a Investigation,
+        chosen: &[Chosen],
+        reach_m: f64,
+    ) -> Self {
+        let groups: Vec<&Group> = chosen.iter().map(|c| &investigation.groups[c.group]).collect();
+        let of = |groups: &[&Group]| investigation.switches_of(groups.iter().copied());
+        let whole = Fitted::new(investigation, of(&groups));
+        let (fit, floor) = (&whole.fit, &investigation.floor);
+        let without: Vec<_> = (0..groups.len())
+            .map(|i| {
+                let rest: Vec<&Group> =
+                    groups.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect();
+                let switches = of(&rest);
+                let fit = weighted_fit(&investigation.problem, &switches, floor).0;
+                (switches, fit)
+            })
+            .collect();
+        let mut own = investigation.baseline.coefficients.clone();
+        for (switch, value) in investigation.base_switches.iter().zip(&fit.coefficients) {
+            own[switch.column] = *value;
+        }
+        let parameters = groups
+            .iter()
+            .map(|group| {
+                let candidate = &investigation.candidates[group.candidate];
+                let columns = whole.columns(candidate, group.target_only());
+                let friction = OwnFriction::of(question.model, candidate.proposal.joints[0], &own);
+                effects::find(group.effect)
+                    .map(|e| e.parameters_beside(&candidate.proposal, &columns, &friction))
+                    .unwrap_or_default()
+            })
+            .collect();
+        let joints = groups.iter().zip(chosen).map(|(group, one)| {
+            let whole_arm = effects::find(group.effect).is_some_and(|e| e.whole_arm());
+            if whole_arm { concerned(one) } else { group.joints.clone() }
+        });
+        let confirming = |switches: &[Switch], coefficients: &[f64]| {
+            confirming_errors(investigation, switches, coefficients)
+        };
+        Self {
+            joints: joints.collect(),
+            errors: fit.squared_errors.clone(),
+            errors_without: without.iter().map(|(_, fit)| fit.squared_errors.clone()).collect(),
+            confirmed_baseline: confirming(
+                &investigation.base_switches,
+                &investigation.baseline.coefficients,
+            ),
+            confirmed: confirming(&whole.switches, &fit.coefficients),
+            confirmed_without: without.iter().map(|(s, fit)| confirming(s, &fit.coefficients)).collect(),
+            without: without.into_iter().map(|(switches, fit)| (switches, fit.coefficients)).collect(),
+            least_share: question.selection.reduction,
+            investigation,
+            groups,
+            parameters,
+            reach_m,
+            whole,
+        }
+    }
+
+    /// The tests that one of it fails.
+    fn fails(&self, i: usize) -> Vec<String> {
+        let group = self.groups[i];
+        let mut fails = Vec::new();
+        if let Some(effect) = effects::find(group.effect) {
+            fails.extend(effect.impossible(&self.parameters[i], self.reach_m));
+        }
+        let away = self.away_from_zero(i);
+        if away < AWAY_STD {
+            fails.push(format!("it is {away:.1} standard deviations from nothing; {AWAY_STD} are asked for"));
+        }
+        let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
+        let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
+        let matters = self.joints[i].iter().any(|j| {
+            let (with, without) = (sum(&self.errors, *j), sum(&self.errors_without[i], *j));
+            with < (1.0 - self.least_share) * without
+        });
+        if !matters {
+            fails.push(format!(
+                "it lowers the squared error of no joint by {:.0} %, beside what else was selected",
+                100.0 * self.least_share
+            ));
+        }
+        fails.extend(self.contradicted(i));
+        fails
+    }
+
+    /// How many standard deviations the torque that it is named for is away from none, in the direction that was fitted;
+    /// by the jackknife over blocks, and for a single coefficient by its deviation.
+    fn away_from_zero(&self, i: usize) -> f64 {
+        let group = self.groups[i];
+        let named: Vec<Switch> =
+            group.switches.iter().filter(|s| !group.accessory.contains(s)).copied().collect();
+        let places: Vec<usize> =
+            named.iter().filter_map(|s| self.whole.place(s.column, s.target_only)).collect();
+        if let [only] = places.as_slice() {
+            let value = self.whole.fit.coefficients[*only].abs();
+            return value / self.whole.deviations[*only].max(f64::MIN_POSITIVE);
+        }
+        let problem = &self.investigation.problem;
+        let gram = problem.cross(problem.total(), &named, &named, &self.whole.weights);
+        let n = named.len();
+        let along = |coefficients: &[f64]| -> f64 {
+            let mut product = 0.0;
+            for (b, at_b) in places.iter().enumerate() {
+                for (a, at_a) in places.iter().enumerate() {
+                    product += gram[b * n + a] * coefficients[*at_a] * self.whole.fit.coefficients[*at_b];
+                }
+            }
+            product
+        };
+        let size = along(&self.whole.fit.coefficients);
+        if size > 0.0 { size / self.whole.resampled.std(along).max(f64::MIN_POSITIVE) } else { 0.0 }
+    }
+
+    /// What the rows that confirm say against one of it.
+    fn contradicted(&self, i: usize) -> Option<String> {
+        let grows = |j: &usize| {
+            let (with, without) = (self.confirmed[*j], self.confirmed_without[i][*j]);
+            without > 0.0 && with > (1.0 + WORSE).powi(2) * without
+        };
+        let judged = self.joints[i].iter().filter(|j| self.confirmed_without[i][**j] > 0.0).count();
+        let worse: Vec<String> =
+            self.joints[i].iter().filter(|j| grows(j)).map(ToString::to_string).collect();
+        let most = if self.joints[i].len() > 2 { WORSE_JOINTS * judged as f64 } else { 0.0 };
+        (!worse.is_empty() && worse.len() as f64 >= most).then(|| {
+            format!(
+                "data that took no part are predicted better without it, on joint{} {}",
+                if worse.len() == 1 { "" } else { "s" },
+                worse.join(", ")
+            )
+        })
+    }
+
+    /// Joints that confirm nothing of all that was selected, with the factor by which their error grows.
+    fn worse_in_all(&self) -> Vec<(usize, f64)> {
+        let both = self.confirmed_baseline.iter().zip(&self.confirmed).enumerate();
+        both.filter(|(_, (before, after))| **before > 0.0 && **after > (1.0 + WORSE).powi(2) * **before)
+            .map(|(j, (before, after))| (j, (after / before).sqrt()))
+            .collect()
+    }
+
+    /// Share of the blocks of time on which it lowers the squared error of its joints.
+    fn stability(&self, i: usize) -> f64 {
+        let investigation = self.investigation;
+        let (switches, coefficients) = &self.without[i];
+        let mut cache: BTreeMap<usize, [Vec<Vec<f64>>; 2]> = BTreeMap::new();
+        let (mut better, mut judged) = (0.0, 0.0);
+        for block in &investigation.partition.blocks {
+            let mut log_ratio = 0.0;
+            let mut counts = false;
+            for j in &self.joints[i] {
+                let mut sums = [0.0; 2];
+                for (r, start, end) in block {
+                    let rows: &RecordingRows = &investigation.rows[*r];
+                    let left = cache.entry(*r).or_insert_with(|| {
+                        let layout = &investigation.layout;
+                        [
+                            residuals(rows, layout, &self.whole.switches, &self.whole.fit.coefficients),
+                            residuals(rows, layout, switches, coefficients),
+                        ]
+                    });
+                    for (sum, of) in sums.iter_mut().zip(left.iter()) {
+                        *sum += of[*j][*start..*end].iter().map(|v| v * v).sum::<f64>();
+                    }
+                }
+                if sums[0] > 0.0 && sums[1] > 0.0 {
+                    log_ratio += (sums[0] / sums[1]).ln();
+                    counts = true;
+                }
+            }
+            judged += f64::from(u8::from(counts));
+            better += f64::from(u8::from(counts && log_ratio < 0.0));
+        }
+        if judged > 0.0 { better / judged } else { 0.0 }
+    }
+}
+
+/// Sums of squares over the rows that confirm, joint by joint.
+fn confirming_errors(investigation: &Investigation, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; investigation.layout.rows.len()];
+    for rows in investigation.confirm.to_judge().iter().filter(|r| r.rows() > 0) {
+        let left = residuals(rows, &investigation.layout, switches, coefficients);
+        for (sum, series) in sums.iter_mut().zip(&left) {
+            *sum += series.iter().map(|v| v * v).sum::<f64>();
+        }
+    }
+    sums
+}

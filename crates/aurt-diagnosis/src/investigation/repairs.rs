@@ -1,0 +1,41 @@
+//! Whether the repair of faulty recordings makes a difference.
+
+use crate::error::DiagnosisError;
+use crate::evidence::baseline::{Baseline, evaluate_all};
+use crate::evidence::judged::prepare;
+use crate::recordings::rows::{Fit, RecordingRows, Role};
+use crate::request::Question;
+
+/// A repair matters if it lowers the mean squared residual of some joint by this share.
+const REPAIRED: f64 = 0.1;
+
+/// Whether the model in question fits the repaired recordings better than the recordings as they were made.
+pub(crate) fn repair_helps(
+    as_recorded: &Question<'_>,
+    repaired: &Question<'_>,
+) -> Result<bool, DiagnosisError> {
+    let (before, after) = (mean_squares(as_recorded)?, mean_squares(repaired)?);
+    Ok(before.iter().zip(&after).any(|(before, after)| *after < (1.0 - REPAIRED) * before))
+}
+
+/// Mean squared residual of each joint under the model in question, over what is not for validation.
+fn mean_squares(question: &Question<'_>) -> Result<Vec<f64>, DiagnosisError> {
+    let baseline = Baseline::new(question)?;
+    let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let mut rows = evaluate_all(question, question.model, &fit)?;
+    prepare(question, &baseline, question.model, &mut rows);
+    let asked: Vec<&RecordingRows> = rows.iter().filter(|r| r.role != Role::Validation).collect();
+    let joints = question.model.joints();
+    Ok((0..joints)
+        .map(|j| {
+            let columns = question.model.row_columns(j);
+            let value = |c: &usize| if baseline.frozen { 0.0 } else { baseline.coefficients[*c] };
+            let (sum, count) = asked.iter().fold((0.0, 0.0), |(sum, count), r| {
+                let residual = r.joints[j].residual(columns.iter().map(value));
+                let power: f64 = residual.iter().map(|e| e * e).sum();
+                (sum + power, count + r.joints[j].counted(0, r.rows()))
+            });
+            sum / f64::max(count, 1.0)
+        })
+        .collect())
+}

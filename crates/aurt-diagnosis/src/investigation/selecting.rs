@@ -1,0 +1,103 @@
+//! Selection, and what it is made from.
+
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::decidable::groups;
+use crate::evidence::gram::BlockMoments;
+use crate::evidence::problem::Problem;
+use crate::evidence::residuals::shares;
+use crate::hypotheses::candidates::Candidate;
+use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::partition::Partition;
+use crate::recordings::rows::{Layout, RecordingRows};
+use crate::request::Question;
+use crate::search;
+use crate::search::instrument_filter::is_common_filter;
+use crate::search::selection::{Selection, Selector};
+
+/// What selection works on, beside the rows.
+pub(super) struct Parts<'a> {
+    pub(super) question: &'a Question<'a>,
+    pub(super) candidates: &'a [Candidate],
+    pub(super) partition: &'a Partition,
+    pub(super) layout: &'a Layout,
+    pub(super) base: &'a [Switch],
+    pub(super) floor: &'a [f64],
+}
+
+/// A selection and what it was made from.
+pub(super) struct Selected {
+    pub(super) problem: Problem,
+    pub(super) groups: Vec<Group>,
+    pub(super) free: Vec<[f64; 2]>,
+    pub(super) selection: Selection,
+    pub(super) switches: Vec<Switch>,
+    pub(super) coefficients: Vec<f64>,
+    pub(super) mean_independent_share: f64,
+    pub(super) misfit: Vec<f64>,
+}
+
+impl Parts<'_> {
+    pub(super) fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
+        let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
+        let (_, weights) = weighted_fit(&problem, self.base, self.floor);
+        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        progress("selecting");
+        let shares = |switches: &[Switch], coefficients: &[f64]| {
+            shares(rows, self.partition, self.layout, switches, coefficients)
+        };
+        let misfit = misfit(&problem, self.base, &weights, self.floor);
+        let mut select = |groups: &[Group]| {
+            let selector = Selector {
+                problem: &problem,
+                baseline: self.base,
+                groups,
+                floor: self.floor,
+                misfit: &misfit,
+                independent_share: &shares,
+                options: &self.question.selection,
+            };
+            let selection = search::registered::choose(&selector, groups, &mut *progress);
+            let switches = selector.final_switches(&selection);
+            let (fit, _) = weighted_fit(&problem, &switches, self.floor);
+            (selection, switches, fit.coefficients)
+        };
+        let (mut selection, mut switches, mut coefficients) = select(&groups);
+        if is_common_filter(&groups, &selection, &switches, &coefficients) {
+            groups.retain(|g| g.effect != "joint_elasticity");
+            (selection, switches, coefficients) = select(&groups);
+        }
+        let final_shares = shares(&switches, &coefficients);
+        let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
+        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
+    }
+}
+
+/// Log of the ratio by which the baseline's cross-validated error on the calibration recordings exceeds the noise
+/// floor; zero where there are none.
+fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) -> Vec<f64> {
+    let errors = problem.held_out(&problem.nest(base, weights), &[]);
+    (0..problem.joints())
+        .map(|j| {
+            let rows = problem.rows(j, false) - problem.rows(j, true);
+            if rows < 1.0 {
+                0.0
+            } else {
+                (errors[0][j] / rows / floor[j].max(f64::MIN_POSITIVE)).ln().max(0.0)
+            }
+        })
+        .collect()
+}
+
+/// Mean noise floor over the fitted rows.
+pub(super) fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
+    let joints = rows.first().map_or(0, |r| r.joints.len());
+    (0..joints)
+        .map(|j| {
+            let (sum, count) = partition.fitted().fold((0.0, 0.0), |(sum, count), (r, start, end)| {
+                let counted = rows[r].joints[j].counted(start, end);
+                (sum + floors[r][j] * counted, count + counted)
+            });
+            sum / f64::max(count, 1.0)
+        })
+        .collect()
+}

@@ -1,0 +1,145 @@
+//! What the model leaves with and without what was found, for each of the two questions.
+
+use crate::evidence::account::Left;
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::problem::TotalFit;
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::group::{Group, Switch};
+use crate::hypotheses::registered::REGISTERED;
+use crate::investigation::Investigation;
+
+/// Fewer rows that confirm say nothing of a joint.
+const FEWEST_CONFIRMING: f64 = 20.0;
+
+/// Errors of one question, joint by joint.
+#[derive(Debug, Clone)]
+pub(crate) struct OfQuestion {
+    /// Over the rows that fit.
+    pub(crate) fitted: Vec<Left>,
+    /// Over those that took no part.
+    pub(crate) confirmed: Vec<Left>,
+}
+
+/// Errors of both questions.
+#[derive(Debug, Clone)]
+pub(crate) struct Errors {
+    /// What has changed in the targets, where recordings stand beside them.
+    pub(crate) change: Option<OfQuestion>,
+    /// What is missing: in the recordings beside the targets, or in all there are.
+    pub(crate) structure: OfQuestion,
+}
+
+/// A fit, with the coefficients that it has.
+struct Model {
+    switches: Vec<Switch>,
+    fit: TotalFit,
+}
+
+impl Errors {
+    /// Of an investigation. Registered models have no names and account for nothing; joints of `apart` are left out: what
+    /// was found of them is no part of the model.
+    pub(crate) fn new(investigation: &Investigation, has_targets: bool, apart: &[usize]) -> Self {
+        let chosen = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+        let named: Vec<&Group> = chosen.filter(|g| g.effect != REGISTERED).collect();
+        let model = |of: &dyn Fn(&Group) -> bool| {
+            let switches = investigation.switches_of(named.iter().copied().filter(|g| of(g)));
+            let fit = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
+            Model { switches, fit }
+        };
+        let whole = model(&|_| true);
+        let of = Of { investigation, apart };
+        if !(has_targets && investigation.problem.has_reference()) {
+            let bare = model(&|_| false);
+            let kind = usize::from(!investigation.problem.has_reference());
+            let noise: Vec<f64> = investigation.floor.iter().map(|f| f.sqrt()).collect();
+            // As it was calibrated, where that was without the rows in question.
+            let calibrated = Model {
+                switches: investigation.base_switches.clone(),
+                fit: TotalFit {
+                    coefficients: investigation.baseline.coefficients.clone(),
+                    ..bare.fit.clone()
+                },
+            };
+            return Self { change: None, structure: of.question([&bare, &calibrated, &whole], kind, &noise) };
+        }
+        let unchanged = model(&|g| !g.target_only());
+        let bare = model(&Group::target_only);
+        let noise: Vec<f64> = investigation.floor.iter().map(|f| f.sqrt()).collect();
+        let usual = of.usual(&whole);
+        Self {
+            change: Some(of.question([&unchanged, &unchanged, &whole], 1, &usual)),
+            structure: of.question([&bare, &bare, &whole], 0, &noise),
+        }
+    }
+}
+
+struct Of<'a> {
+    investigation: &'a Investigation,
+    apart: &'a [usize],
+}
+
+impl Of<'_> {
+    /// Errors of `[fitted before, confirmed before, after]` over the rows of a kind, against references.
+    fn question(&self, models: [&Model; 3], kind: usize, references: &[f64]) -> OfQuestion {
+        let [before, calibrated, after] = models;
+        let asked = |j: &usize| !self.apart.contains(j);
+        let joints = self.investigation.problem.joints();
+        let fitted = (0..joints).filter(asked).filter(|j| self.rows(kind, *j) > 0.0).map(|j| Left {
+            before: self.fitted_rms(before, kind, j),
+            after: self.fitted_rms(after, kind, j),
+            floor: references[j],
+        });
+        let (was, is, counts) = self.confirmed(calibrated, after);
+        let confirmed = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).map(|j| Left {
+            before: (was[j] / counts[j]).sqrt(),
+            after: (is[j] / counts[j]).sqrt(),
+            floor: references[j],
+        });
+        OfQuestion { fitted: fitted.collect(), confirmed: confirmed.collect() }
+    }
+
+    fn rows(&self, kind: usize, joint: usize) -> f64 {
+        self.investigation.problem.total()[kind][joint].rows
+    }
+
+    fn fitted_rms(&self, model: &Model, kind: usize, joint: usize) -> f64 {
+        (model.fit.squared_errors[kind][joint] / self.rows(kind, joint).max(1.0)).sqrt()
+    }
+
+    /// What the whole model leaves of an unchanged arm in the targets' motion: what it leaves of the recordings beside
+    /// them, as much larger as the torque is, and no less than noise. A wrong structure errs in proportion to the torque.
+    fn usual(&self, whole: &Model) -> Vec<f64> {
+        let total = self.investigation.problem.total();
+        (0..self.investigation.problem.joints())
+            .map(|j| {
+                let power = |kind: usize| total[kind][j].square / total[kind][j].rows.max(1.0);
+                // What a given model leaves is no measure of the torque.
+                let louder = if self.investigation.baseline.frozen || power(0) <= 0.0 {
+                    1.0
+                } else {
+                    (power(1) / power(0)).sqrt().max(1.0)
+                };
+                (louder * self.fitted_rms(whole, 0, j)).max(self.investigation.floor[j].sqrt())
+            })
+            .collect()
+    }
+
+    /// Sums of squares over the rows that took no part, before and after, and how many there are of each joint.
+    fn confirmed(&self, before: &Model, after: &Model) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let joints = self.investigation.problem.joints();
+        let (mut was, mut is, mut counts) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
+        let layout = &self.investigation.layout;
+        for rows in self.investigation.confirm.to_judge().iter().filter(|r| r.rows() > 0) {
+            for (sums, model) in [(&mut was, before), (&mut is, after)] {
+                let left = residuals(rows, layout, &model.switches, &model.fit.coefficients);
+                for (sum, series) in sums.iter_mut().zip(&left) {
+                    *sum += series.iter().map(|v| v * v).sum::<f64>();
+                }
+            }
+            for (count, joint) in counts.iter_mut().zip(&rows.joints) {
+                *count += joint.counted(0, rows.rows());
+            }
+        }
+        (was, is, counts)
+    }
+}

@@ -1,0 +1,107 @@
+//! What could not be looked at in these recordings, and why.
+
+use crate::investigation::Investigation;
+use crate::recordings::rows::Role;
+use crate::request::{Question, QuestionedRecording, length};
+use crate::transmission::LEAST_RATE_HZ;
+use crate::verdict::NotExamined;
+use crate::verdict::answer::UNRELATED;
+use crate::verdict::sentence::joint_list;
+
+/// Joints at rest, recordings that are short or slow, and measurements that say nothing.
+pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
+    let mut found = constant(question, investigation);
+    found.extend(standing(investigation));
+    found.extend(short(investigation));
+    found.extend(unrelated(investigation));
+    found.extend(slow(question));
+    found
+}
+
+fn constant(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
+    let mut found: Vec<NotExamined> = Vec::new();
+    for (r, recording) in question.recordings.iter().enumerate() {
+        let own = investigation.constant.iter().filter(|(of, ..)| *of == r);
+        let joints: Vec<usize> = own.map(|(_, joint, _)| *joint).collect();
+        if !joints.is_empty() {
+            let name = &recording.data.name;
+            found.push(NotExamined {
+                recording: Some(name.clone()),
+                reason: format!(
+                    "the measurement of {} never changes in {name}: nothing was measured there, and nothing is said of it",
+                    joint_list(&joints)
+                ),
+                joints,
+                effects: Vec::new(),
+            });
+        }
+    }
+    found
+}
+
+/// Joints that stand in all recordings of a kind.
+fn standing(investigation: &Investigation) -> Vec<NotExamined> {
+    let constant = |joint: usize| investigation.constant.iter().any(|(_, j, _)| *j == joint);
+    let of_kind = |(role, name): (Role, &str)| {
+        let rows: Vec<_> = investigation.rows.iter().filter(|r| r.role == role && r.rows() > 0).collect();
+        let moves = |j: usize| rows.iter().any(|r| r.joints[j].counted(0, r.rows()) > 0.0);
+        let joints: Vec<usize> =
+            (0..investigation.layout.rows.len()).filter(|j| !moves(*j) && !constant(*j)).collect();
+        (!rows.is_empty() && !joints.is_empty()).then(|| NotExamined {
+            recording: None,
+            reason: format!(
+                "{} stand{} in the {name} recordings: a joint that does not move shows neither friction nor inertia",
+                joint_list(&joints),
+                if joints.len() == 1 { "s" } else { "" },
+            ),
+            joints,
+            effects: Vec::new(),
+        })
+    };
+    [(Role::Calibration, "calibration"), (Role::Target, "target")].into_iter().filter_map(of_kind).collect()
+}
+
+fn short(investigation: &Investigation) -> Vec<NotExamined> {
+    let said = |r: usize| {
+        let name = &investigation.rows[r].name;
+        let reason = length::brief(&investigation.partition, r)?;
+        Some(NotExamined {
+            recording: Some(name.clone()),
+            joints: Vec::new(),
+            effects: Vec::new(),
+            reason: format!("{name} {reason}"),
+        })
+    };
+    (0..investigation.rows.len()).filter_map(said).collect()
+}
+
+fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
+    let predicted = investigation.predicted.iter().enumerate();
+    let joints: Vec<usize> =
+        predicted.filter(|(_, share)| share.is_some_and(|s| s < UNRELATED)).map(|(j, _)| j).collect();
+    (!joints.is_empty()).then(|| NotExamined {
+        recording: None,
+        reason: format!(
+            "the measurement of {} has next to no relation to the motion: the model predicts less than {:.0} % of it on time \
+             that it was not fitted to",
+            joint_list(&joints),
+            100.0 * UNRELATED
+        ),
+        joints,
+        effects: Vec::new(),
+    })
+}
+
+fn slow(question: &Question<'_>) -> Option<NotExamined> {
+    let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
+    let asked = |effect: &&str| !question.without.iter().any(|w| w == effect);
+    question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow).then(|| NotExamined {
+        recording: None,
+        joints: Vec::new(),
+        effects: ["backlash", "joint_elasticity"].into_iter().filter(asked).map(str::to_owned).collect(),
+        reason: format!(
+            "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
+             {LEAST_RATE_HZ:.0} samples per second or more"
+        ),
+    })
+}
