@@ -16,7 +16,7 @@ use crate::evidence::decidable::groups;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::judged::{Judged, prepare};
 use crate::evidence::problem::Problem;
-use crate::evidence::residuals::{residuals, shares};
+use crate::evidence::residuals::residuals;
 use crate::hypotheses::candidates::{Candidate, candidates};
 use crate::hypotheses::effects::Context;
 use crate::hypotheses::group::{Group, Switch};
@@ -24,11 +24,12 @@ use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
+use crate::search::ground::{Ground, Recorded};
 use crate::search::instrument_filter::is_common_filter;
+use crate::search::null::Judge;
 use crate::search::selection::{Selection, Selector};
 use crate::transmission::{Shaking, find_shaking};
 use crate::{hypotheses::registered, search};
-use late::Found;
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
 #[derive(Debug)]
@@ -102,34 +103,33 @@ pub fn investigate(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let mut first = investigate_as_it_is(question, registry, true, &mut progress)?;
-    let mut found = Delay::found(&first);
-    if matches!(found, Found::OnlyFriction) {
-        first = investigate_as_it_is(question, registry, false, &mut progress)?;
-        found = Delay::found(&first);
-    }
-    if matches!(found, Found::FewJoints) {
-        let mut without = question.without.to_vec();
-        without.push("time_delay".to_owned());
-        let question = Question { without: &without, ..*question };
-        return investigate_as_it_is(&question, registry, false, &mut progress);
-    }
-    let Found::Delay(delay) = found else { return Ok(first) };
+    let first = investigate_as_it_is(question, registry, &mut progress)?;
+    let withheld = question.without.iter().any(|w| w == DELAY);
+    let found = if withheld { None } else { Delay::found(question, &first)? };
+    let mut without = question.without.to_vec();
+    without.push(DELAY.to_owned());
+    let Some(delay) = found else {
+        if !first.is_late() {
+            return Ok(first);
+        }
+        // What the column of a delay described is something else.
+        return investigate_as_it_is(&Question { without: &without, ..*question }, registry, &mut progress);
+    };
     progress("shifting the measurement back");
     let shifted = delay.undone(question)?;
-    let mut without = question.without.to_vec();
-    without.push("time_delay".to_owned());
     let question = Question { recordings: &shifted, without: &without, ..*question };
-    let mut second = investigate_as_it_is(&question, registry, true, &mut progress)?;
+    let mut second = investigate_as_it_is(&question, registry, &mut progress)?;
     second.late = Some(Late { delay, before: Box::new(first) });
     Ok(second)
 }
+
+/// The effect that shifting undoes.
+const DELAY: &str = "time_delay";
 
 /// Investigates recordings as they are.
 fn investigate_as_it_is(
     question: &Question<'_>,
     registry: &Registry,
-    friction_may_be_late: bool,
     progress: &mut impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
@@ -192,8 +192,7 @@ fn investigate_as_it_is(
     let unasked =
         |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
     let (proposed, untried) = registered::proposals(question, registry);
-    let (model, candidates) =
-        candidates(question, registry, &context, friction_may_be_late, unasked, proposed)?;
+    let (model, mut candidates) = candidates(question, registry, &context, unasked, proposed)?;
     drop(context_rows);
 
     progress("evaluating candidates");
@@ -215,15 +214,16 @@ fn investigate_as_it_is(
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
     let floor = mean_floor(&rows, &partition, &floors);
-    let parts = Parts {
+    let mut parts = Parts {
         question,
-        candidates: &candidates,
+        registry,
+        candidates: &mut candidates,
         partition: &partition,
         layout: &layout,
         base: &base_switches,
         floor: &floor,
     };
-    let mut selected = parts.select(&rows, progress);
+    let mut selected = parts.select(&mut rows, progress);
     progress("looking for contacts");
     let mut contacts = parts.contacts(&rows, &selected)?;
     // A few periods of a ringing gear push like a hand.
@@ -234,9 +234,22 @@ fn investigate_as_it_is(
         for contact in &contacts {
             leave_out(&mut rows[contact.recording], contact.window_s);
         }
-        selected = parts.select(&rows, progress);
+        selected = parts.select(&mut rows, progress);
     }
-    let Selected { problem, groups, free, selection, mean_independent_share, misfit, .. } = selected;
+    let Selected { problem, groups, free, mut selection, mean_independent_share, misfit, switches, .. } =
+        selected;
+    let judge = Judge {
+        problem: &problem,
+        groups: &groups,
+        rows: &rows,
+        partition: &partition,
+        layout: &layout,
+        floor: &floor,
+        options: &question.selection,
+    };
+    for chosen in &mut selection.chosen {
+        chosen.p_confirm = judge.p_confirm(&switches, &groups[chosen.group]);
+    }
     Ok(Investigation {
         model,
         baseline,
@@ -300,7 +313,8 @@ fn mean_squares(question: &Question<'_>) -> Result<Vec<f64>, DiagnosisError> {
 /// What selection works on, beside the rows.
 struct Parts<'a> {
     question: &'a Question<'a>,
-    candidates: &'a [Candidate],
+    registry: &'a Registry,
+    candidates: &'a mut [Candidate],
     partition: &'a Partition,
     layout: &'a Layout,
     base: &'a [Switch],
@@ -320,37 +334,43 @@ struct Selected {
 }
 
 impl Parts<'_> {
-    fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
+    fn select(&mut self, rows: &mut [RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
         let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
-        let shares = |switches: &[Switch], coefficients: &[f64]| {
-            shares(rows, self.partition, self.layout, switches, coefficients)
-        };
         let misfit = misfit(&problem, self.base, &weights, self.floor);
+        let mut ground = Recorded {
+            problem,
+            rows,
+            candidates: self.candidates,
+            partition: self.partition,
+            layout: self.layout,
+            question: self.question,
+            registry: self.registry,
+        };
+        let (base, floor) = (self.base, self.floor);
         let mut select = |groups: &[Group]| {
-            let selector = Selector {
-                problem: &problem,
-                baseline: self.base,
+            let mut selector = Selector {
+                ground: &mut ground,
+                baseline: base,
                 groups,
-                floor: self.floor,
-                misfit: &misfit,
-                independent_share: &shares,
+                floor,
                 options: &self.question.selection,
             };
-            let selection = search::registered::choose(&selector, groups, &mut *progress);
+            let selection = search::registered::choose(&mut selector, groups, &mut *progress);
             let switches = selector.final_switches(&selection);
-            let (fit, _) = weighted_fit(&problem, &switches, self.floor);
+            let (fit, _) = weighted_fit(&ground.problem, &switches, floor);
             (selection, switches, fit.coefficients)
         };
         let (mut selection, mut switches, mut coefficients) = select(&groups);
         if is_common_filter(&groups, &selection, &switches, &coefficients) {
-            groups.retain(|g| g.effect != "joint_elasticity");
+            groups.retain(|g| !g.is_common_when_equal());
             (selection, switches, coefficients) = select(&groups);
         }
-        let final_shares = shares(&switches, &coefficients);
+        let final_shares = ground.independent_shares(&switches, &coefficients);
         let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
+        let Recorded { problem, .. } = ground;
         Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
     }
 

@@ -3,6 +3,7 @@
 pub mod faults;
 pub(crate) mod partition;
 pub(crate) mod rows;
+pub(crate) mod term_rows;
 
 pub use faults::{Fault, RecordingFaults};
 pub use partition::Partition;

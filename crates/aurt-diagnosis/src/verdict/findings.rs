@@ -81,7 +81,11 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
                 })
                 .collect(),
             alternatives: Vec::new(),
-            evidence: Evidence { score: -fault.log10_probability * std::f64::consts::LN_10, threshold: 8.0 },
+            evidence: Evidence {
+                score: -fault.log10_probability * std::f64::consts::LN_10,
+                threshold: 8.0,
+                ..Evidence::default()
+            },
             sentence: fault.sentence.clone(),
         });
     }
@@ -119,7 +123,11 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
                 ("window_s".to_owned(), number(json!(contact.window_s))),
             ]),
             alternatives: Vec::new(),
-            evidence: Evidence { score: contact.score, threshold: question.selection.score },
+            evidence: Evidence {
+                score: contact.score,
+                threshold: question.selection.score,
+                ..Evidence::default()
+            },
             sentence: format!(
                 "a contact at link {} of {} from {from:.1} to {to:.1} s, felt by joints {}",
                 contact.link,
@@ -151,7 +159,7 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
             ParameterValue { value: json!(delay.delay_s), std: json!(delay.std_s) },
         )]),
         alternatives: Vec::new(),
-        evidence: Evidence { score: delay.score, threshold: question.selection.score },
+        evidence: Evidence { score: delay.score, threshold: question.selection.score, ..Evidence::default() },
         sentence: String::new(),
     };
     finding.sentence = sentence(&finding);
@@ -198,7 +206,11 @@ pub(crate) fn shaking_findings(question: &Question<'_>, investigation: &Investig
             confidence: confidence(shaking.score, false),
             parameters,
             alternatives: Vec::new(),
-            evidence: Evidence { score: shaking.score, threshold: question.selection.score },
+            evidence: Evidence {
+                score: shaking.score,
+                threshold: question.selection.score,
+                ..Evidence::default()
+            },
             sentence,
         })
     };
@@ -244,7 +256,12 @@ pub(crate) fn findings(
                 .map(|(name, (value, std))| (name, ParameterValue { value, std }))
                 .collect(),
             alternatives,
-            evidence: Evidence { score: one.score, threshold: question.selection.score },
+            evidence: Evidence {
+                score: one.score,
+                threshold: one.threshold,
+                p_null: one.p_null,
+                p_confirm: one.p_confirm,
+            },
             sentence: String::new(),
         };
         let twin = merged.iter_mut().find(|(f, _)| {
