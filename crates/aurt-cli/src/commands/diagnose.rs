@@ -121,7 +121,7 @@ impl Diagnose {
         if self.compare {
             let methods: serde_json::Map<String, serde_json::Value> = Method::ALL
                 .into_iter()
-                .map(|method| (method.name().to_owned(), json!(method.answer(&investigation))))
+                .map(|method| (method.name().to_owned(), json!(method.answer(&question, &investigation))))
                 .collect();
             files.push((COMPARISON.to_owned(), pretty(&json!(methods)).into_bytes()));
         }

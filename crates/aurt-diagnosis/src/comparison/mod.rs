@@ -1,7 +1,8 @@
 //! Simpler methods on the same columns and moments, to compare a diagnosis with: what they would have named.
 //!
-//! They know everything that the diagnosis knows of a case (candidates, blocks of time, noise floor) except how it
-//! selects, so that the difference is selection's. They cannot answer `unexplained`.
+//! They know everything that the diagnosis knows of a case (candidates with their estimated shapes, blocks of time,
+//! noise floor; faults, contacts and what lies above the filters, found by the same detectors; a delay, undone) except how
+//! it selects, so that the difference is selection's. They cannot answer `unexplained`.
 
 mod best_single;
 mod sparse;
@@ -10,12 +11,14 @@ mod standard;
 use serde::Serialize;
 
 use crate::investigation::Investigation;
-use crate::verdict::Answer;
+use crate::request::Question;
+use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, shaking_findings};
+use crate::verdict::{Answer, Finding};
 
 /// A method of selection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Every candidate alone; the one with the lowest cross-validated error is named.
+    /// Every candidate alone; the one with the lowest cross-validated error is named, if chance does not do as well.
     BestSingle,
     /// Least absolute shrinkage: ‖y − Xβ‖²/2n + λ‖β‖₁, λ by cross-validation (Tibshirani 1996).
     Lasso,
@@ -39,25 +42,36 @@ impl Method {
 
     /// What the method says of an investigated question.
     #[must_use]
-    pub fn answer(self, investigation: &Investigation) -> MethodVerdict {
+    pub fn answer(self, question: &Question<'_>, investigation: &Investigation) -> MethodVerdict {
         let found = match self {
-            Self::BestSingle => best_single::select(investigation).into_iter().collect(),
+            Self::BestSingle => best_single::select(question, investigation).into_iter().collect(),
             Self::Lasso => sparse::select(investigation, sparse::Penalty::Absolute),
             Self::Stlsq => sparse::select(investigation, sparse::Penalty::Threshold),
         };
-        let effects: Vec<MethodFinding> = found
+        let physics = found.into_iter().map(|group: usize| {
+            let group = &investigation.groups[group];
+            let kinds: &[&'static str] =
+                if group.target_only() { &["target"] } else { &["calibration", "target"] };
+            MethodFinding {
+                effect: group.effect.to_owned(),
+                joints: group.joints.clone(),
+                present_in: kinds.iter().map(|k| (*k).to_owned()).collect(),
+            }
+        });
+        let first = shaking_findings(question, investigation)
             .into_iter()
-            .map(|group| {
-                let group = &investigation.groups[group];
-                let kinds: &[&'static str] =
-                    if group.target_only() { &["target"] } else { &["calibration", "target"] };
-                MethodFinding {
-                    effect: group.effect.to_owned(),
-                    joints: group.joints.clone(),
-                    present_in: kinds.iter().map(|k| (*k).to_owned()).collect(),
-                }
-            })
-            .collect();
+            .chain(contact_findings(question, investigation))
+            .chain(delay_finding(question, investigation));
+        let faults = fault_findings(question, investigation);
+        let of = |finding: Finding| MethodFinding {
+            effect: finding.effect,
+            joints: finding.joints,
+            present_in: finding.present_in,
+        };
+        // As in a verdict, a fault that makes no difference stands behind physics that does.
+        let mut effects: Vec<MethodFinding> = first.map(of).chain(physics).collect();
+        let place = if investigation.faults_matter { 0 } else { effects.len() };
+        effects.splice(place..place, faults.into_iter().map(of));
         let verdict = if effects.is_empty() { Answer::NoMismatch } else { Answer::Named };
         MethodVerdict { verdict, effects }
     }

@@ -1,7 +1,7 @@
 use aurt_calibration::add_gram;
 use rayon::prelude::*;
 
-use crate::recordings::partition::Partition;
+use crate::recordings::partition::{Part, Partition};
 use crate::recordings::rows::{RecordingRows, Role};
 
 /// Second moments of one joint's rows over one part of the data: XᵀX, Xᵀy, yᵀy.
@@ -98,6 +98,81 @@ impl BlockMoments {
         }
         rest
     }
+
+    /// Takes the moments of some columns of a joint anew from its rows, in every block and in the sums.
+    pub fn renew(
+        &mut self,
+        recordings: &[RecordingRows],
+        partition: &Partition,
+        joint: usize,
+        columns: &[usize],
+    ) {
+        for (block, part) in partition.blocks.iter().zip(&mut self.parts) {
+            for (kind, moments) in part.iter_mut().enumerate() {
+                let moments = &mut moments[joint];
+                let all: Vec<usize> = (0..moments.columns).collect();
+                let of_kind = |(r, _, _): &&Part| usize::from(recordings[*r].role == Role::Target) == kind;
+                let parts: Vec<Part> = block.iter().filter(of_kind).copied().collect();
+                moments.renew(recordings, &parts, joint, columns, &all);
+            }
+        }
+        for kind in 0..2 {
+            let n = self.total[kind][joint].columns;
+            for k in columns {
+                for c in 0..n {
+                    let sum: f64 = self.parts.iter().map(|p| p[kind][joint].gram[k * n + c]).sum();
+                    self.total[kind][joint].gram[k * n + c] = sum;
+                    self.total[kind][joint].gram[c * n + k] = sum;
+                }
+                self.total[kind][joint].right[*k] = self.parts.iter().map(|p| p[kind][joint].right[*k]).sum();
+            }
+        }
+    }
+}
+
+impl Moments {
+    /// Takes the products of some columns with `others`, with themselves and with the measurement anew.
+    pub(crate) fn renew(
+        &mut self,
+        recordings: &[RecordingRows],
+        parts: &[Part],
+        joint: usize,
+        columns: &[usize],
+        others: &[usize],
+    ) {
+        let n = self.columns;
+        for k in columns {
+            let product = |other: Option<usize>| -> f64 {
+                parts
+                    .iter()
+                    .map(|(r, start, end)| {
+                        let joint = &recordings[*r].joints[joint];
+                        let other = other.map_or(joint.measurement.as_slice(), |c| joint.column(c));
+                        dot(&joint.column(*k)[*start..*end], &other[*start..*end])
+                    })
+                    .sum()
+            };
+            for c in others.iter().chain(columns) {
+                let value = product(Some(*c));
+                self.gram[k * n + c] = value;
+                self.gram[c * n + k] = value;
+            }
+            self.right[*k] = product(None);
+        }
+    }
+}
+
+/// Products summed in four lanes, which processors do at once.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 4];
+    let (whole_a, whole_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = whole_a.remainder().iter().zip(whole_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in whole_a.zip(whole_b) {
+        for (lane, (x, y)) in lanes.iter_mut().zip(x.iter().zip(y)) {
+            *lane += x * y;
+        }
+    }
+    lanes.iter().sum::<f64>() + rest
 }
 
 fn add_rows(moments: &mut Moments, data: &[f64], measurement: &[f64], start: usize, end: usize) {

@@ -10,7 +10,7 @@ use crate::error::DiagnosisError;
 use crate::hypotheses::effects;
 use crate::hypotheses::effects::{Addition, Context, Effect, Proposal};
 use crate::hypotheses::registered::{Proposed, REGISTERED, RegisteredModel};
-use crate::recordings::rows::{Instrument, Layout};
+use crate::recordings::rows::Layout;
 use crate::request::Question;
 
 /// A proposal of an effect, with its place among the columns.
@@ -33,7 +33,6 @@ pub(crate) fn candidates(
     question: &Question<'_>,
     registry: &Registry,
     context: &Context<'_>,
-    friction_may_be_late: bool,
     unasked: impl Fn(&str) -> bool,
     registered: Vec<Proposed>,
 ) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
@@ -42,11 +41,6 @@ pub(crate) fn candidates(
     let mut proposed: Vec<(&'static str, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
     for effect in effects::all().into_iter().filter(|e| !unasked(e.id())) {
         for proposal in effect.proposals(context) {
-            if !friction_may_be_late
-                && matches!(proposal.addition, Addition::Instrument(_, Instrument::DelayOfAll))
-            {
-                continue;
-            }
             let term = match &proposal.addition {
                 Addition::Term(configuration) => {
                     let term = build_term(registry, effect, configuration)?;

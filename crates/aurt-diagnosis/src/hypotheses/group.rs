@@ -1,6 +1,6 @@
 //! Hypotheses over the columns of candidates.
 
-use crate::hypotheses::effects::find;
+use crate::hypotheses::effects::{Kind, find};
 use crate::hypotheses::registered::REGISTERED;
 
 /// A coefficient that a hypothesis may use: a column of the robot model, in all recordings or in the target
@@ -36,6 +36,28 @@ impl Group {
         self.joints.len() == 2 && !find(self.effect).is_some_and(|e| e.whole_arm())
     }
 
+    /// Whether it is of the vocabulary, and not a registered model.
+    pub(crate) fn is_named(&self) -> bool {
+        self.effect != REGISTERED
+    }
+
+    /// Whether equal coefficients on several joints mean a filter of the instrument.
+    pub(crate) fn is_common_when_equal(&self) -> bool {
+        find(self.effect).is_some_and(|e| e.is_common_when_equal())
+    }
+
+    /// Whether a joint can have several of it.
+    pub(crate) fn is_repeatable(&self) -> bool {
+        find(self.effect).is_some_and(|e| e.repeatable())
+    }
+
+    /// Whether another effect is a simpler law that this one has to beat.
+    pub(crate) fn generalises(&self, other: &Self) -> bool {
+        find(self.effect).is_some_and(|e| e.generalises().contains(&other.effect))
+            && self.joints == other.joints
+            && self.target_only() == other.target_only()
+    }
+
     /// Whether the effect is taken to act in the target recordings only.
     #[must_use]
     pub fn target_only(&self) -> bool {
@@ -43,32 +65,17 @@ impl Group {
     }
 }
 
-/// Effects that are one force beside a Coulomb level: F₊ ≠ F₋ is a constant while the joint moves.
-pub(crate) fn same_force(a: &str, b: &str) -> bool {
-    matches!((a, b), ("current_offset", "coulomb_asymmetry") | ("coulomb_asymmetry", "current_offset"))
+/// The force that an effect is about; registered models are friction.
+pub(crate) fn kind(effect: &str) -> Kind {
+    if effect == REGISTERED { Kind::Friction } else { find(effect).map_or(Kind::Other, |e| e.kind()) }
 }
 
-/// Effects whose change from one recording to the next is what real robots do.
+/// Whether an effect's change from one recording to the next is what real robots do.
 pub(crate) fn is_friction(effect: &str) -> bool {
-    kind(effect) == "friction" || effect == "load_dependent_friction"
+    effect == REGISTERED || find(effect).is_some_and(|e| e.everyday())
 }
 
-/// Effects that describe the same force at the same place: a second one needs stronger evidence.
-pub(crate) fn kind(effect: &str) -> &'static str {
-    match effect {
-        "coulomb"
-        | "stribeck"
-        | "coulomb_asymmetry"
-        | "presliding_hysteresis"
-        | "friction_level_changed"
-        | "viscous"
-        | "viscous_nonlinear"
-        | "viscous_asymmetry"
-        | "temperature_dependent_friction"
-        | REGISTERED => "friction",
-        "load_dependent_friction" | "drive_efficiency" | "torque_constant" => "load",
-        "rotor_inertia" | "joint_elasticity" | "time_delay" => "acceleration",
-        "spring" | "torque_ripple" | "base_tilt" => "position",
-        _ => "other",
-    }
+/// Whether two effects are the same force in other coordinates.
+pub(crate) fn same_force(a: &str, b: &str) -> bool {
+    find(a).is_some_and(|e| e.same_force().contains(&b))
 }

@@ -5,6 +5,7 @@ pub mod effects;
 pub mod group;
 pub(crate) mod periodogram;
 pub mod registered;
+pub mod shape;
 
 pub use candidates::Candidate;
 pub use group::{Group, Switch};

@@ -1,11 +1,17 @@
-//! Measurements that come late: found as a column, undone by shifting.
+//! Measurements that come late: found by shifting them, and undone.
+//!
+//! A column −τ̇ says where to look, not what is there: friction that builds up after reversals, elastic gears and inertia
+//! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
+//! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
 
-use aurt_recording::preprocess;
+use aurt_recording::{Segment, preprocess};
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::hypotheses::effects::Addition;
-use crate::hypotheses::group::Switch;
+use crate::evidence::gram::{Moments, dot};
+use crate::evidence::problem::free_first;
+use crate::hypotheses::effects::{Addition, Kind, find};
+use crate::hypotheses::group::{Group, Switch, kind};
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
@@ -32,73 +38,64 @@ pub struct Late {
     pub before: Box<Investigation>,
 }
 
-/// What an investigation says of delays.
-pub(crate) enum Found {
-    /// Nothing.
-    Nothing,
-    /// A delay.
-    Delay(Delay),
-    /// Something that friction shows at reversals, and the rigid bodies' torque does not: no delay.
-    OnlyFriction,
-    /// Something that a few joints show: no delay of the clock that stamps them all.
-    FewJoints,
-}
-
-/// A joint shows a delay that lowers its error by this share, in log-MSE …
-const SHOWN: f64 = 0.02;
-/// … and so must this share of the joints.
+/// One clock stamps all joints: this share of them has to show the delay by the least reduction of an effect.
 const JOINTS_SHARE: f64 = 0.5;
 
-/// A delay is one if the rigid bodies' torque is late by at least this share of what all of it is, …
-const RIGID_SHARE: f64 = 0.5;
-/// … or by no less than this many standard deviations below that.
-const RIGID_STD: f64 = 2.0;
+/// Steps of the scan per period of `f_dyn_hz`: V is a parabola over several of them.
+const STEPS_PER_PERIOD: f64 = 40.0;
+
+/// Steps of the scan: up to a whole period.
+const STEPS: usize = 40;
+
+/// Steps behind the lowest point after which the scan ends.
+const BEYOND: usize = 4;
+
+/// A delay within so many of its deviations of none is none.
+const CLEAR: f64 = 3.0;
+
+impl Investigation {
+    /// Whether a delay is among what was selected.
+    pub(crate) fn is_late(&self) -> bool {
+        self.selection.chosen.iter().any(|c| is_delay(self, &self.groups[c.group]))
+    }
+}
+
+fn is_delay(investigation: &Investigation, group: &Group) -> bool {
+    matches!(
+        investigation.candidates[group.candidate].proposal.addition,
+        Addition::Instrument(_, Instrument::Delay | Instrument::DelayOfAll)
+    )
+}
 
 impl Delay {
-    /// The delay among what an investigation has selected.
-    pub(crate) fn found(investigation: &Investigation) -> Found {
-        let instrument = |group: usize| match investigation.candidates[investigation.groups[group].candidate]
-            .proposal
-            .addition
-        {
-            Addition::Instrument(_, which @ (Instrument::Delay | Instrument::DelayOfAll)) => Some(which),
-            _ => None,
+    /// The delay of all recordings, or of the targets alone, at which the model and what was found leave least.
+    ///
+    /// # Errors
+    /// What preprocessing reports.
+    pub(crate) fn found(
+        question: &Question<'_>,
+        investigation: &Investigation,
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let problem = &investigation.problem;
+        // Rows are of recordings whose faults are repaired.
+        let repaired: Vec<QuestionedRecording>;
+        let recordings = if investigation.faults.is_empty() {
+            question.recordings
+        } else {
+            repaired =
+                question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<_, _>>()?;
+            &repaired
         };
-        let chosen = &investigation.selection.chosen;
-        let Some((one, which)) = chosen.iter().find_map(|c| Some((c, instrument(c.group)?))) else {
-            return Found::Nothing;
-        };
-        let shown = one.joint_loss.iter().filter(|loss| **loss > SHOWN).count();
-        if (shown as f64) < JOINTS_SHARE * one.joint_loss.len() as f64 {
-            return Found::FewJoints;
+        let question = &Question { recordings, ..*question };
+        let mut scans = Vec::new();
+        if problem.has_reference() || !problem.has_target() {
+            scans.push(Scan::new(question, investigation, false));
         }
-        let target_only = investigation.groups[one.group].target_only();
-        let mut all = investigation.switches();
-        let place = |all: &[Switch], which: Instrument| {
-            let column = investigation.layout.instrument(0, which);
-            all.iter().position(|s| s.column == column && s.target_only == target_only)
-        };
-        let share = investigation.mean_independent_share.max(f64::MIN_POSITIVE);
-        let (fit, _) = weighted_fit(&investigation.problem, &all, &investigation.floor);
-        let Some(own) = place(&all, which) else { return Found::Nothing };
-        let (delay_s, std_s) = (fit.coefficients[own], (fit.variance[own] / share).sqrt());
-        if which == Instrument::DelayOfAll {
-            if place(&all, Instrument::Delay).is_none() {
-                let column = investigation.layout.instrument(0, Instrument::Delay);
-                all.push(Switch { column, target_only, nonnegative: false });
-            }
-            let (both, _) = weighted_fit(&investigation.problem, &all, &investigation.floor);
-            let Some(further) = place(&all, Instrument::Delay) else { return Found::Nothing };
-            // The rigid bodies' torque is in both columns.
-            let rigid_s = both.coefficients[own] + both.coefficients[further];
-            let rigid_std_s = (both.variance[further] / share).sqrt();
-            let agrees = rigid_s >= RIGID_SHARE * delay_s
-                || rigid_std_s < delay_s && rigid_s >= delay_s - RIGID_STD * rigid_std_s;
-            if !agrees {
-                return Found::OnlyFriction;
-            }
+        if problem.has_target() {
+            scans.push(Scan::new(question, investigation, true));
         }
-        Found::Delay(Self { delay_s, std_s, score: one.score, target_only })
+        let found = scans.iter().filter_map(Scan::delay);
+        Ok(found.max_by(|a, b| a.score.total_cmp(&b.score)))
     }
 
     /// The recordings with the delay undone.
@@ -121,5 +118,243 @@ impl Delay {
                 Ok(shifted)
             })
             .collect()
+    }
+}
+
+/// Mean squared errors of the joints under delays.
+struct Scan {
+    target_only: bool,
+    step_s: f64,
+    /// Of delays −1, 0, 1, … steps.
+    errors: Vec<Vec<f64>>,
+    floor: Vec<f64>,
+    /// ½ n_eff of each joint.
+    effective: Vec<f64>,
+    /// What a score has to exceed.
+    least: f64,
+    /// Least log-MSE that a joint has to gain.
+    reduction: f64,
+}
+
+impl Scan {
+    fn new(question: &Question<'_>, investigation: &Investigation, target_only: bool) -> Self {
+        let problem = &investigation.problem;
+        let switches = model(investigation);
+        let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
+        let shares = crate::evidence::residuals::shares(
+            &investigation.rows,
+            &investigation.partition,
+            &investigation.layout,
+            &switches,
+            &fit.coefficients,
+        );
+        let step_s = 1.0 / (STEPS_PER_PERIOD * question.f_dyn_hz);
+        let (ordered, free) = free_first(&switches);
+        let mut trial = problem.total().clone();
+        let rows = |j: usize| problem.rows(j, false).max(1.0);
+        let mut at = |delay_s: f64| -> Vec<f64> {
+            shift(question, investigation, &switches, target_only, delay_s, &mut trial);
+            let fit = problem.part_fit(&trial, &ordered, free, &weights);
+            let beta = problem.extend(&trial, &fit, (&ordered, free), &[], &weights);
+            let [calibration, target] = problem.squared_errors(&trial, &ordered, &beta);
+            (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect()
+        };
+        let mut scan = Self {
+            target_only,
+            step_s,
+            errors: vec![at(-step_s), at(0.0)],
+            floor: investigation.floor.clone(),
+            effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
+            least: question.selection.score,
+            reduction: -(1.0 - question.selection.reduction).ln(),
+        };
+        for k in 1..=STEPS {
+            scan.errors.push(at(k as f64 * step_s));
+            if k + 1 >= scan.lowest() + BEYOND {
+                break;
+            }
+        }
+        scan
+    }
+
+    /// Σ_j ½ n_eff log(MSE / floor).
+    fn value(&self, errors: &[f64]) -> f64 {
+        (0..errors.len()).map(|j| self.effective[j] * self.log_error(errors, j)).sum()
+    }
+
+    fn log_error(&self, errors: &[f64], joint: usize) -> f64 {
+        let floor = self.floor[joint].max(f64::MIN_POSITIVE);
+        (errors[joint].max(floor) / floor).ln()
+    }
+
+    fn lowest(&self) -> usize {
+        let values: Vec<f64> = self.errors.iter().map(|e| self.value(e)).collect();
+        (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0)
+    }
+
+    /// The delay, if it is one.
+    fn delay(&self) -> Option<Delay> {
+        let lowest = self.lowest();
+        // At −1 or 0 steps, or where the scan ended, there is no minimum.
+        if lowest < 2 || lowest + 1 >= self.errors.len() {
+            return None;
+        }
+        let score = self.value(&self.errors[1]) - self.value(&self.errors[lowest]);
+        let gain = |j: &usize| {
+            self.log_error(&self.errors[1], *j) - self.log_error(&self.errors[lowest], *j) > self.reduction
+        };
+        let joints = self.effective.len();
+        let shown = (0..joints).filter(gain).count();
+        let [before, here, after] =
+            [-1, 0, 1].map(|by| self.value(&self.errors[lowest.wrapping_add_signed(by)]));
+        let curvature = before - 2.0 * here + after;
+        let vertex = 0.5 * (before - after) / curvature;
+        let delay = Delay {
+            delay_s: (lowest as f64 - 1.0 + vertex.clamp(-1.0, 1.0)) * self.step_s,
+            std_s: self.step_s / curvature.sqrt(),
+            score,
+            target_only: self.target_only,
+        };
+        let clear = delay.std_s.is_finite() && delay.delay_s > CLEAR * delay.std_s;
+        (score > self.least && clear && shown as f64 >= JOINTS_SHARE * joints as f64).then_some(delay)
+    }
+}
+
+/// The model under which delays are scanned: the baseline, what was found but for delays and what imitates them, and
+/// friction that lags on every joint.
+fn model(investigation: &Investigation) -> Vec<Switch> {
+    let lags = |group: &&Group| find(group.effect).is_some_and(|e| e.lags());
+    let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
+    let found = found.filter(|g| kind(g.effect) != Kind::Acceleration);
+    let mut all = investigation.base_switches.clone();
+    let everywhere = !investigation.problem.has_reference();
+    let lagging = investigation.groups.iter().filter(lags).filter(|g| everywhere || !g.target_only());
+    for switch in found.chain(lagging).flat_map(|g| &g.switches) {
+        if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
+            all.push(*switch);
+        }
+    }
+    all
+}
+
+/// Puts the products of the model's columns with the measurement of a later time into moments.
+fn shift(
+    question: &Question<'_>,
+    investigation: &Investigation,
+    switches: &[Switch],
+    target_only: bool,
+    delay_s: f64,
+    moments: &mut [Vec<Moments>; 2],
+) {
+    let layout = &investigation.layout;
+    let used: Vec<Vec<usize>> = layout
+        .rows
+        .iter()
+        .map(|row| (0..row.len()).filter(|k| switches.iter().any(|s| s.column == row[*k])).collect())
+        .collect();
+    for (joint, used) in used.iter().enumerate() {
+        for of_kind in moments.iter_mut() {
+            used.iter().for_each(|k| of_kind[joint].right[*k] = 0.0);
+            of_kind[joint].square = 0.0;
+        }
+    }
+    for (r, rows) in investigation.rows.iter().enumerate().filter(|(_, r)| r.role != Role::Validation) {
+        let kind = usize::from(rows.role == Role::Target);
+        let by_s = if target_only && kind == 0 { 0.0 } else { delay_s };
+        for (joint, own) in rows.joints.iter().enumerate() {
+            let later = later(&question.recordings[r].data.data.segments, joint, by_s);
+            let y: Vec<f64> = own
+                .measurement
+                .iter()
+                .zip(&own.counts)
+                .zip(later)
+                .map(|((y, counts), change)| if *counts { y + change } else { 0.0 })
+                .collect();
+            let sums = &mut moments[kind][joint];
+            for (_, start, end) in investigation.partition.fitted().filter(|p| p.0 == r) {
+                let y = &y[start..end];
+                used[joint].iter().for_each(|k| sums.right[*k] += dot(&own.column(*k)[start..end], y));
+                sums.square += dot(y, y);
+            }
+        }
+    }
+}
+
+/// By how much the measurement of a joint differs some time after each row, over all segments.
+fn later(segments: &[Segment], joint: usize, by_s: f64) -> Vec<f64> {
+    let mut change = Vec::new();
+    for segment in segments {
+        let count = segment.rows();
+        let by_rows = by_s * segment.rate_hz / segment.decimation as f64;
+        match &segment.measurement {
+            Some(measurement) if by_rows != 0.0 => {
+                let y = &measurement[joint][..count];
+                change.extend((0..count).map(|k| cubic(y, k as f64 + by_rows) - y[k]));
+            }
+            _ => change.extend(std::iter::repeat_n(0.0, count)),
+        }
+    }
+    change
+}
+
+/// A series between its values, by the cubic through the four around; beyond its ends the last value.
+fn cubic(y: &[f64], at: f64) -> f64 {
+    let last = y.len().saturating_sub(1);
+    let at = at.clamp(0.0, last as f64);
+    let k = (at.floor() as usize).min(last.saturating_sub(1));
+    let x = at - k as f64;
+    let of = |offset: isize| y.get(k.saturating_add_signed(offset).min(last)).copied().unwrap_or(0.0);
+    let [a, b, c, d] = [-1, 0, 1, 2].map(of);
+    let weights = [
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -x * (x + 1.0) * (x - 2.0) / 2.0,
+        x * (x + 1.0) * (x - 1.0) / 6.0,
+    ];
+    a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(errors: Vec<Vec<f64>>) -> Scan {
+        let joints = errors[0].len();
+        Scan {
+            target_only: false,
+            step_s: 0.002,
+            errors,
+            floor: vec![1.0; joints],
+            effective: vec![200.0; joints],
+            least: 8.0,
+            reduction: 0.05,
+        }
+    }
+
+    #[test]
+    fn a_cubic_is_met_between_its_values() {
+        let y: Vec<f64> = (0..8).map(|k| f64::from(k).powi(3) - 2.0 * f64::from(k)).collect();
+        assert!((cubic(&y, 3.4) - (3.4_f64.powi(3) - 6.8)).abs() < 1e-9);
+        assert_eq!(cubic(&y, 12.0), y[7]);
+    }
+
+    #[test]
+    fn a_minimum_on_all_joints_is_a_delay() {
+        let error = |k: i32, at: f64| 1.0 + 0.2 * (f64::from(k) - at).powi(2);
+        let found = scan((-1..8).map(|k| vec![error(k, 3.3), error(k, 3.3)]).collect()).delay().unwrap();
+        assert!((found.delay_s - 0.0066).abs() < 0.0006, "{found:?}");
+        assert!(found.std_s < 0.001);
+    }
+
+    #[test]
+    fn what_one_joint_of_three_shows_is_none() {
+        let error = |k: i32| 1.0 + 0.2 * (f64::from(k) - 3.0).powi(2);
+        assert_eq!(scan((-1..8).map(|k| vec![error(k), 1.0, 1.0]).collect()).delay(), None);
+    }
+
+    #[test]
+    fn a_minimum_at_no_shift_is_none() {
+        let error = |k: i32| 1.0 + 0.2 * f64::from(k).powi(2);
+        assert_eq!(scan((-1..8).map(|k| vec![error(k); 3]).collect()).delay(), None);
     }
 }

@@ -33,10 +33,10 @@ use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
+use crate::search::null::Judge;
 use crate::search::selection::Selection;
 use crate::transmission::Shaking;
 use gears::without_gears;
-use late::Found;
 use repairs::repair_helps;
 use selecting::{Parts, Selected, mean_floor};
 
@@ -148,34 +148,33 @@ fn selected(
     registry: &Registry,
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
-    let mut first = investigate_as_it_is(question, registry, true, &mut progress)?;
-    let mut found = Delay::found(&first);
-    if matches!(found, Found::OnlyFriction) {
-        first = investigate_as_it_is(question, registry, false, &mut progress)?;
-        found = Delay::found(&first);
-    }
-    if matches!(found, Found::FewJoints) {
-        let mut without = question.without.to_vec();
-        without.push("time_delay".to_owned());
-        let question = Question { without: &without, ..*question };
-        return investigate_as_it_is(&question, registry, false, &mut progress);
-    }
-    let Found::Delay(delay) = found else { return Ok(first) };
+    let first = investigate_as_it_is(question, registry, &mut progress)?;
+    let withheld = question.without.iter().any(|w| w == DELAY);
+    let found = if withheld { None } else { Delay::found(question, &first)? };
+    let mut without = question.without.to_vec();
+    without.push(DELAY.to_owned());
+    let Some(delay) = found else {
+        if !first.is_late() {
+            return Ok(first);
+        }
+        // What the column of a delay described is something else.
+        return investigate_as_it_is(&Question { without: &without, ..*question }, registry, &mut progress);
+    };
     progress("shifting the measurement back");
     let shifted = delay.undone(question)?;
-    let mut without = question.without.to_vec();
-    without.push("time_delay".to_owned());
     let question = Question { recordings: &shifted, without: &without, ..*question };
-    let mut second = investigate_as_it_is(&question, registry, true, &mut progress)?;
+    let mut second = investigate_as_it_is(&question, registry, &mut progress)?;
     second.late = Some(Late { delay, before: Box::new(first) });
     Ok(second)
 }
+
+/// The effect that shifting undoes.
+const DELAY: &str = "time_delay";
 
 /// Investigates recordings as they are.
 fn investigate_as_it_is(
     question: &Question<'_>,
     registry: &Registry,
-    friction_may_be_late: bool,
     progress: &mut impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     if question.recordings.iter().all(|r| r.role == Role::Validation) {
@@ -246,8 +245,7 @@ fn investigate_as_it_is(
     let unasked =
         |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
     let (proposed, untried) = registered::proposals(question, registry);
-    let (model, candidates) =
-        candidates(question, registry, &context, friction_may_be_late, unasked, proposed)?;
+    let (model, mut candidates) = candidates(question, registry, &context, unasked, proposed)?;
     drop(context_rows);
 
     progress("evaluating candidates");
@@ -267,15 +265,16 @@ fn investigate_as_it_is(
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
     let mut floor = mean_floor(&rows, &partition, &floors);
-    let parts = Parts {
+    let mut parts = Parts {
         question,
-        candidates: &candidates,
+        registry,
+        candidates: &mut candidates,
         partition: &partition,
         layout: &layout,
         base: &base_switches,
         floor: &floor,
     };
-    let mut selected = parts.select(&rows, progress);
+    let mut selected = parts.select(&mut rows, progress);
     let mut contacts = Vec::new();
     if !question.without.iter().any(|w| w == "external_contact") {
         progress("looking for contacts");
@@ -288,10 +287,30 @@ fn investigate_as_it_is(
         (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
         contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
     }
-    let Selected { problem, groups, free, selection, mean_independent_share, misfit, switches, coefficients } =
-        selected;
+    let Selected {
+        problem,
+        groups,
+        free,
+        mut selection,
+        mean_independent_share,
+        misfit,
+        switches,
+        coefficients,
+    } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
     floor = mean_floor(&rows, &partition, &floors);
+    let judge = Judge {
+        problem: &problem,
+        groups: &groups,
+        rows: &rows,
+        partition: &partition,
+        layout: &layout,
+        floor: &floor,
+        options: &question.selection,
+    };
+    for chosen in &mut selection.chosen {
+        chosen.p_confirm = judge.p_confirm(&switches, &groups[chosen.group]);
+    }
     Ok(Investigation {
         model,
         baseline,

@@ -1,23 +1,26 @@
 //! Selection, and what it is made from.
 
+use aurt_plugins::Registry;
+
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::decidable::groups;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
-use crate::evidence::residuals::shares;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::Question;
 use crate::search;
+use crate::search::ground::{Ground, Recorded};
 use crate::search::instrument_filter::is_common_filter;
 use crate::search::selection::{Selection, Selector};
 
 /// What selection works on, beside the rows.
 pub(super) struct Parts<'a> {
     pub(super) question: &'a Question<'a>,
-    pub(super) candidates: &'a [Candidate],
+    pub(super) registry: &'a Registry,
+    pub(super) candidates: &'a mut [Candidate],
     pub(super) partition: &'a Partition,
     pub(super) layout: &'a Layout,
     pub(super) base: &'a [Switch],
@@ -37,37 +40,43 @@ pub(super) struct Selected {
 }
 
 impl Parts<'_> {
-    pub(super) fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
+    pub(super) fn select(&mut self, rows: &mut [RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
         let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
-        let shares = |switches: &[Switch], coefficients: &[f64]| {
-            shares(rows, self.partition, self.layout, switches, coefficients)
-        };
         let misfit = misfit(&problem, self.base, &weights, self.floor);
+        let mut ground = Recorded {
+            problem,
+            rows,
+            candidates: self.candidates,
+            partition: self.partition,
+            layout: self.layout,
+            question: self.question,
+            registry: self.registry,
+        };
+        let (base, floor) = (self.base, self.floor);
         let mut select = |groups: &[Group]| {
-            let selector = Selector {
-                problem: &problem,
-                baseline: self.base,
+            let mut selector = Selector {
+                ground: &mut ground,
+                baseline: base,
                 groups,
-                floor: self.floor,
-                misfit: &misfit,
-                independent_share: &shares,
+                floor,
                 options: &self.question.selection,
             };
-            let selection = search::registered::choose(&selector, groups, &mut *progress);
+            let selection = search::registered::choose(&mut selector, groups, &mut *progress);
             let switches = selector.final_switches(&selection);
-            let (fit, _) = weighted_fit(&problem, &switches, self.floor);
+            let (fit, _) = weighted_fit(&ground.problem, &switches, floor);
             (selection, switches, fit.coefficients)
         };
         let (mut selection, mut switches, mut coefficients) = select(&groups);
         if is_common_filter(&groups, &selection, &switches, &coefficients) {
-            groups.retain(|g| g.effect != "joint_elasticity");
+            groups.retain(|g| !g.is_common_when_equal());
             (selection, switches, coefficients) = select(&groups);
         }
-        let final_shares = shares(&switches, &coefficients);
+        let final_shares = ground.independent_shares(&switches, &coefficients);
         let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
+        let Recorded { problem, .. } = ground;
         Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
     }
 }

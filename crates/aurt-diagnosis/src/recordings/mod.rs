@@ -4,6 +4,7 @@ pub(crate) mod divided;
 pub mod faults;
 pub(crate) mod partition;
 pub(crate) mod rows;
+pub(crate) mod term_rows;
 
 pub use divided::{ConfirmRows, FitRows};
 pub use faults::{Fault, RecordingFaults};

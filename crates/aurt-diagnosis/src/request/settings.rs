@@ -1,28 +1,43 @@
 use serde::{Deserialize, Serialize};
 
-/// What an effect must bring to be accepted.
+/// What an effect must bring to be accepted. Scores are in nats: Σ_j ½ n_eff log(MSE_before / MSE_after) on held-out
+/// blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SelectionOptions {
-    /// Least score Σ_j ½ n_eff log(MSE_before / MSE_after), cross-validated.
+    /// Least score: odds of e⁸ = 3000 to one, against some hundred hypotheses that are tried.
     pub score: f64,
-    /// Least share by which the effect lowers the held-out mean squared error of some joint.
+    /// Least share by which the effect lowers the held-out mean squared error of some joint. Two stretches of one
+    /// recording differ by as much.
     pub reduction: f64,
-    /// Least share of a joint's whole log-MSE gain that is lost without the effect.
+    /// Least share of a joint's log-MSE gain that is lost without the effect (a share of 15 % kept imitations out in the
+    /// study that `docs/diagnosis.md` names; 12 % held the nulls of tuning proofs).
     pub share: f64,
     /// The same for a further effect of the same kind on the same joint.
     pub share_same_kind: f64,
-    /// Largest number of effects.
+    /// Largest number of effects: four on each of six joints.
     pub most: usize,
-    /// Candidates whose score is within this factor of the best (or within 2) compete by parameter count.
+    /// Rounds of forward selection, replacement and removal; the third changes nothing in nineteen of twenty.
+    pub rounds: usize,
+    /// Candidates whose score is within this share of the best …
     pub tie: f64,
+    /// … or within so many nats compete by parameter count: a likelihood ratio of seven.
+    pub tie_nats: f64,
+    /// Another effect that reaches this share of the best score has its shapes estimated, too, before one is taken:
+    /// shapes between two starts cost a law less than half of its score.
+    pub contender: f64,
     /// A change that is not friction must, beyond that, lower a joint's log-MSE by this share of the log of the
-    /// ratio by which the calibration recordings themselves exceed the noise floor: where the structure is wrong,
-    /// whatever differs between two motions looks like a change.
+    /// ratio by which the calibration recordings themselves, with what was found in all recordings, exceed the noise
+    /// floor: where the structure is wrong, whatever differs between two motions looks like a change.
     pub change_share: f64,
     /// A change of a joint's friction that reaches this share of the score of another change on the same joint is
     /// taken instead of it.
     pub everyday: f64,
+    /// Shifts of the residual that show what chance does: with three dozen the 95 % quantile is that of 36 searches.
+    pub null_shifts: usize,
+    /// Share of them whose best score an effect has to exceed, where that is more than the least score: one finding in
+    /// twenty searches that have nothing to find.
+    pub null_quantile: f64,
     /// A group of which the baseline absorbs all but this share of torque is not decidable.
     pub free_share: f64,
 }
@@ -35,9 +50,14 @@ impl Default for SelectionOptions {
             share: 0.12,
             share_same_kind: 0.15,
             most: 24,
+            rounds: 3,
             tie: 0.03,
+            tie_nats: 2.0,
+            contender: 0.5,
             change_share: 0.15,
             everyday: 0.8,
+            null_shifts: 36,
+            null_quantile: 0.95,
             free_share: 0.02,
         }
     }

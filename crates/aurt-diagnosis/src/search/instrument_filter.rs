@@ -23,7 +23,7 @@ pub(crate) fn is_common_filter(
         .chosen
         .iter()
         .map(|c| &groups[c.group])
-        .filter(|g| g.effect == "joint_elasticity")
+        .filter(|g| g.is_common_when_equal())
         .flat_map(|g| &g.switches)
         .filter_map(|own| switches.iter().position(|s| s == own).map(|k| coefficients[k]))
         .collect();
@@ -45,7 +45,15 @@ mod tests {
             switches: vec![switch(joint)],
             accessory: Vec::new(),
         };
-        let chosen = |group| Chosen { group, score: 20.0, joint_loss: Vec::new(), rivals: Vec::new() };
+        let chosen = |group| Chosen {
+            group,
+            score: 20.0,
+            threshold: 8.0,
+            p_null: None,
+            p_confirm: None,
+            joint_loss: Vec::new(),
+            rivals: Vec::new(),
+        };
         let count = coefficients.len();
         let groups: Vec<Group> = (0..count).map(group).collect();
         let selection =

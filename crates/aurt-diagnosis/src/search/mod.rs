@@ -1,7 +1,12 @@
 //! Which hypotheses describe the recordings.
 
+pub(crate) mod ground;
 pub(crate) mod instrument_filter;
+pub(crate) mod null;
 pub(crate) mod registered;
+pub(crate) mod scoring;
 pub(crate) mod selection;
+pub(crate) mod shapes;
 
+pub use ground::{Beside, Ground};
 pub use selection::{Chosen, Selection, Selector};

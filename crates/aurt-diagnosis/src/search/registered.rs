@@ -2,7 +2,6 @@
 
 use crate::evidence::account::{Left, STRUCTURE, accounts_for};
 use crate::hypotheses::group::Group;
-use crate::hypotheses::registered::REGISTERED;
 use crate::search::selection::{Chosen, Selection, Selector};
 
 /// Selection with the vocabulary's groups, and then with those of registered models, which follow them in `groups`.
@@ -14,36 +13,41 @@ use crate::search::selection::{Chosen, Selection, Selector};
 ///   to beat the vocabulary by more than a tie, and the result to be better on held-out blocks than without it.
 ///
 /// Without registered models the selection is that of the vocabulary.
-pub(crate) fn choose(selector: &Selector<'_>, groups: &[Group], mut progress: impl FnMut(&str)) -> Selection {
-    let known = groups.iter().position(|g| g.effect == REGISTERED).unwrap_or(groups.len());
-    let vocabulary = Selector { groups: &groups[..known], ..*selector };
-    let named = vocabulary.run(&mut progress);
+pub(crate) fn choose(
+    selector: &mut Selector<'_>,
+    groups: &[Group],
+    mut progress: impl FnMut(&str),
+) -> Selection {
+    let known = groups.iter().position(|g| !g.is_named()).unwrap_or(groups.len());
+    let baseline = selector.baseline;
+    let named = selector.asking(baseline, &groups[..known]).run(&mut progress);
     if known == groups.len() {
         return named;
     }
     if !named.chosen.is_empty() && accounts(selector.floor, &named) {
         progress("asking registered models for what is left");
-        return on_top(&vocabulary, groups, known, named, progress);
+        return on_top(selector, groups, known, named, progress);
     }
     progress("trying registered models");
-    let together = Selector { groups, ..*selector }.run(progress);
+    let together = selector.asking(baseline, groups).run(progress);
     let registered = together.chosen.iter().any(|c| c.group >= known);
     if registered && better(selector, &named, &together) { together } else { named }
 }
 
 /// Adds registered models to what was named, on joints where more than noise is left.
 fn on_top(
-    vocabulary: &Selector<'_>,
+    selector: &mut Selector<'_>,
     groups: &[Group],
     known: usize,
     named: Selection,
     progress: impl FnMut(&str),
 ) -> Selection {
-    let left = |joint: &usize| named.after[*joint] > STRUCTURE * STRUCTURE * vocabulary.floor[*joint];
+    let left = |joint: &usize| named.after[*joint] > STRUCTURE * STRUCTURE * selector.floor[*joint];
     let asked: Vec<usize> = (known..groups.len()).filter(|g| groups[*g].joints.iter().all(&left)).collect();
     let registered: Vec<Group> = asked.iter().map(|g| groups[*g].clone()).collect();
-    let base = vocabulary.final_switches(&named);
-    let further = Selector { baseline: &base, groups: &registered, ..*vocabulary }.run(progress);
+    let baseline = selector.baseline;
+    let base = selector.asking(baseline, &groups[..known]).final_switches(&named);
+    let further = selector.asking(&base, &registered).run(progress);
     let mut both = named;
     if !further.chosen.is_empty() {
         both.after = further.after;

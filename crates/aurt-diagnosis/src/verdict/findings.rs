@@ -39,7 +39,7 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
             ParameterValue { value: json!(delay.delay_s), std: json!(delay.std_s) },
         )]),
         alternatives: Vec::new(),
-        evidence: Evidence { score: delay.score, threshold: question.selection.score },
+        evidence: Evidence { score: delay.score, threshold: question.selection.score, ..Evidence::default() },
         stability: None,
         sentence: String::new(),
     };

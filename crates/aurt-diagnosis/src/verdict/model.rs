@@ -144,12 +144,20 @@ pub struct Alternative {
 }
 
 /// Score and threshold.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Σ_j ½ n_eff log(MSE without / MSE with), cross-validated.
     pub score: f64,
     /// What it had to exceed.
     pub threshold: f64,
+    /// Probability that the best of all hypotheses reaches such a score by chance: the same search on residuals shifted
+    /// in circles against the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_null: Option<f64>,
+    /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces
+    /// of the held-out part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_confirm: Option<f64>,
 }
 
 /// An effect that the free part of the baseline absorbs.

@@ -52,7 +52,12 @@ pub(crate) fn findings(
             present_in,
             predicted_share,
             parameters,
-            evidence: Evidence { score: chosen.score, threshold: question.selection.score },
+            evidence: Evidence {
+                score: chosen.score,
+                threshold: chosen.threshold,
+                p_null: chosen.p_null,
+                p_confirm: chosen.p_confirm,
+            },
             sentence,
         });
     }

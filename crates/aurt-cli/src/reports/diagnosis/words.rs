@@ -289,7 +289,7 @@ mod tests {
             confidence: 0.9,
             parameters: std::collections::BTreeMap::new(),
             alternatives: Vec::new(),
-            evidence: Evidence { score: 50.0, threshold: 8.0 },
+            evidence: Evidence { score: 50.0, threshold: 8.0, ..Evidence::default() },
             stability: None,
             sentence: format!("{effect}{only} (k = 1)"),
         }

@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal, named};
+use super::{Addition, Context, Effect, Family, FittedColumn, Kind, Parameters, Presence, Proposal, named};
 
 pub(super) struct BaseTilt;
 
@@ -40,6 +40,10 @@ impl Effect for BaseTilt {
 
     fn family(&self) -> Family {
         Family::I
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Position
     }
 
     fn title(&self) -> &'static str {
@@ -75,6 +79,8 @@ impl Effect for BaseTilt {
             nonnegative: vec![],
             presence: Presence::Any,
             fixed: BTreeMap::new(),
+            shapes: Vec::new(),
+            deviations: BTreeMap::new(),
         }]
     }
 

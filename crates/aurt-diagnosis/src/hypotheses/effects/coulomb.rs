@@ -30,7 +30,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, joint_friction, named};
 
 pub(super) struct Coulomb;
 
@@ -41,6 +41,10 @@ impl Effect for Coulomb {
 
     fn family(&self) -> Family {
         Family::F
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
     }
 
     fn title(&self) -> &'static str {

@@ -26,7 +26,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, named, raised};
+use super::{Context, Effect, Family, FittedColumn, Kind, OwnFriction, Parameters, Proposal, named, raised};
 
 pub(super) struct CoulombAsymmetry;
 
@@ -37,6 +37,19 @@ impl Effect for CoulombAsymmetry {
 
     fn family(&self) -> Family {
         Family::F
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
+    }
+
+    fn generalises(&self) -> &'static [&'static str] {
+        &["coulomb"]
+    }
+
+    /// F₊ ≠ F₋ beside a Coulomb level is a constant while the joint moves.
+    fn same_force(&self) -> &'static [&'static str] {
+        &["current_offset"]
     }
 
     fn title(&self) -> &'static str {

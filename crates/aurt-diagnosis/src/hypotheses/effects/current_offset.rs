@@ -34,6 +34,11 @@ impl Effect for CurrentOffset {
         Family::D
     }
 
+    /// A constant beside a Coulomb level is F₊ ≠ F₋ while the joint moves.
+    fn same_force(&self) -> &'static [&'static str] {
+        &["coulomb_asymmetry"]
+    }
+
     fn title(&self) -> &'static str {
         "a constant offset of the measurement"
     }

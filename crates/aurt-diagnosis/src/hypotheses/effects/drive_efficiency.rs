@@ -26,7 +26,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
 
 pub(super) struct DriveEfficiency;
 
@@ -37,6 +37,10 @@ impl Effect for DriveEfficiency {
 
     fn family(&self) -> Family {
         Family::L
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Load
     }
 
     fn title(&self) -> &'static str {

@@ -30,7 +30,8 @@
 use serde_json::{Value, json};
 
 use super::{
-    Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Presence, Proposal, joint_friction, named,
+    Context, Effect, Family, FittedColumn, Kind, OwnFriction, Parameters, Presence, Proposal, joint_friction,
+    named,
 };
 
 pub(super) struct FrictionLevelChanged;
@@ -42,6 +43,10 @@ impl Effect for FrictionLevelChanged {
 
     fn family(&self) -> Family {
         Family::F
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
     }
 
     fn title(&self) -> &'static str {

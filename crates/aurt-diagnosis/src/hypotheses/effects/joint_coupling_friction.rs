@@ -31,9 +31,14 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::{Addition, Context, Effect, Family, FittedColumn, Parameters, Presence, Proposal, named};
+use crate::hypotheses::shape::Shape;
 
-/// Ratios that are tried: gear trains through a wrist turn a motor as fast as its neighbour, half or twice as fast.
+/// Ratios from which the search begins: gear trains through a wrist turn a motor as fast as its neighbour, half or twice as fast.
 const RATIOS: [f64; 6] = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0];
+
+/// Where the ratio is sought: a motor that turns twenty times slower or faster with the partner than with its own
+/// joint is one of either.
+const RATIO: Shape = Shape::logarithmic("ratio", "/ratio", [0.05, 20.0], 0.3);
 
 pub(super) struct JointCouplingFriction;
 
@@ -84,7 +89,9 @@ fn coupling(joint: usize, partner: usize, ratio: f64) -> Proposal {
         nonnegative: vec![true; 3],
         presence: Presence::Any,
         fixed: BTreeMap::new(),
+        shapes: Vec::new(),
+        deviations: BTreeMap::new(),
     }
     .with("partner", partner as f64)
-    .with("ratio", ratio)
+    .shaped(RATIO)
 }

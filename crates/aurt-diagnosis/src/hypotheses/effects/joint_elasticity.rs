@@ -28,7 +28,7 @@
 //! - M. W. Spong (1987), *Modeling and control of elastic joint robots*.
 //! - A. De Luca, W. Book, *Robots with flexible elements*, in: Springer Handbook of Robotics.
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
 use crate::recordings::rows::Instrument;
 
 pub(super) struct JointElasticity;
@@ -40,6 +40,14 @@ impl Effect for JointElasticity {
 
     fn family(&self) -> Family {
         Family::P
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Acceleration
+    }
+
+    fn is_common_when_equal(&self) -> bool {
+        true
     }
 
     fn title(&self) -> &'static str {

@@ -28,7 +28,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, joint_friction};
 
 /// Coulomb models with the power of the load that they contain.
 const MODELS: [(&str, f64); 2] = [("absolute", 1.0), ("square", 2.0)];
@@ -42,6 +42,18 @@ impl Effect for LoadDependentFriction {
 
     fn family(&self) -> Family {
         Family::L
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Load
+    }
+
+    fn everyday(&self) -> bool {
+        true
+    }
+
+    fn generalises(&self) -> &'static [&'static str] {
+        &["coulomb"]
     }
 
     fn title(&self) -> &'static str {

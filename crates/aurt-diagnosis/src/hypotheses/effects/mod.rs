@@ -5,11 +5,13 @@
 //! what `aurt explain <identifier>` prints.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use aurt_traits::{ColumnGroup, RobotModel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::hypotheses::shape::Shape;
 pub use crate::recordings::faults::Parameters;
 use crate::recordings::rows::{Instrument, RecordingRows};
 
@@ -64,6 +66,21 @@ pub enum Family {
     Q,
 }
 
+/// The force that an effect is about: a second effect of one kind at the same joint needs stronger evidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Friction of the joint.
+    Friction,
+    /// In proportion to the load or the measurement.
+    Load,
+    /// With acceleration or the slope of torque.
+    Acceleration,
+    /// With the angle.
+    Position,
+    /// None of these.
+    Other,
+}
+
 /// What effects may look at when they propose terms.
 #[derive(Debug, Clone, Copy)]
 pub struct Context<'a> {
@@ -99,6 +116,10 @@ pub struct Proposal {
     pub presence: Presence,
     /// Parameters that the proposal fixes (partner, ratio, link, order).
     pub fixed: BTreeMap<String, f64>,
+    /// Those of them that the recordings decide, once the proposal is taken; `fixed` and the term hold their values.
+    pub shapes: Vec<Shape>,
+    /// Standard deviations of those that were estimated.
+    pub deviations: BTreeMap<String, f64>,
 }
 
 /// The two kinds of additions.
@@ -166,6 +187,43 @@ pub trait Effect: Sync {
         true
     }
 
+    /// The force that it is about.
+    fn kind(&self) -> Kind {
+        Kind::Other
+    }
+
+    /// Whether it changes from one recording to the next on real robots that nobody has touched.
+    fn everyday(&self) -> bool {
+        self.kind() == Kind::Friction
+    }
+
+    /// Whether a joint can have several of it: ripple has many orders. A second law of friction of the same name with
+    /// other shapes mimics what is not among the candidates.
+    fn repeatable(&self) -> bool {
+        false
+    }
+
+    /// Simpler laws that it contains or that are hard to tell from it: they keep their name unless it describes
+    /// held-out rows better by the least score of an effect.
+    fn generalises(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Effects that are the same force in other coordinates.
+    fn same_force(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether it makes friction come late at reversals, as a delay of the measurement does.
+    fn lags(&self) -> bool {
+        false
+    }
+
+    /// Whether equal coefficients on several joints mean a filter of the instrument, which has one corner for all.
+    fn is_common_when_equal(&self) -> bool {
+        false
+    }
+
     /// Terms that would describe the effect on this robot; none where it is found by other means than columns
     /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;
@@ -224,6 +282,10 @@ fn negative(parameters: &Parameters, name: &str) -> Option<String> {
 /// All effects, by family and identifier.
 #[must_use]
 pub fn all() -> Vec<&'static dyn Effect> {
+    ALL.clone()
+}
+
+static ALL: LazyLock<Vec<&'static dyn Effect>> = LazyLock::new(|| {
     let mut effects: Vec<&'static dyn Effect> = vec![
         &backlash::Backlash,
         &base_tilt::BaseTilt,
@@ -253,12 +315,12 @@ pub fn all() -> Vec<&'static dyn Effect> {
     ];
     effects.sort_by_key(|e| (e.family(), e.id()));
     effects
-}
+});
 
 /// The effect of an identifier.
 #[must_use]
 pub fn find(id: &str) -> Option<&'static dyn Effect> {
-    all().into_iter().find(|e| e.id() == id)
+    ALL.iter().copied().find(|e| e.id() == id)
 }
 
 /// The explanation of an effect: the module documentation of its file.
@@ -282,6 +344,8 @@ impl Proposal {
             nonnegative,
             presence: Presence::Any,
             fixed: BTreeMap::new(),
+            shapes: Vec::new(),
+            deviations: BTreeMap::new(),
         }
     }
 
@@ -292,7 +356,20 @@ impl Proposal {
             nonnegative: vec![nonnegative],
             presence: Presence::Any,
             fixed: BTreeMap::new(),
+            shapes: Vec::new(),
+            deviations: BTreeMap::new(),
         }
+    }
+
+    /// A parameter that the recordings decide; the term holds the value to start from.
+    fn shaped(mut self, shape: Shape) -> Self {
+        if let Addition::Term(term) = &self.addition
+            && let Some(value) = shape.value(term)
+        {
+            self.fixed.insert(shape.name.to_owned(), value);
+            self.shapes.push(shape);
+        }
+        self
     }
 
     fn with(mut self, name: &str, value: f64) -> Self {
@@ -300,10 +377,25 @@ impl Proposal {
         self
     }
 
+    /// The proposal's shapes at other values, with their standard deviations where these are known.
+    pub(crate) fn reshaped(&mut self, values: &[f64], deviations: &[Option<f64>]) {
+        for ((shape, value), deviation) in self.shapes.iter().zip(values).zip(deviations) {
+            if let Addition::Term(term) = &mut self.addition {
+                shape.set(term, *value);
+            }
+            self.fixed.insert(shape.name.to_owned(), *value);
+            match deviation {
+                Some(std) => self.deviations.insert(shape.name.to_owned(), *std),
+                None => self.deviations.remove(shape.name),
+            };
+        }
+    }
+
     /// The parameters that the proposal fixes, as a finding reports them.
     #[must_use]
     pub fn fixed_parameters(&self) -> Parameters {
-        self.fixed.iter().map(|(name, value)| (name.clone(), (json!(value), Value::Null))).collect()
+        let deviation = |name: &String| self.deviations.get(name).map_or(Value::Null, |std| json!(std));
+        self.fixed.iter().map(|(name, value)| (name.clone(), (json!(value), deviation(name)))).collect()
     }
 }
 

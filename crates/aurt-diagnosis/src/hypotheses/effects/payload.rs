@@ -76,6 +76,8 @@ impl Effect for Payload {
                     nonnegative: vec![],
                     presence: Presence::Change,
                     fixed: BTreeMap::new(),
+                    shapes: Vec::new(),
+                    deviations: BTreeMap::new(),
                 }
                 .with("link", link as f64)
             })

@@ -35,12 +35,18 @@
 
 use serde_json::{Value, json};
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, joint_friction};
+use crate::hypotheses::shape::Shape;
 
 /// Number of Maxwell-slip elements.
 const ELEMENTS: usize = 5;
-/// Smallest and largest threshold, rad; those between are evenly spaced in logarithms.
+/// Smallest and largest threshold from which the search begins, rad; those between are evenly spaced in logarithms.
 const THRESHOLDS_RAD: [f64; 2] = [0.0005, 0.12];
+
+/// Where the smallest threshold is sought: encoders resolve no less, …
+const SMALLEST: Shape = Shape::logarithmic("smallest_rad", "/hysteresis/smallest_rad", [1e-4, 0.01], 0.7);
+/// … and the largest: presliding over a quarter of a radian is a spring.
+const LARGEST: Shape = Shape::logarithmic("largest_rad", "/hysteresis/largest_rad", [0.012, 0.25], 0.5);
 
 pub(super) struct PreslidingHysteresis;
 
@@ -51,6 +57,14 @@ impl Effect for PreslidingHysteresis {
 
     fn family(&self) -> Family {
         Family::H
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
+    }
+
+    fn lags(&self) -> bool {
+        true
     }
 
     fn title(&self) -> &'static str {
@@ -73,13 +87,14 @@ impl Effect for PreslidingHysteresis {
         (0..context.joints)
             .map(|j| {
                 let term = joint_friction(j, json!({"model": "none"}), elements.clone(), &[]);
-                Proposal::on_joint(j, term, vec![true; ELEMENTS])
+                Proposal::on_joint(j, term, vec![true; ELEMENTS]).shaped(SMALLEST).shaped(LARGEST)
             })
             .collect()
     }
 
-    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
-        let [smallest, largest] = THRESHOLDS_RAD;
+    fn parameters(&self, proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
+        let of = |shape: &Shape, start: f64| proposal.fixed.get(shape.name).copied().unwrap_or(start);
+        let (smallest, largest) = (of(&SMALLEST, THRESHOLDS_RAD[0]), of(&LARGEST, THRESHOLDS_RAD[1]));
         let steps = (ELEMENTS - 1) as f64;
         let thresholds: Vec<f64> =
             (0..ELEMENTS).map(|i| smallest * (largest / smallest).powf(i as f64 / steps)).collect();

@@ -26,7 +26,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
 
 pub(super) struct RotorInertia;
 
@@ -37,6 +37,10 @@ impl Effect for RotorInertia {
 
     fn family(&self) -> Family {
         Family::I
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Acceleration
     }
 
     fn title(&self) -> &'static str {

@@ -27,7 +27,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
 
 pub(super) struct Spring;
 
@@ -38,6 +38,10 @@ impl Effect for Spring {
 
     fn family(&self) -> Family {
         Family::P
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Position
     }
 
     fn title(&self) -> &'static str {

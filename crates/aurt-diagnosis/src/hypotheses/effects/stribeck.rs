@@ -32,10 +32,21 @@
 
 use serde_json::{Value, json};
 
-use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, joint_friction};
+use super::{Context, Effect, Family, FittedColumn, Kind, OwnFriction, Parameters, Proposal, joint_friction};
+use crate::hypotheses::shape::Shape;
 
-/// Velocities v_S that are tried; the exponential is so wide in logarithms that steps of about two suffice.
+/// Velocities v_S from which the search begins; the exponential is so wide in logarithms that steps of about two suffice.
 const STRIBECK_VELOCITIES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
+
+/// v_S is sought within what filters and recordings can show, …
+const VELOCITY: Shape =
+    Shape::logarithmic("stribeck_velocity_rad_s", "/coulomb/stribeck_velocity_rad_s", [0.002, 0.6], 0.35);
+/// … and the exponent within what has been reported (Armstrong-Hélouvry 1994: 0.5 to 2).
+const EXPONENT: Shape =
+    Shape::logarithmic("stribeck_exponent", "/coulomb/stribeck_exponent", [0.5, 3.0], 0.3);
+
+/// The usual exponent, from which the search begins.
+const USUAL_EXPONENT: f64 = 2.0;
 
 pub(super) struct Stribeck;
 
@@ -46,6 +57,14 @@ impl Effect for Stribeck {
 
     fn family(&self) -> Family {
         Family::F
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
+    }
+
+    fn generalises(&self) -> &'static [&'static str] {
+        &["coulomb"]
     }
 
     fn title(&self) -> &'static str {
@@ -67,10 +86,12 @@ impl Effect for Stribeck {
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let proposal = |j: usize, velocity: f64| {
-            let level = json!({"model": "stribeck", "stribeck_velocity_rad_s": velocity});
+            let level = json!({
+                "model": "stribeck", "stribeck_velocity_rad_s": velocity, "stribeck_exponent": USUAL_EXPONENT,
+            });
             let term = joint_friction(j, level, json!({"model": "sign"}), &[]);
             // The first column is a plain Coulomb level, of which the model may have too much.
-            Proposal::on_joint(j, term, vec![false, true]).with("stribeck_velocity_rad_s", velocity)
+            Proposal::on_joint(j, term, vec![false, true]).shaped(VELOCITY).shaped(EXPONENT)
         };
         (0..context.joints)
             .flat_map(|j| STRIBECK_VELOCITIES_RAD_S.map(|velocity| proposal(j, velocity)))

@@ -27,7 +27,13 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, OwnFriction, Parameters, Proposal, named};
+use crate::hypotheses::shape::Shape;
+
+/// Times from which the drift is logarithmic; the search begins at the middle of what is reported of warming drives.
+const WARMING_TIME: Shape = Shape::logarithmic("warming_time_s", "/warming_time_s", [3.0, 3000.0], 1.0);
+/// Where it begins, s.
+const USUAL_WARMING_TIME_S: f64 = 60.0;
 
 /// The parameter in which a proposal notes the joint's root mean square speed.
 const TYPICAL_VELOCITY: &str = "typical_velocity_rad_s";
@@ -41,6 +47,10 @@ impl Effect for TemperatureDependentFriction {
 
     fn family(&self) -> Family {
         Family::V
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
     }
 
     fn title(&self) -> &'static str {
@@ -59,7 +69,10 @@ impl Effect for TemperatureDependentFriction {
         (0..context.joints)
             .map(|j| {
                 // Friction rises or falls; both signs are physical.
-                Proposal::on_joint(j, json!({"model": "temperature", "joints": [j]}), vec![])
+                let term =
+                    json!({"model": "temperature", "joints": [j], "warming_time_s": USUAL_WARMING_TIME_S});
+                Proposal::on_joint(j, term, vec![])
+                    .shaped(WARMING_TIME)
                     .with(TYPICAL_VELOCITY, typical_velocity_rad_s(context, j))
             })
             .collect()

@@ -25,7 +25,7 @@
 //! - W. Khalil, E. Dombre (2002), *Modeling, Identification and Control of Robots*, on the filtering that keeps
 //!   torque and regressor in phase.
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
 use crate::recordings::rows::Instrument;
 
 pub(super) struct TimeDelay;
@@ -37,6 +37,10 @@ impl Effect for TimeDelay {
 
     fn family(&self) -> Family {
         Family::D
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Acceleration
     }
 
     fn title(&self) -> &'static str {

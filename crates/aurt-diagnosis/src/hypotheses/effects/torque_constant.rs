@@ -28,7 +28,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal};
 use crate::recordings::rows::Instrument;
 
 pub(super) struct TorqueConstant;
@@ -40,6 +40,10 @@ impl Effect for TorqueConstant {
 
     fn family(&self) -> Family {
         Family::D
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Load
     }
 
     fn title(&self) -> &'static str {

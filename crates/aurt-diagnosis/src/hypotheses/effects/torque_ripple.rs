@@ -29,7 +29,11 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal};
+use crate::hypotheses::shape::Shape;
+
+/// The order is sought around a peak of the periodogram, which resolves the travelled range.
+const ORDER: Shape = Shape::linear("order", "/cycles_per_revolution", [1.0, 240.0], 0.15);
 
 pub(super) struct TorqueRipple;
 
@@ -40,6 +44,14 @@ impl Effect for TorqueRipple {
 
     fn family(&self) -> Family {
         Family::P
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Position
+    }
+
+    fn repeatable(&self) -> bool {
+        true
     }
 
     fn title(&self) -> &'static str {
@@ -61,7 +73,7 @@ impl Effect for TorqueRipple {
                 let term = json!({
                     "model": "torque_ripple", "joints": [joint], "cycles_per_revolution": order,
                 });
-                Proposal::on_joint(joint, term, vec![]).with("order", order)
+                Proposal::on_joint(joint, term, vec![]).shaped(ORDER)
             })
             .collect()
     }

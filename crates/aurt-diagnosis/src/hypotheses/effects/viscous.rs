@@ -25,7 +25,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction, named};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, joint_friction, named};
 
 pub(super) struct Viscous;
 
@@ -36,6 +36,10 @@ impl Effect for Viscous {
 
     fn family(&self) -> Family {
         Family::V
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
     }
 
     fn title(&self) -> &'static str {

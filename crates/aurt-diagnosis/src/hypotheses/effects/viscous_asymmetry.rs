@@ -26,7 +26,7 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, OwnFriction, Parameters, Proposal, named, raised};
+use super::{Context, Effect, Family, FittedColumn, Kind, OwnFriction, Parameters, Proposal, named, raised};
 
 pub(super) struct ViscousAsymmetry;
 
@@ -37,6 +37,14 @@ impl Effect for ViscousAsymmetry {
 
     fn family(&self) -> Family {
         Family::V
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
+    }
+
+    fn generalises(&self) -> &'static [&'static str] {
+        &["viscous"]
     }
 
     fn title(&self) -> &'static str {

@@ -29,14 +29,19 @@
 
 use serde_json::json;
 
-use super::{Context, Effect, Family, FittedColumn, Parameters, Proposal, joint_friction};
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, joint_friction};
+use crate::hypotheses::shape::Shape;
 
 /// Powers beside the linear one.
 const POWERS: [u32; 2] = [2, 3];
 
-/// Velocities v_s that are tried for the saturating law. Below a quarter of a radian per second it is hard to tell
+/// Velocities v_s from which the search for the saturating law begins. Below a quarter of a radian per second it is hard to tell
 /// from dry friction.
 const SATURATION_VELOCITIES_RAD_S: [f64; 3] = [0.25, 0.7, 2.0];
+
+/// Where it is sought: up to a velocity above which the law is a straight line on any arm.
+const SATURATION: Shape =
+    Shape::logarithmic("saturation_velocity_rad_s", "/viscous/saturation_velocity_rad_s", [0.1, 8.0], 0.5);
 
 pub(super) struct ViscousNonlinear;
 
@@ -47,6 +52,14 @@ impl Effect for ViscousNonlinear {
 
     fn family(&self) -> Family {
         Family::V
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Friction
+    }
+
+    fn generalises(&self) -> &'static [&'static str] {
+        &["viscous"]
     }
 
     fn title(&self) -> &'static str {
@@ -73,7 +86,7 @@ impl Effect for ViscousNonlinear {
                 "coulomb": {"model": "absent"}, "hysteresis": {"model": "sign"},
                 "viscous": {"model": "saturating", "saturation_velocity_rad_s": velocity},
             });
-            Proposal::on_joint(j, term, vec![true]).with("saturation_velocity_rad_s", velocity)
+            Proposal::on_joint(j, term, vec![true]).shaped(SATURATION)
         };
         (0..context.joints)
             .flat_map(|j| {

@@ -107,6 +107,8 @@ fn of_model(
                     nonnegative: vec![columns == 1; columns],
                     presence: Presence::Any,
                     fixed: shapes.clone(),
+                    shapes: Vec::new(),
+                    deviations: BTreeMap::new(),
                 },
                 term: built,
             });

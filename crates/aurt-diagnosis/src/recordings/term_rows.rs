@@ -1,0 +1,47 @@
+//! The rows of one arm term by itself.
+
+use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, RigidBodyRegressor};
+
+use crate::error::DiagnosisError;
+
+/// Filtered, decimated rows of the columns of an arm term that does not read the load, over all segments of a
+/// recording: `[joint of the term][column][row]`.
+///
+/// # Errors
+/// What the term and the filter report.
+pub(crate) fn term_rows(
+    term: &dyn ArmTerm,
+    rigid_body: &dyn RigidBodyRegressor,
+    data: &Preprocessed,
+) -> Result<Vec<Vec<Vec<f64>>>, DiagnosisError> {
+    let rows: usize = data.segments.iter().map(Segment::rows).sum();
+    let mut series: Vec<Vec<Vec<f64>>> = Vec::new();
+    let mut first = 0;
+    for segment in &data.segments {
+        let motion = segment.motion.view();
+        let (joints, samples, count) = (motion.joints(), motion.samples(), segment.rows());
+        let (own, columns) = (term.joints(joints).len(), term.columns(joints).len());
+        series.resize(own, vec![vec![0.0; rows]; columns]);
+        let load = vec![0.0; joints * samples];
+        let all = ArmSeries { motion, load_torque: &load, load_stride: samples, rigid_body };
+        let beginning =
+            ArmSeries { motion: motion.slice(0..1), load_torque: &load, load_stride: samples, rigid_body };
+        let mut state = term.initial_state(&beginning);
+        let mut values = vec![0.0; own * columns * samples];
+        let mut out = Columns::new(&mut values, own * columns, samples, samples);
+        term.evaluate(&all, &mut state, &mut out)?;
+        let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, own * columns, segment.decimation);
+        let mut write = |tile: DecimatedTile<'_>| {
+            let from = first + tile.first_row();
+            let take = tile.rows().min(count.saturating_sub(tile.first_row()));
+            for (k, column) in series.iter_mut().flatten().enumerate() {
+                column[from..from + take].copy_from_slice(&tile.column(k)[..take]);
+            }
+        };
+        bank.push(&values, samples, samples, &mut write);
+        bank.finish(&mut write)?;
+        first += count;
+    }
+    Ok(series)
+}

@@ -1,0 +1,258 @@
+//! What a hypothesis brings to a model, on blocks of time that did not fit it.
+
+use rayon::prelude::*;
+
+use crate::evidence::problem::NestedFit;
+use crate::hypotheses::group::{Group, Switch, is_friction, kind};
+use crate::request::SelectionOptions;
+use crate::search::ground::Ground;
+
+/// A nested fit with the shares of independent rows of its residual, and what it leaves.
+pub(crate) struct Weighed {
+    nested: NestedFit,
+    /// Share of independent rows of each joint.
+    pub(crate) shares: Vec<f64>,
+    /// What it leaves.
+    pub(crate) errors: Errors,
+}
+
+/// Held-out mean squared errors, joint by joint.
+#[derive(Debug, Clone)]
+pub(crate) struct Errors {
+    /// Over all rows.
+    pub(crate) all: Vec<f64>,
+    /// Log of the ratio by which the error on the calibration recordings exceeds the floor; zero where there are none.
+    pub(crate) misfit: Vec<f64>,
+}
+
+/// Scores of hypotheses beside a model.
+#[derive(Clone, Copy)]
+pub(crate) struct Scoring<'a> {
+    pub(crate) ground: &'a dyn Ground,
+    pub(crate) baseline: &'a [Switch],
+    pub(crate) groups: &'a [Group],
+    pub(crate) floor: &'a [f64],
+    pub(crate) options: &'a SelectionOptions,
+}
+
+impl Scoring<'_> {
+    /// The baseline's switches and those of chosen groups, each once.
+    pub(crate) fn switches(&self, chosen: &[usize]) -> Vec<Switch> {
+        let mut all = self.baseline.to_vec();
+        for switch in chosen.iter().flat_map(|g| &self.groups[*g].switches) {
+            if !all.iter().any(|s| s.column == switch.column && s.target_only == switch.target_only) {
+                all.push(*switch);
+            }
+        }
+        all
+    }
+
+    /// Fits a model: least squares for the joints' variances, then weighted by them.
+    pub(crate) fn fit(&self, chosen: &[usize]) -> Weighed {
+        let problem = self.ground.problem();
+        let switches = self.switches(chosen);
+        let first = problem.fit(&switches, &vec![1.0; problem.joints()]);
+        let weights: Vec<f64> = (0..problem.joints())
+            .map(|j| {
+                let rows = problem.rows(j, false).max(1.0);
+                let variance = (first.squared_errors[0][j] + first.squared_errors[1][j]) / rows;
+                1.0 / variance.max(self.floor[j]).max(f64::MIN_POSITIVE)
+            })
+            .collect();
+        let shares = self.ground.independent_shares(&switches, &first.coefficients);
+        let nested = problem.nest(&switches, &weights);
+        let errors = self.errors(&nested, &[]);
+        Weighed { nested, shares, errors }
+    }
+
+    /// What a fit leaves once it is extended by a group.
+    pub(crate) fn with(&self, fit: &Weighed, group: &[Switch]) -> Vec<f64> {
+        self.errors(&fit.nested, group).all
+    }
+
+    fn errors(&self, fit: &NestedFit, group: &[Switch]) -> Errors {
+        let problem = self.ground.problem();
+        let [calibration, target] = problem.held_out(fit, group);
+        let rows = |j: usize| problem.rows(j, false).max(1.0);
+        let all = (0..problem.joints()).map(|j| (calibration[j] + target[j]) / rows(j)).collect();
+        let misfit = (0..problem.joints()).map(|j| {
+            let rows = problem.rows(j, false) - problem.rows(j, true);
+            let floor = self.floor[j].max(f64::MIN_POSITIVE);
+            if rows < 1.0 { 0.0 } else { (calibration[j] / rows / floor).ln().max(0.0) }
+        });
+        Errors { all, misfit: misfit.collect() }
+    }
+
+    /// Σ_j ½ n_eff log(before / after), both not below the floor.
+    pub(crate) fn score(&self, fit: &Weighed, before: &[f64], after: &[f64]) -> f64 {
+        (0..before.len()).map(|j| self.score_on(j, fit, before, after)).sum()
+    }
+
+    /// A joint's part of the score.
+    fn score_on(&self, joint: usize, fit: &Weighed, before: &[f64], after: &[f64]) -> f64 {
+        let effective = fit.shares[joint] * self.ground.problem().rows(joint, false);
+        0.5 * effective * self.log_ratio(joint, before[joint], after[joint])
+    }
+
+    /// log(before / after), both not below the floor.
+    pub(crate) fn log_ratio(&self, joint: usize, before: f64, after: f64) -> f64 {
+        let floor = self.floor[joint].max(f64::MIN_POSITIVE);
+        (before.max(floor) / after.max(floor)).ln()
+    }
+
+    /// Whether a group shows what it is named for: what sets it apart from simpler effects brings something by itself,
+    /// and what ties two joints shows on both.
+    fn is_itself(&self, group: usize, fit: &Weighed, after: &[f64], score: f64) -> bool {
+        let (own, before) = (&self.groups[group], &fit.errors.all);
+        let hidden = |j: &usize| self.score_on(*j, fit, before, after) < self.options.score;
+        if own.is_tie() && own.joints.iter().any(hidden) {
+            return false;
+        }
+        if own.accessory.is_empty() {
+            return true;
+        }
+        let accessory = self.score(fit, before, &self.with(fit, &own.accessory));
+        score - accessory > self.options.score + self.options.share * accessory.max(0.0)
+    }
+
+    /// Groups that bring the least score beside a fit, best first.
+    pub(crate) fn rank(&self, fit: &Weighed, eligible: impl Fn(usize) -> bool + Sync) -> Vec<(usize, f64)> {
+        let mut ranked: Vec<(usize, f64)> = (0..self.groups.len())
+            .into_par_iter()
+            .filter(|g| eligible(*g))
+            .filter_map(|g| {
+                let after = self.with(fit, &self.groups[g].switches);
+                let score = self.score(fit, &fit.errors.all, &after);
+                let counts = score.is_finite() && score > self.options.score;
+                (counts && self.is_itself(g, fit, &after, score)).then_some((g, score))
+            })
+            .collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        ranked
+    }
+
+    /// Scores within this of the best are as good.
+    pub(crate) fn near(&self, best: f64) -> f64 {
+        best - (self.options.tie * best).max(self.options.tie_nats)
+    }
+
+    /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
+    /// not beat by the least score. Friction differs from day to day, so a change of anything else on one joint has to be
+    /// clearly better than a change of its friction.
+    pub(crate) fn frugal(&self, ranked: &[(usize, f64)]) -> Option<usize> {
+        let (first, best) = *ranked.first()?;
+        let near = self.near(best);
+        let mut choice = ranked
+            .iter()
+            .filter(|(_, score)| *score >= near)
+            // The vocabulary wins ties.
+            .min_by_key(|(g, _)| (!self.groups[*g].is_named(), self.groups[*g].switches.len()))
+            .map_or(first, |(g, _)| *g);
+        let simpler = ranked.iter().find(|(g, score)| {
+            self.groups[choice].generalises(&self.groups[*g]) && *score >= best - self.options.score
+        });
+        if let Some((g, _)) = simpler {
+            choice = *g;
+        }
+        let own = &self.groups[choice];
+        if own.target_only() && !is_friction(own.effect) && own.joints.len() == 1 {
+            let everyday = ranked.iter().find(|(g, score)| {
+                let other = &self.groups[*g];
+                other.target_only()
+                    && is_friction(other.effect)
+                    && other.joints == own.joints
+                    && *score >= self.options.everyday * best
+            });
+            return everyday.map(|(g, _)| *g).or(Some(choice));
+        }
+        Some(choice)
+    }
+
+    /// Whether a group lowers the error of some joint by as much as its kind must.
+    pub(crate) fn enough(&self, group: usize, fit: &Weighed) -> bool {
+        let after = self.with(fit, &self.groups[group].switches);
+        let before = &fit.errors;
+        (0..after.len())
+            .any(|j| self.log_ratio(j, before.all[j], after[j]) > self.least(group, before.misfit[j]))
+    }
+
+    /// The log-MSE that a group must bring at a joint, where the model without changes leaves a misfit of the
+    /// calibration recordings.
+    fn least(&self, group: usize, misfit: f64) -> f64 {
+        let least = -(1.0 - self.options.reduction).ln();
+        let group = &self.groups[group];
+        if group.target_only() && !is_friction(group.effect) {
+            least + self.options.change_share * misfit
+        } else {
+            least
+        }
+    }
+
+    /// Whether a group is a further one of what a joint can have but once: a law of friction with other shape
+    /// parameters, a motor that turns with a further joint. Several of them mimic what is not among the candidates.
+    pub(crate) fn is_repeated(&self, group: usize, chosen: &[usize]) -> bool {
+        let own = &self.groups[group];
+        if own.is_repeatable() || own.joints.len() > 2 {
+            return false;
+        }
+        chosen.iter().map(|c| &self.groups[*c]).any(|other| {
+            other.effect == own.effect
+                && other.target_only() == own.target_only()
+                && other.joints.iter().any(|j| own.joints.contains(j))
+        })
+    }
+
+    /// Whether two groups concern a common joint.
+    pub(crate) fn meet(&self, a: usize, b: usize) -> bool {
+        self.groups[a].joints.iter().any(|j| self.groups[b].joints.contains(j))
+    }
+
+    /// Score and log-MSE of each joint that are lost without the i-th of the chosen.
+    pub(crate) fn loss(&self, chosen: &[usize], i: usize, full: &[f64]) -> Loss {
+        let fit = self.fit(&without(chosen, i));
+        let before = fit.errors.all.clone();
+        let of_joint = (0..full.len()).map(|j| self.log_ratio(j, before[j], full[j])).collect();
+        Loss { score: self.score(&fit, &before, full), of_joint, without: before }
+    }
+
+    /// Whether the i-th of the chosen brings as much as it must: the least score, and on some joint the least reduction
+    /// and a share of what there is to bring. That is what the model gains on the joint, from `start` (for a change, what
+    /// structure leaves), or what it would gain down to the noise from where it stands without the effect, whichever is
+    /// less: what others gain does not hide an effect that takes a good part of what they leave.
+    pub(crate) fn earns_its_place(
+        &self,
+        chosen: &[usize],
+        i: usize,
+        start: &[f64],
+        full: &Errors,
+        loss: &Loss,
+    ) -> bool {
+        let own = &self.groups[chosen[i]];
+        let twin = chosen.iter().enumerate().any(|(k, g)| {
+            k != i && self.groups[*g].joints == own.joints && kind(self.groups[*g].effect) == kind(own.effect)
+        });
+        let share = if twin { self.options.share_same_kind } else { self.options.share };
+        loss.score > self.options.score
+            && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
+                let gain = self.log_ratio(j, start[j], full.all[j]);
+                let left = self.log_ratio(j, loss.without[j], 0.0);
+                *of_joint > share * gain.min(left) && *of_joint > self.least(chosen[i], full.misfit[j])
+            })
+    }
+}
+
+/// What is lost without an effect.
+#[derive(Debug, Clone)]
+pub(crate) struct Loss {
+    /// The score.
+    pub(crate) score: f64,
+    /// Log-MSE of each joint.
+    pub(crate) of_joint: Vec<f64>,
+    /// Held-out mean squared error of each joint without it.
+    without: Vec<f64>,
+}
+
+/// All but the i-th.
+pub(crate) fn without(chosen: &[usize], i: usize) -> Vec<usize> {
+    chosen.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, g)| *g).collect()
+}
