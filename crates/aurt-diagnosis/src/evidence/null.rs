@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::solve_signed;
-use crate::evidence::problem::{PartFit, Problem};
+use crate::evidence::problem::{PartFit, Problem, ROUNDING};
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{RecordingRows, Role};
@@ -227,10 +227,17 @@ fn of_group(
         absorbed.chunks_exact_mut(n.max(1)).for_each(|c| fold.fit.backward(c));
         let of = |k: usize| &projected[k * n..(k + 1) * n];
         let taken = |k: usize| &absorbed[k * n..(k + 1) * n];
-        let mut schur = problem.cross(fold.train, own, own, weights);
+        let whole = problem.cross(fold.train, own, own, weights);
+        let mut schur = vec![0.0; g * g];
         for b in 0..g {
             for a in 0..g {
-                schur[b * g + a] -= dot(of(a), of(b));
+                schur[b * g + a] = whole[b * g + a] - dot(of(a), of(b));
+            }
+        }
+        // What the nested model absorbs, its own columns among it, leaves rounding.
+        for k in 0..g {
+            if schur[k * g + k] <= ROUNDING * whole[k * g + k] {
+                schur[k * g + k] = 0.0;
             }
         }
         // Over the test part, joint by joint: products with the nested columns, and the Gram matrix of what is free.

@@ -58,7 +58,7 @@ impl PartFit {
 
 /// Below this share of its squared length a column is one of those already in the model: what is left of it is
 /// rounding.
-const ROUNDING: f64 = 1e-10;
+pub(crate) const ROUNDING: f64 = 1e-10;
 
 impl Problem {
     /// A problem over the columns of a layout.
