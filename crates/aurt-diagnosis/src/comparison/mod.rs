@@ -12,7 +12,10 @@ use serde::Serialize;
 
 use crate::investigation::Investigation;
 use crate::request::Question;
-use crate::verdict::findings::{contact_findings, delay_finding, fault_findings, shaking_findings};
+use crate::verdict::contacts::contact_findings;
+use crate::verdict::faults::fault_findings;
+use crate::verdict::findings::delay_finding;
+use crate::verdict::transmission::shaking_findings;
 use crate::verdict::{Answer, Finding};
 
 /// A method of selection.

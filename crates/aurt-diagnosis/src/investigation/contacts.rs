@@ -17,7 +17,7 @@ impl Parts<'_> {
     /// Contacts of at least `shortest_s`, and what is selected without their windows, which are left out of `rows`. A
     /// contact has to be found again beside that: physics that the window had hidden may explain it.
     pub(super) fn with_contacts(
-        &self,
+        &mut self,
         rows: &mut FitRows,
         selected: Selected,
         shortest_s: f64,

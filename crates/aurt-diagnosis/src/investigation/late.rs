@@ -83,7 +83,7 @@ impl Delay {
             question.recordings
         } else {
             repaired =
-                question.recordings.iter().map(QuestionedRecording::repaired).collect::<Result<_, _>>()?;
+                question.recordings.iter().map(|r| r.repaired(question.without)).collect::<Result<_, _>>()?;
             &repaired
         };
         let question = &Question { recordings, ..*question };

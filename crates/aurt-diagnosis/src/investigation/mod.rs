@@ -7,6 +7,7 @@ mod gears;
 mod late;
 mod predicted;
 mod repairs;
+mod reshaped;
 mod selecting;
 
 pub use earned::Indicated;
@@ -261,7 +262,7 @@ fn investigate_as_it_is(
     }
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
-    let (mut rows, confirm) = FitRows::divide(rows, &partition);
+    let (mut rows, mut confirm) = FitRows::divide(rows, &partition);
     let layout = Layout::new(&model);
     let base_switches = if baseline.frozen { Vec::new() } else { own_switches(question.model) };
     let mut floor = mean_floor(&rows, &partition, &floors);
@@ -299,6 +300,10 @@ fn investigate_as_it_is(
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
     floor = mean_floor(&rows, &partition, &floors);
+    for chosen in &selection.chosen {
+        let candidate = &candidates[groups[chosen.group].candidate];
+        reshaped::reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
+    }
     let judge = Judge {
         problem: &problem,
         groups: &groups,

@@ -36,7 +36,7 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
                 ("window_s".to_owned(), number(json!(contact.window_s))),
             ]),
             alternatives: Vec::new(),
-            evidence: Evidence { score: contact.score, threshold },
+            evidence: Evidence { score: contact.score, threshold, ..Evidence::default() },
             stability: None,
             sentence: format!(
                 "a contact at link {} of {} from {from:.1} to {to:.1} s, felt by {}",

@@ -62,6 +62,7 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
             evidence: Evidence {
                 score: -fault.log10_probability * std::f64::consts::LN_10,
                 threshold: question.selection.score,
+                ..Evidence::default()
             },
             stability: None,
             sentence: fault.sentence.clone(),

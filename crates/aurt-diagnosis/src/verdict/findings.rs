@@ -139,7 +139,12 @@ fn finding(
             })
             .collect(),
         alternatives,
-        evidence: Evidence { score: one.score, threshold: question.selection.score },
+        evidence: Evidence {
+            score: one.score,
+            threshold: one.threshold,
+            p_null: one.p_null,
+            p_confirm: one.p_confirm,
+        },
         stability: None,
         sentence: String::new(),
     })

@@ -2,9 +2,9 @@
 
 pub(crate) mod answer;
 pub(crate) mod confidence;
-mod contacts;
+pub(crate) mod contacts;
 mod errors;
-mod faults;
+pub(crate) mod faults;
 pub(crate) mod findings;
 mod finite;
 pub(crate) mod localise;

@@ -67,7 +67,11 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Option<Finding> {
         confidence: confidence(shaking.score, false),
         parameters,
         alternatives: Vec::new(),
-        evidence: Evidence { score: shaking.score, threshold: question.selection.score },
+        evidence: Evidence {
+            score: shaking.score,
+            threshold: question.selection.score,
+            ..Evidence::default()
+        },
         stability: None,
         sentence,
     })
