@@ -314,7 +314,7 @@ fn investigate_as_it_is(
         options: &question.selection,
     };
     for chosen in &mut selection.chosen {
-        chosen.p_confirm = judge.p_confirm(&switches, &groups[chosen.group]);
+        chosen.p_confirm = judge.p_confirm(&confirm, &switches, &groups[chosen.group]);
     }
     Ok(Investigation {
         model,

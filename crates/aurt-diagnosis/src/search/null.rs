@@ -5,6 +5,7 @@ use crate::evidence::null::by_chance;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::SelectionOptions;
@@ -59,19 +60,17 @@ impl Judge<'_> {
     /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
     /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
     /// could as well have the other sign. None where there are too few pieces to tell.
-    pub(crate) fn p_confirm(&self, all: &[Switch], group: &Group) -> Option<f64> {
+    pub(crate) fn p_confirm(&self, confirm: &ConfirmRows, all: &[Switch], group: &Group) -> Option<f64> {
         let rest: Vec<Switch> = all.iter().filter(|s| !group.switches.contains(s)).copied().collect();
         let [with, without] =
             [all, &rest].map(|s| (s, weighted_fit(self.problem, s, self.floor).0.coefficients));
         let mut errors: Vec<[Vec<f64>; 2]> = Vec::new();
-        let rows: usize =
-            self.partition.held_out.iter().map(|(_, start, end)| end.saturating_sub(*start)).sum();
+        let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
         let length = (rows / PIECES).max(1);
-        for (r, start, end) in &self.partition.held_out {
-            let left = [&with, &without].map(|(s, beta)| residuals(&self.rows[*r], self.layout, s, beta));
-            let pieces = end.saturating_sub(*start) / length;
-            for piece in 0..pieces {
-                let span = start + piece * length..start + (piece + 1) * length;
+        for recording in confirm.to_judge() {
+            let left = [&with, &without].map(|(s, beta)| residuals(recording, self.layout, s, beta));
+            for piece in 0..recording.rows() / length {
+                let span = piece * length..(piece + 1) * length;
                 errors.push(left.each_ref().map(|left| {
                     left.iter().map(|joint| joint[span.clone()].iter().map(|e| e * e).sum()).collect()
                 }));
