@@ -7,9 +7,9 @@ use super::spectrum::RecordingNoise;
 use crate::error::DiagnosisError;
 use crate::recordings::rows::RecordingRows;
 
-/// A floor that exceeds the residual by this factor (mean square) is wrong: of right models, floors are within 0.9–1.1
-/// of the root mean square.
-const CONTRADICTION: f64 = 1.21;
+/// A floor that exceeds the residual by this factor (mean square) is wrong beyond chance: the few reversals whose sign
+/// noise decides scatter by about as much as they are expected to bring.
+const CONTRADICTION: f64 = 2.0;
 
 /// Mean square of each joint's residual that noise alone would leave in the rows that count: the noise's spectrum behind
 /// the parallel filter, integrated (decimation folds it and keeps its power), and the dry friction whose sign noise
