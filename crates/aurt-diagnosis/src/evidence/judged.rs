@@ -57,7 +57,7 @@ impl Judged {
         let mut notes = Vec::new();
         let mut noise_exceeds_all = false;
         for ((recording, rows), noise) in question.recordings.iter().zip(&own_rows).zip(&noise) {
-            let mut floor = noise_floor(noise, &recording.data.data, rows);
+            let mut floor = noise_floor(noise, &recording.data.data, rows)?;
             noise_exceeds_all |= exceeds_all(rows, &floor);
             notes.extend(bounded(&rows.name, &mut floor, &left(question, &baseline, rows)));
             floors.push(floor);

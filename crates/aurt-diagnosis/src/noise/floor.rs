@@ -4,34 +4,40 @@ use aurt_recording::Preprocessed;
 
 use super::sign::wrong_sign;
 use super::spectrum::RecordingNoise;
+use crate::error::DiagnosisError;
 use crate::recordings::rows::RecordingRows;
 
-/// A floor that exceeds the residual by this factor (mean square) is wrong: of right models, floors are within 0.9–1.1
-/// of the root mean square.
-const CONTRADICTION: f64 = 1.21;
+/// A floor that exceeds the residual by this factor (mean square) is wrong beyond chance: the few reversals whose sign
+/// noise decides scatter by about as much as they are expected to bring.
+const CONTRADICTION: f64 = 2.0;
 
 /// Mean square of each joint's residual that noise alone would leave in the rows that count: the noise's spectrum behind
 /// the parallel filter, integrated (decimation folds it and keeps its power), and the dry friction whose sign noise
 /// decides.
-#[must_use]
-pub fn noise_floor(noise: &RecordingNoise, data: &Preprocessed, rows: &RecordingRows) -> Vec<f64> {
+///
+/// # Errors
+/// What the filters report.
+pub fn noise_floor(
+    noise: &RecordingNoise,
+    data: &Preprocessed,
+    rows: &RecordingRows,
+) -> Result<Vec<f64>, DiagnosisError> {
     (0..rows.joints.len())
         .map(|j| {
-            let joint = &rows.joints[j];
-            let (mut sum, mut count) = (0.0, 0.0);
+            let counts = &rows.joints[j].counts;
+            let (mut sum, mut all) = (0.0, 0.0);
             let mut first = 0;
             for (segment, noise) in data.segments.iter().zip(&noise.segments) {
-                let end = (first + segment.rows()).min(joint.counts.len());
-                let counted = joint.counted(first, end);
-                let speeds = (first..end)
-                    .filter(|row| joint.counts[*row])
-                    .map(|row| (row - first, joint.velocity_rad_s[row]));
-                sum += counted * noise.power_behind(j, &segment.parallel_filter)
-                    + wrong_sign(noise, segment, j, speeds);
-                count += counted;
+                let end = (first + segment.rows()).min(counts.len());
+                let counted = rows.joints[j].counted(first, end);
+                if counted > 0.0 {
+                    sum += counted * noise.power_left(j, segment)?
+                        + wrong_sign(noise, segment, j, &counts[first..end])?;
+                }
+                all += counted;
                 first = end;
             }
-            sum / f64::max(count, 1.0)
+            Ok(sum / f64::max(all, 1.0))
         })
         .collect()
 }

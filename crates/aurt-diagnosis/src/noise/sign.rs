@@ -2,34 +2,62 @@
 
 use aurt_recording::Segment;
 
-use super::spectrum::SegmentNoise;
+use super::spectrum::{SegmentNoise, integral};
+use crate::error::DiagnosisError;
 
 /// Speed over its noise beyond which the sign is certain: Φ(−6) = 1e-9.
 const CERTAIN: f64 = 6.0;
 
-/// Expected squared error, at a motion sample, of a joint's dry friction F sgn q̇ whose velocity v has the noise σ_v.
+/// D²/⟨δt²⟩ = (1/√π)² of a crossing, see [`wrong_sign`].
+const CROSSING: f64 = std::f64::consts::FRAC_1_PI;
+
+/// Sum over the rows that count of the expected squared error of a joint's dry friction F sgn q̇, whose velocity v has the
+/// noise σ_v.
 ///
-/// The sign is wrong with the probability p = Φ(−|v|/σ_v), so that the friction is off by 2F p on average, which every
-/// filter lets through, and scatters around that by 4F² p(1−p), of which the parallel filter passes the share that it
-/// passes of the velocity's noise.
+/// The sign is wrong with the probability p = Φ(−|v|/σ_v). On average that is the error 2F p sgn v, a doublet around each
+/// reversal, which passes the parallel filter H like any torque; around it scatters 4F² p(1−p), of which H passes at most
+/// the share that it passes of the velocity's noise. A fast reversal, through which noise is constant, is a step shifted by
+/// δt = n/q̈, of the energy 4F² ⟨δt²⟩ ∫|H|²df; with D = ∫p(1−p)dt = σ_v/(√π |q̈|) that is 4F² D · π D ∫|H|²df. The less counts.
+///
+/// # Errors
+/// What the filter reports.
 pub(super) fn wrong_sign(
     noise: &SegmentNoise,
     segment: &Segment,
     joint: usize,
-    rows: impl Iterator<Item = (usize, f64)>,
-) -> f64 {
-    let (variance, passed) = noise.velocity_noise(joint, &segment.parallel_filter);
+    counts: &[bool],
+) -> Result<f64, DiagnosisError> {
+    let filter = &segment.parallel_filter;
+    let (variance, passed) = noise.velocity_noise(joint, filter);
     if variance <= 0.0 {
-        return 0.0;
+        return Ok(0.0);
     }
     let scatter = variance.sqrt();
-    rows.filter(|(_, velocity)| velocity.abs() < CERTAIN * scatter)
-        .map(|(row, velocity)| {
-            let wrong = normal_below(-velocity.abs() / scatter);
-            let step = noise.sensitivity.step_at(joint, row * segment.decimation);
-            4.0 * step * step * (wrong * wrong + wrong * (1.0 - wrong) * passed)
-        })
-        .sum()
+    // Behind the filter the velocity has little of its noise, and stands for the one that it really is.
+    let velocity = filter.filter(segment.motion.view().velocity_rad_s(joint))?;
+    let period_s = 1.0 / segment.rate_hz;
+    let bandwidth_hz = 2.0 * integral(0.0, 0.5 * segment.rate_hz, |f| filter.gain(f).powi(2));
+    let mut mean = vec![0.0; velocity.len()];
+    let mut energy = 0.0;
+    let mut k = 0;
+    while k < velocity.len() {
+        let uncertain = velocity[k..].iter().take_while(|v| v.abs() < CERTAIN * scatter).count();
+        let (mut duration_s, mut spread) = (0.0, 0.0);
+        for (at, v) in velocity.iter().enumerate().skip(k).take(uncertain) {
+            if !counts.get(at / segment.decimation).copied().unwrap_or(false) {
+                continue;
+            }
+            let wrong = normal_below(-v.abs() / scatter);
+            let jump = 2.0 * noise.sensitivity.step_at(joint, at);
+            mean[at] = jump * wrong * v.signum();
+            duration_s += wrong * (1.0 - wrong) * period_s;
+            spread += jump * jump * wrong * (1.0 - wrong);
+        }
+        energy += spread * passed.min(duration_s * bandwidth_hz / CROSSING);
+        k += uncertain.max(1);
+    }
+    let shifted: f64 = filter.filter(&mean)?.iter().map(|e| e * e).sum();
+    Ok((shifted + energy) / segment.decimation as f64)
 }
 
 /// Φ(x) for x ≤ 0 to 1e-7 (Abramowitz and Stegun, 26.2.17).

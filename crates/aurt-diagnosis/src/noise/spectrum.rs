@@ -12,6 +12,8 @@ use crate::recordings::rows::Fit;
 
 /// Ratio of the edges of the bands in which the residual's spectrum is fitted.
 const BAND: f64 = 1.25;
+/// Share of an acceleration's power that is motion, at least: beyond, nothing is known of the inertia.
+const LEAST_MOTION: f64 = 0.1;
 /// Points of an integral over a band of frequencies.
 const POINTS: usize = 256;
 
@@ -184,6 +186,33 @@ impl SegmentNoise {
         integral(0.0, 0.5 * self.rate_hz, |f| self.psd(joint, f) * filter.gain(f).powi(2))
     }
 
+    /// Mean square of a joint's noise behind the segment's parallel filter in the residual of a *fitted* model: beside
+    /// [`Self::power_behind`], what the noise in the accelerations has taken from the fitted inertias. Where of the power of
+    /// the filtered acceleration q̈_k the share λ_k is motion and the rest noise, least squares finds λ M in place of M, and
+    /// leaves M²λ⟨noise²⟩ = ⟨noise²⟩ M̂²/λ (Fuller 1987, ch. 1).
+    ///
+    /// # Errors
+    /// What the filter reports.
+    pub fn power_left(&self, joint: usize, segment: &Segment) -> Result<f64, DiagnosisError> {
+        let filter = &segment.parallel_filter;
+        let motion = segment.motion.view();
+        let mut power = self.power_behind(joint, filter);
+        for (k, slopes) in self.sensitivity.slopes[joint].iter().enumerate() {
+            let noise = integral(0.0, 0.5 * self.rate_hz, |f| {
+                let gain = acceleration_gain(f, self.rate_hz) * filter.gain(f);
+                gain * gain * self.filtered_position_psd(k, f)
+            });
+            if noise == 0.0 {
+                continue;
+            }
+            let seen = filter.filter(motion.acceleration_rad_s2(k))?;
+            let all = seen.iter().map(|a| a * a).sum::<f64>() / seen.len() as f64;
+            let share = (1.0 - noise / all.max(f64::MIN_POSITIVE)).max(LEAST_MOTION);
+            power += (1.0 / share - 1.0) * slopes.acceleration * noise;
+        }
+        Ok(power)
+    }
+
     /// One-sided power spectrum of a joint's noise in the segment's rows, filtered and decimated, Nm²/Hz: what lies above
     /// half the row rate is folded into it.
     #[must_use]
@@ -228,7 +257,7 @@ fn folded(frequency_hz: f64, segment: &Segment, psd: impl Fn(f64) -> f64) -> f64
 }
 
 /// ∫ psd df, by midpoints that lie denser at low frequencies, where memory is.
-fn integral(low_hz: f64, high_hz: f64, psd: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn integral(low_hz: f64, high_hz: f64, psd: impl Fn(f64) -> f64) -> f64 {
     if high_hz <= low_hz {
         return 0.0;
     }
