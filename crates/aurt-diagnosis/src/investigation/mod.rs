@@ -26,7 +26,6 @@ use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording};
-use crate::search::instrument_filter::is_common_filter;
 use crate::search::selection::{Selection, Selector};
 use crate::transmission::Shaking;
 use crate::{hypotheses::registered, search};
@@ -193,10 +192,7 @@ fn investigate_as_it_is(
         residual: &context_residual,
         inertial: &inertial,
     };
-    // The torque of an elastic gear that was found is no longer in the measurement.
-    let rings = shaking.iter().any(|s| s.confirmed && s.effect == "joint_elasticity");
-    let unasked =
-        |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
+    let unasked = |effect: &str| question.without.iter().any(|w| w == effect);
     let (proposed, untried) = registered::proposals(question, registry);
     let (model, candidates) =
         candidates(question, registry, &context, friction_may_be_late, unasked, proposed)?;
@@ -328,7 +324,7 @@ impl Parts<'_> {
     fn select(&self, rows: &[RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
-        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        let (groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
         let shares = |switches: &[Switch], coefficients: &[f64]| {
             shares(rows, self.partition, self.layout, switches, coefficients)
@@ -349,11 +345,7 @@ impl Parts<'_> {
             let (fit, _) = weighted_fit(&problem, &switches, self.floor);
             (selection, switches, fit.coefficients)
         };
-        let (mut selection, mut switches, mut coefficients) = select(&groups);
-        if is_common_filter(&groups, &selection, &switches, &coefficients) {
-            groups.retain(|g| g.effect != "joint_elasticity");
-            (selection, switches, coefficients) = select(&groups);
-        }
+        let (selection, switches, coefficients) = select(&groups);
         let final_shares = shares(&switches, &coefficients);
         let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
         Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }

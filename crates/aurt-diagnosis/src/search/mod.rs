@@ -1,6 +1,5 @@
 //! Which hypotheses describe the recordings.
 
-pub(crate) mod instrument_filter;
 pub(crate) mod registered;
 pub(crate) mod selection;
 
