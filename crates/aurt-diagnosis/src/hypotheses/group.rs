@@ -41,11 +41,6 @@ impl Group {
         self.effect != REGISTERED
     }
 
-    /// Whether equal coefficients on several joints mean a filter of the instrument.
-    pub(crate) fn is_common_when_equal(&self) -> bool {
-        find(self.effect).is_some_and(|e| e.is_common_when_equal())
-    }
-
     /// Whether a joint can have several of it.
     pub(crate) fn is_repeatable(&self) -> bool {
         find(self.effect).is_some_and(|e| e.repeatable())

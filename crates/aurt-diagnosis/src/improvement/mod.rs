@@ -99,10 +99,6 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
                     }
                     // Undone by a shift; see above.
                     Instrument::Delay | Instrument::DelayOfAll => {}
-                    Instrument::Jerk => improvement.notes.push(format!(
-                        "the elastic transmission of joint {joint} has no term that a calibrated model could \
-                         carry; the improved experiment does without it"
-                    )),
                 }
             }
         }

@@ -241,10 +241,7 @@ fn investigate_as_it_is(
         residual: &context_residual,
         inertial: &inertial,
     };
-    // The torque of an elastic gear that was found is no longer in the measurement.
-    let rings = shaking.iter().any(|s| s.confirmed && s.effect == "joint_elasticity");
-    let unasked =
-        |effect: &str| question.without.iter().any(|w| w == effect) || rings && effect == "joint_elasticity";
+    let unasked = |effect: &str| question.without.iter().any(|w| w == effect);
     let (proposed, untried) = registered::proposals(question, registry);
     let (model, mut candidates) = candidates(question, registry, &context, unasked, proposed)?;
     drop(context_rows);

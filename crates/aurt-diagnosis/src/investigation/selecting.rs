@@ -13,7 +13,6 @@ use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::Question;
 use crate::search;
 use crate::search::ground::{Ground, Recorded};
-use crate::search::instrument_filter::is_common_filter;
 use crate::search::selection::{Selection, Selector};
 
 /// What selection works on, beside the rows.
@@ -43,7 +42,7 @@ impl Parts<'_> {
     pub(super) fn select(&mut self, rows: &mut [RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
-        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        let (groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
         let misfit = misfit(&problem, self.base, &weights, self.floor);
         let mut ground = Recorded {
@@ -69,11 +68,7 @@ impl Parts<'_> {
             let (fit, _) = weighted_fit(&ground.problem, &switches, floor);
             (selection, switches, fit.coefficients)
         };
-        let (mut selection, mut switches, mut coefficients) = select(&groups);
-        if is_common_filter(&groups, &selection, &switches, &coefficients) {
-            groups.retain(|g| !g.is_common_when_equal());
-            (selection, switches, coefficients) = select(&groups);
-        }
+        let (selection, switches, coefficients) = select(&groups);
         let final_shares = ground.independent_shares(&switches, &coefficients);
         let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
         let Recorded { problem, .. } = ground;

@@ -50,8 +50,6 @@ pub struct Layout {
 pub enum Instrument {
     /// ŷ_j: its coefficient is a gain error.
     Gain,
-    /// d²ŷ_j/dt²: the motor-side inertia behind an elastic transmission, in s².
-    Jerk,
     /// −dτ_j/dt of the rigid bodies' part τ_j of ŷ_j: its coefficient is a delay of the measurement in s. One clock
     /// stamps all joints, so they share one coefficient. Friction is left out: its step at a reversal is smeared by
     /// filters and by presliding, which looks like a delay.
@@ -62,10 +60,10 @@ pub enum Instrument {
 
 impl Instrument {
     /// All of them, in column order.
-    pub const ALL: [Self; 4] = [Self::Gain, Self::Jerk, Self::Delay, Self::DelayOfAll];
+    pub const ALL: [Self; 3] = [Self::Gain, Self::Delay, Self::DelayOfAll];
 
     /// Those of which each joint has its own coefficient.
-    const OWN: usize = 2;
+    const OWN: usize = 1;
 }
 
 impl Layout {
@@ -93,7 +91,6 @@ impl Layout {
     const fn instrument_after(first: usize, joints: usize, joint: usize, which: Instrument) -> usize {
         match which {
             Instrument::Gain => first + joint * Instrument::OWN,
-            Instrument::Jerk => first + joint * Instrument::OWN + 1,
             Instrument::Delay => first + joints * Instrument::OWN,
             Instrument::DelayOfAll => first + joints * Instrument::OWN + 1,
         }
@@ -284,12 +281,9 @@ fn instrument_rows(
             }
         }
     })?;
-    let (prediction, derivatives) = series.split_at_mut(samples);
-    let (jerk, delays) = derivatives.split_at_mut(samples);
+    let (prediction, delays) = series.split_at_mut(samples);
     let (delay, delay_of_all) = delays.split_at_mut(samples);
     for k in 1..samples.saturating_sub(1) {
-        jerk[k] =
-            (prediction[k + 1] - 2.0 * prediction[k] + prediction[k - 1]) * segment.rate_hz * segment.rate_hz;
         delay_of_all[k] = -(prediction[k + 1] - prediction[k - 1]) * 0.5 * segment.rate_hz;
         delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
     }

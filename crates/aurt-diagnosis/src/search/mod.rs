@@ -1,7 +1,6 @@
 //! Which hypotheses describe the recordings.
 
 pub(crate) mod ground;
-pub(crate) mod instrument_filter;
 pub(crate) mod null;
 pub(crate) mod registered;
 pub(crate) mod scoring;

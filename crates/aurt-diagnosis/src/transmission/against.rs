@@ -121,7 +121,7 @@ impl<'a> Against<'a> {
             })
             .collect();
         free_all(&mut columns, &self.bands);
-        let mut moments = vec![[0.0; 2]; rows.blocks];
+        let mut moments = vec![[0.0; 2]; rows.parts];
         for (column, residual) in columns.iter().zip(&self.residual) {
             for ((c, r), block) in column.iter().zip(residual).zip(&rows.block) {
                 if let Some([cc, cr]) = block.map(|b| &mut moments[b]) {
@@ -135,7 +135,7 @@ impl<'a> Against<'a> {
 
     /// Power of the joint's own residual, block by block.
     pub fn power(&self) -> Vec<f64> {
-        let mut power = vec![0.0; self.freed.rows.blocks];
+        let mut power = vec![0.0; self.freed.rows.parts];
         let own = self.span.iter().position(|i| *i == self.joint).unwrap_or(0);
         for (r, block) in self.residual[own].iter().zip(&self.freed.rows.block) {
             if let Some(sum) = block.map(|b| &mut power[b]) {

@@ -5,16 +5,18 @@
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
 use super::against::{Against, Moments, OwnFreed};
+use super::rows::PARTS;
 use super::shape::{Inertia, Shape};
 use crate::error::DiagnosisError;
 
 /// Least gain in log-likelihood on rows that had no part in it, nats. The starts are some fifty shapes of each of seven
 /// joints: where nothing is there, the best of them gains less than 1 on other rows (it is as likely to lose).
 pub(super) const LEAST_GAIN: f64 = 12.0;
-/// Least mean of the gain over the blocks, in standard errors: of fourteen tries one in 3000 (Student, 20 blocks).
-const LEAST_T: f64 = 4.0;
-/// Fewest blocks that may judge.
-const FEWEST_BLOCKS: usize = 8;
+/// Least mean of the gain over the parts of blocks, in standard errors: less is reached by
+/// one null joint in 400 (Student, 40 parts), before amplitude and agreement of the halves are asked for.
+const LEAST_T: f64 = 3.0;
+/// Fewest parts of blocks that may judge: eight seconds.
+const FEWEST_PARTS: usize = 8 * PARTS;
 /// A gear's torque is what physics asks: amplitude 1. A rotor's inertia that a fit cannot tell from the link's makes it smaller, a load that
 /// is biased by what the gear does makes it differ either way.
 const AMPLITUDE: [f64; 2] = [0.3, 2.0];
@@ -52,7 +54,7 @@ pub(super) struct Found {
     /// Gain in log-likelihood on rows that had no part in the fit: over all, over reference and target recordings.
     pub gain: f64,
     pub gains: [f64; 2],
-    /// Mean gain of the blocks in standard errors.
+    /// Mean gain of the parts of blocks in standard errors.
     pub t: f64,
     /// Share of the power of the joint's own rows that it explains.
     pub share: f64,
@@ -81,7 +83,7 @@ pub(super) struct JointRows<'a> {
     top_hz: f64,
 }
 
-/// (segment, block).
+/// (segment, part of a block).
 type Block = (usize, usize);
 
 impl<'a> JointRows<'a> {
@@ -112,7 +114,7 @@ impl<'a> JointRows<'a> {
 
     /// Starts for elastic gears and for gears with play.
     pub fn starts(&self) -> [Vec<Shape>; 2] {
-        [Shape::elastic(self.top_hz), Shape::with_play(self.top_hz)]
+        [Shape::elastic(self.top_hz), Shape::with_play()]
     }
 
     /// M_jj over the segments.
@@ -138,10 +140,10 @@ impl<'a> JointRows<'a> {
     pub fn search(&self, starts: &[Shape], among: Among) -> (Option<Found>, Vec<f64>) {
         let blocks = self.blocks(among);
         let halves: [Vec<Block>; 2] =
-            [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b) % 2 == half).collect());
+            [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b / PARTS) % 2 == half).collect());
         let scanned: Vec<Vec<Moments>> = starts.iter().map(|s| self.moments(&self.own, *s)).collect();
         let visible = scanned.iter().map(|m| 0.5 * sums(m, &blocks)[0]).collect();
-        if halves.iter().any(|h| 2 * h.len() < FEWEST_BLOCKS) {
+        if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
             return (None, visible);
         }
         let best = |half: &[Block]| {
@@ -163,7 +165,7 @@ impl<'a> JointRows<'a> {
     }
 
     fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block]) -> Found {
-        let mut gains = vec![Vec::new(), Vec::new()];
+        let mut gains = [Vec::new(), Vec::new()];
         let mut shapes = Vec::new();
         let mut amplitudes = Vec::new();
         for (k, start) in starts.into_iter().enumerate() {
@@ -202,7 +204,7 @@ impl<'a> JointRows<'a> {
             share: 2.0 * total / own_power.max(f64::MIN_POSITIVE),
             fails: Vec::new(),
         };
-        found.test(&shapes, &amplitudes);
+        found.test(&shapes, &amplitudes, self.top_hz);
         found
     }
 
@@ -250,13 +252,16 @@ impl<'a> JointRows<'a> {
 }
 
 impl Found {
-    fn test(&mut self, shapes: &[Shape], amplitudes: &[f64]) {
+    fn test(&mut self, shapes: &[Shape], amplitudes: &[f64], top_hz: f64) {
         let mut fails = Vec::new();
         if self.gain < LEAST_GAIN {
             fails.push(format!("it gains {:.1} nats on other rows, less than {LEAST_GAIN}", self.gain));
         }
         if self.t.is_nan() || self.t < LEAST_T {
-            fails.push(format!("its gain is {:.1} standard errors, less than {LEAST_T}", self.t));
+            fails.push(format!(
+                "its gain of {:.0} nats is {:.1} standard errors, less than {LEAST_T}",
+                self.gain, self.t
+            ));
         }
         if self.share < LEAST_SHARE {
             fails.push(format!("it explains {:.1} % of the joint's rows", 100.0 * self.share));
@@ -267,6 +272,9 @@ impl Found {
         }
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let [a, b] = [shapes[0], shapes[1]];
+        if shapes.iter().any(|s| s.is_at_the_end(top_hz)) {
+            fails.push("its resonance lies outside the band of the recording".into());
+        }
         let same_gap = self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
         let same_hz = self.shape.half_gap_rad > 0.0 || ratio(a.hz, b.hz) <= SAME_HZ;
         if !same_gap || !same_hz {

@@ -93,6 +93,10 @@ pub(crate) const LEAST_RATE_HZ: f64 = 200.0;
 /// Gears are looked for one after another, each beside those found before. More than this many are the arm's way of moving.
 const MOST_GEARS: usize = 3;
 
+/// Rows for play end here, Hz: when a flank is struck depends on the cube root of the gap, how the link bounces on
+/// too much else. The missing torque and the impact as a whole lie below, the bouncing above.
+const PLAY_TOP_HZ: f64 = 12.0;
+
 /// Play is another gear than an elastic one if it gains this much more, nats: the price of a further shape.
 const PLAY_PRICE: f64 = 5.0;
 
@@ -121,13 +125,16 @@ pub fn find_gears(
     }
     let mut gears = Gears::default();
     loop {
-        let freed = pieces
-            .par_iter()
-            .map(|p| {
-                let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz)?;
-                Ok(OwnFreed::new(rows, p.target))
-            })
-            .collect::<Result<Vec<_>, DiagnosisError>>()?;
+        let freed = |most_hz: f64| {
+            pieces
+                .par_iter()
+                .map(|p| {
+                    let rows = Rows::new(p.segment, &p.full, &p.gradients, p.position_cutoff_hz, most_hz)?;
+                    Ok(OwnFreed::new(rows, p.target))
+                })
+                .collect::<Result<Vec<_>, DiagnosisError>>()
+        };
+        let freed = [freed(f64::INFINITY)?, freed(PLAY_TOP_HZ)?];
         let open: Vec<usize> = (0..question.model.joints())
             .filter(|j| gears.found.iter().all(|g| !g.confirmed || g.joint != *j))
             .collect();
@@ -195,31 +202,33 @@ struct OfJoint {
     visible: Visible,
 }
 
-fn of_joint(freed: &[OwnFreed], joint: usize, effects: [bool; 2]) -> Result<OfJoint, DiagnosisError> {
-    let Some(rows) = JointRows::new(freed, joint)? else { return Ok(OfJoint::default()) };
-    let [elastic_starts, play_starts] = rows.starts();
-    let kinds = [freed.iter().any(|f| !f.target), freed.iter().any(|f| f.target)];
-    let search = |starts: &[Shape]| {
+fn of_joint(
+    [elastic_rows, play_rows]: &[Vec<OwnFreed>; 2],
+    joint: usize,
+    effects: [bool; 2],
+) -> Result<OfJoint, DiagnosisError> {
+    let kinds = [elastic_rows.iter().any(|f| !f.target), elastic_rows.iter().any(|f| f.target)];
+    let search = |rows: &JointRows<'_>, starts: &[Shape]| {
         let (found, visible) = rows.search(starts, Among::All);
         let found =
             if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
-        (found.filter(|f| f.gain >= LEAST_GAIN), visible)
+        let shows: Vec<Shape> =
+            starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN).map(|(s, _)| *s).collect();
+        (found.filter(|f| f.gain >= LEAST_GAIN), shows)
     };
     let mut of_joint = OfJoint::default();
     let (mut elastic, mut play) = (None, None);
-    if effects[0] {
-        let (found, visible) = search(&elastic_starts);
+    if let Some(rows) = JointRows::new(elastic_rows, joint)?.filter(|_| effects[0]) {
+        let (found, shows) = search(&rows, &rows.starts()[0]);
         elastic = found;
-        let shows = elastic_starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN);
-        of_joint.visible.hz = shows.map(|(s, _)| s.hz).max_by(f64::total_cmp);
+        of_joint.visible.hz = shows.iter().map(|s| s.hz).max_by(f64::total_cmp);
+        of_joint.visible.inertia = Some(rows.inertia());
     }
-    if effects[1] {
-        let (found, visible) = search(&play_starts);
+    if let Some(rows) = JointRows::new(play_rows, joint)?.filter(|_| effects[1]) {
+        let (found, shows) = search(&rows, &rows.starts()[1]);
         play = found;
-        let shows = play_starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN);
-        of_joint.visible.half_gap_rad = shows.map(|(s, _)| s.half_gap_rad).min_by(f64::total_cmp);
+        of_joint.visible.half_gap_rad = shows.iter().map(|s| s.half_gap_rad).min_by(f64::total_cmp);
     }
-    of_joint.visible.inertia = Some(rows.inertia());
     let found = match (elastic, play) {
         (Some(e), Some(p)) if e.confirmed() == p.confirmed() => {
             Some(if p.gain > e.gain + PLAY_PRICE { p } else { e })

@@ -17,9 +17,11 @@ const OF_RATE: f64 = 0.2;
 const ROWS_PER_PERIOD: f64 = 3.6;
 /// Memory of the whitening filter, s: two periods of 10 Hz.
 const WHITENED_S: f64 = 0.2;
-/// Blocks of contiguous time, s, …
+/// Blocks of contiguous time, s, each of which either fits or judges, …
 const BLOCK_S: f64 = 1.0;
-/// … at whose ends this much belongs to none, so that the filters' memory does not tie neighbours together, s.
+/// … in parts whose gains count one by one: a jolt is over within one, a resonator keeps its phase through all.
+pub(super) const PARTS: usize = 4;
+/// At the ends of a block this much belongs to none, so that the filters' memory does not tie neighbours together, s.
 const GAP_S: f64 = 0.1;
 /// The link's motion at the start of a segment is unknown for this time, s.
 const SETTLES_S: f64 = 0.5;
@@ -40,23 +42,24 @@ pub(super) struct Rows {
     pub white: Vec<Vec<f64>>,
     /// Which rows count, `[joint][row]`.
     pub counts: Vec<Vec<bool>>,
-    /// The block of each row.
+    /// The part of a block of each row; part p is of block p / [`PARTS`].
     pub block: Vec<Option<usize>>,
-    pub blocks: usize,
+    pub parts: usize,
 }
 
 /// M_jj of a fitted model is taken as at least this share of its mean: a link has mass in every pose.
 pub(super) const LEAST_INERTIA: f64 = 0.2;
 
 impl Rows {
-    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`.
+    /// The rows of a segment whose positions were filtered at `position_cutoff_hz`, up to `most_hz`.
     pub fn new(
         segment: &Segment,
         full: &FullRate,
         gradients: &GravityGradients,
         position_cutoff_hz: f64,
+        most_hz: f64,
     ) -> Result<Self, DiagnosisError> {
-        let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz);
+        let top_hz = (OF_POSITION_CUTOFF * position_cutoff_hz).min(OF_RATE * full.rate_hz).min(most_hz);
         let step = ((full.rate_hz / (ROWS_PER_PERIOD * top_hz)) as usize).max(1);
         let rate_hz = full.rate_hz / step as f64;
         let low = ZeroPhase::butterworth(4, top_hz, full.rate_hz)?;
@@ -96,7 +99,8 @@ impl Rows {
         let block = (0..rows)
             .map(|k| {
                 let (block, within) = (k / per_block, k % per_block);
-                (block < blocks && within >= gap && within + gap < per_block).then_some(block)
+                let inside = block < blocks && within >= gap && within + gap < per_block;
+                inside.then_some(PARTS * block + (PARTS * within / per_block).min(PARTS - 1))
             })
             .collect();
         Ok(Self {
@@ -111,7 +115,7 @@ impl Rows {
             white,
             counts,
             block,
-            blocks,
+            parts: PARTS * blocks,
         })
     }
 

@@ -32,12 +32,18 @@ const HIGHEST: f64 = 0.9;
 /// Smallest half play that is tried, rad: a third of an arc minute; each further one is twice as wide.
 const LEAST_GAP_RAD: f64 = 1e-4;
 const GAPS: u32 = 8;
-/// Frequencies of links on the flanks of a gear with play, in units of the highest frequency of the rows.
-const FLANKS: [f64; 2] = [0.4, 0.8];
+/// Frequencies of links on the flanks of a gear with play, Hz: flanks are as stiff as a data sheet's gear. They lie above the rows,
+/// in which an impact is a jolt of about this length.
+const FLANKS_HZ: [f64; 2] = [15.0, 30.0];
+/// Highest frequency on flanks, Hz.
+const STIFFEST_FLANK_HZ: f64 = 60.0;
 /// Their damping ratio.
 const FLANK_RATIO: f64 = 0.2;
 /// Bounds of the damping ratio: of more there is no resonance, and the torque is that of a low-pass.
 pub(super) const RATIO_RANGE: [f64; 2] = [0.003, 0.45];
+
+/// Frequencies within this factor of the ends of the range are at the end: half a step between starts.
+const END: f64 = 1.07;
 
 /// Largest share of the least M_jj that is a rotor's.
 const MOST_ROTOR: f64 = 0.9;
@@ -55,16 +61,11 @@ impl Shape {
     }
 
     /// Starts for gears with play.
-    pub fn with_play(top_hz: f64) -> Vec<Self> {
+    pub fn with_play() -> Vec<Self> {
         (0..GAPS)
             .flat_map(|k| {
                 let half_gap_rad = LEAST_GAP_RAD * f64::from(2_u32.pow(k));
-                FLANKS.map(|share| Self {
-                    hz: share * top_hz,
-                    ratio: FLANK_RATIO,
-                    half_gap_rad,
-                    rotor_share: 0.0,
-                })
+                FLANKS_HZ.map(|hz| Self { hz, ratio: FLANK_RATIO, half_gap_rad, rotor_share: 0.0 })
             })
             .collect()
     }
@@ -87,12 +88,20 @@ impl Shape {
     pub fn moved(self, which: usize, by: f64, top_hz: f64) -> Self {
         let mut moved = self;
         match which {
-            0 => moved.hz = (moved.hz * by.exp()).clamp(LOWEST_HZ, (HIGHEST * top_hz).max(LOWEST_HZ)),
+            0 => {
+                let highest = if self.half_gap_rad > 0.0 { STIFFEST_FLANK_HZ } else { HIGHEST * top_hz };
+                moved.hz = (moved.hz * by.exp()).clamp(LOWEST_HZ, highest.max(LOWEST_HZ));
+            }
             1 => moved.ratio = (moved.ratio * by.exp()).clamp(RATIO_RANGE[0], RATIO_RANGE[1]),
             2 => moved.rotor_share = (moved.rotor_share + by).clamp(0.0, MOST_ROTOR),
             _ => moved.half_gap_rad *= by.exp(),
         }
         moved
+    }
+
+    /// Whether an elastic gear's frequency stands at the end of the range that is looked at: there is no resonance in it.
+    pub fn is_at_the_end(self, top_hz: f64) -> bool {
+        self.half_gap_rad == 0.0 && !(LOWEST_HZ * END..HIGHEST * top_hz / END).contains(&self.hz)
     }
 
     /// Number of freedoms.

@@ -100,7 +100,13 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
         inertia: InertiaColumns::constant(&INERTIA.map(|c| c.to_vec())),
         load,
     };
-    let rows = Rows::new(segment, &full, &GravityGradients::none(2), options.effective_position_cutoff_hz());
+    let rows = Rows::new(
+        segment,
+        &full,
+        &GravityGradients::none(2),
+        options.effective_position_cutoff_hz(),
+        f64::INFINITY,
+    );
     let freed = [OwnFreed::new(rows.unwrap(), false)];
     let rows = JointRows::new(&freed, 0).unwrap().unwrap();
     let [elastic, _]: [Vec<Shape>; 2] = rows.starts();

@@ -5,9 +5,9 @@
 //! motor, and the drives feel M(q) times the acceleration between the two. Well below the resonance, the torque of the
 //! rigid model is only off by a multiple of its second derivative, τ̈.
 //!
-//! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π;
-//! - what a slow motion determines is the ratio of the inertia that swings to the stiffness,
-//!   `inertia_over_stiffness_s2`: 1/ω² of the resonance ω.
+//! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π.
+//!
+//! A motion far below the resonance does not determine it: filters of the instrument look the same there.
 //!
 //! # How it shows
 //! Torque that the measured motion of the motor predicts through a resonator, at 1–60 Hz, along M e_j of the joint.
@@ -28,8 +28,7 @@
 //! - M. W. Spong (1987), *Modeling and control of elastic joint robots*.
 //! - A. De Luca, W. Book, *Robots with flexible elements*, in: Springer Handbook of Robotics.
 
-use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal, named};
-use crate::recordings::rows::Instrument;
+use super::{Context, Effect, Family, FittedColumn, Kind, Parameters, Proposal};
 
 pub(super) struct JointElasticity;
 
@@ -46,10 +45,6 @@ impl Effect for JointElasticity {
         Kind::Acceleration
     }
 
-    fn is_common_when_equal(&self) -> bool {
-        true
-    }
-
     fn title(&self) -> &'static str {
         "an elastic transmission"
     }
@@ -62,11 +57,13 @@ impl Effect for JointElasticity {
         include_str!("joint_elasticity.rs")
     }
 
-    fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        (0..context.joints).map(|j| Proposal::instrument(j, Instrument::Jerk, true)).collect()
+    /// None: below its resonance a gear looks like any low-pass of the instrument, τ̈ with a positive factor. A gear is
+    /// simulated at the recording's own rate, where the resonance turns the phase ([`crate::transmission`]).
+    fn proposals(&self, _context: &Context<'_>) -> Vec<Proposal> {
+        Vec::new()
     }
 
-    fn parameters(&self, _proposal: &Proposal, fitted: &[FittedColumn]) -> Parameters {
-        named(&["inertia_over_stiffness_s2"], fitted)
+    fn parameters(&self, proposal: &Proposal, _fitted: &[FittedColumn]) -> Parameters {
+        proposal.fixed_parameters()
     }
 }

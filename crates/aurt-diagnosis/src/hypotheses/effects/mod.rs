@@ -219,11 +219,6 @@ pub trait Effect: Sync {
         false
     }
 
-    /// Whether equal coefficients on several joints mean a filter of the instrument, which has one corner for all.
-    fn is_common_when_equal(&self) -> bool {
-        false
-    }
-
     /// Terms that would describe the effect on this robot; none where it is found by other means than columns
     /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;
