@@ -41,10 +41,19 @@ pub const TERMS: &[Term] = &[
             model predicts; errors on fitted rows fall with every parameter that is added.",
     },
     Term {
+        name: "indications",
+        title: "indications",
+        text: "Effects that describe the recordings and fail a test: their parameters are none that a machine has, or \
+            within two standard deviations of nothing, or they lower the error of no joint by as much as counts, or data \
+            that took no part are predicted better without them. They are not claimed, and the improved model does \
+            without them.",
+    },
+    Term {
         name: "named",
         title: "verdict: named",
-        text: "Something was missing, and it has a name: the effects listed explain it better than any other \
-            that is known. improved.toml has them.",
+        text: "Something has changed (without targets: is missing), and it has a name: the effects listed explain it \
+            better than any other that is known, each has passed every test, and together they account for most of it, \
+            joint by joint and on data that took no part. improved.toml has them.",
     },
     Term {
         name: "no_mismatch",
@@ -67,6 +76,13 @@ pub const TERMS: &[Term] = &[
             the model absorb nearly all of its torque. The report says what to record to decide it.",
     },
     Term {
+        name: "not_examined",
+        title: "not examined",
+        text: "What these recordings do not let anyone look at, and why: joints that stand, measurements that never \
+            change or have no relation to the motion, recordings too short to be judged by stretches of time, sampling \
+            too slow for impacts and ringing.",
+    },
+    Term {
         name: "score",
         title: "score of a finding",
         text: "Half the number of independent rows times the logarithm of the error without the effect over \
@@ -76,9 +92,15 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "shifts",
         title: "shifts",
-        text: "Parameters of the rest of the model that moved by more than three standard deviations when the \
-            found effects were added. They had absorbed the missing physics, and their old values should not be \
+        text: "Parameters of the rest of the model that moved by more than three standard deviations (memory and misfit of \
+            the residual included) when the found effects were added. They had absorbed the missing physics, and their old values should not be \
             trusted.",
+    },
+    Term {
+        name: "stability",
+        title: "stability of a finding",
+        text: "Share of the blocks of time on which the error of its joints is lower with the finding than without it, \
+            all else in the model. An effect that is there helps nearly everywhere.",
     },
     Term {
         name: "stands_out",
@@ -86,6 +108,13 @@ pub const TERMS: &[Term] = &[
         text: "Half-second stretches in which a residual is at least 3.5 times both its own median and the \
             noise floor. Contacts, corrupt samples and sudden changes show so; windows at reversals speak of \
             friction at low speed.",
+    },
+    Term {
+        name: "structure",
+        title: "structure: the second answer",
+        text: "Where targets stand beside other recordings, `verdict` says what has changed in them, and `structure`, in \
+            the same four words, what the model lacks in all recordings. An arm whose structure nobody can explain can \
+            still have a change that is plain.",
     },
     Term {
         name: "structure_left",

@@ -222,3 +222,90 @@ fn a_calibration_recording_that_determines_little_is_no_excuse() {
         assert!(joint["floor_rms"].as_f64() < joint["baseline_rms"].as_f64(), "{joint}");
     }
 }
+
+/// Recordings that say too little are refused, or it is said; none passes for a recording in which nothing is missing.
+#[test]
+fn short_and_empty_recordings_are_no_excuse() {
+    let folder = Folder::new().with_whole_demo();
+    let whole = folder.read("experiment.toml");
+    let calibrated_on = |recordings: &str| {
+        let (start, rest) = (whole.find("[recordings]").unwrap(), whole.find("[recordings]").unwrap() + 1);
+        let after = rest + whole[rest..].find("\n[").unwrap();
+        format!("{}[recordings]\ncalibration = [{recordings}]\n{}", &whole[..start], &whole[after..])
+    };
+    folder.write("short.toml", &calibrated_on("{ file = \"exciting_motion.csv\", window_s = [2.0, 3.5] }"));
+    folder.aurt(["diagnose", "short.toml", "--out", "short"]).refused(&["exciting_motion.csv", "too short"]);
+
+    let recording = folder.read("exciting_motion.csv");
+    let mut lines = recording.lines();
+    let header = lines.next().unwrap();
+    let measured = |name: &str| name.contains("current") || name.contains("torque");
+    let zero: Vec<bool> = header.split(',').map(measured).collect();
+    assert!(zero.contains(&true), "{header}");
+    let emptied = lines.map(|line| {
+        let values = line.split(',').zip(&zero).map(|(v, zero)| if *zero { "0" } else { v });
+        values.collect::<Vec<_>>().join(",")
+    });
+    let emptied: Vec<String> = std::iter::once(header.to_owned()).chain(emptied).collect();
+    folder.write("zero.csv", &emptied.join("\n"));
+    folder.write("zero.toml", &calibrated_on("\"zero.csv\""));
+    folder.aurt(["diagnose", "zero.toml", "--out", "zero"]).refused(&["zero.csv", "constant"]);
+}
+
+/// With an effect withheld its detector masks nothing.
+#[test]
+fn a_contact_that_may_not_be_named_is_not_masked_either() {
+    let plan =
+        "[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
+    let folder = Folder::new().with_concealed(plan, "2026");
+    let case = "case_0001";
+    let joints = truth(&folder, case)["effects"][0]["joints"].clone();
+    let found = verdict(&folder, case, &[]);
+    assert_eq!(found["effects"][0]["effect"], "external_contact", "{found}");
+    let without = verdict(&folder, case, &["--without", "external_contact"]);
+    let effects = without["effects"].as_array().unwrap();
+    assert!(effects.iter().all(|e| e["effect"] != "external_contact"), "{without}");
+    let rms = |of: &Value, joint: usize| of["residual"][joint]["unexplained_rms"].as_f64().unwrap();
+    let larger = |joint: &Value| {
+        let joint = joint.as_u64().unwrap() as usize;
+        rms(&without, joint) > 1.02 * rms(&found, joint)
+    };
+    assert!(joints.as_array().unwrap().iter().any(larger), "{found} {without}");
+}
+
+/// A hand that pushes a standing arm is a contact, with or without the rest cut away.
+#[test]
+fn a_push_against_a_standing_arm_is_a_contact() {
+    let Some(_) = real_recordings("a_push_against_a_standing_arm_is_a_contact") else { return };
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/diagnose_ur10e_structure.toml");
+    let example = std::fs::read_to_string(example).unwrap();
+    let asked: Vec<String> = example
+        .lines()
+        .map(|line| match line.split_whitespace().next() {
+            Some("calibration") => "calibration = [\"${AURT_DATA}/ur10e/unloaded_50s.csv\"]".to_owned(),
+            Some("validation") => "target = [\"${AURT_DATA}/ur10e/push_standing.csv\"]".to_owned(),
+            _ => line.to_owned(),
+        })
+        .collect();
+    let folder = Folder::new();
+    for (name, more) in [("trimmed", ""), ("whole", "\ntrim_rest = false\n")] {
+        folder.write(&format!("{name}.toml"), &(asked.join("\n") + more));
+        let run = folder.aurt(["diagnose", &format!("{name}.toml"), "--out", name, "--verdict-only"]);
+        assert_eq!(run.status(), 1, "{}", run.stderr());
+        let verdict = folder.json(&format!("{name}/verdict.json"));
+        assert_eq!(verdict["verdict"], "named", "{verdict}");
+        let contacts: Vec<&Value> = verdict["effects"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|e| e["effect"] == "external_contact")
+            .collect();
+        let pushed = |at: f64| {
+            contacts.iter().any(|c| {
+                let window = numbers(&c["window_s"]);
+                window[0] <= at && at <= window[1]
+            })
+        };
+        assert!(pushed(5.2) && pushed(12.5) && !pushed(1.0) && !pushed(17.0), "{verdict}");
+    }
+}
