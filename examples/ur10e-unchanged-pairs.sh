@@ -24,7 +24,7 @@ for first in "${recordings[@]}"; do
         ((status <= 1)) || exit "$status"
         pairs=$((pairs + 1))
         others="$(tr -d ' \n' <"$scratch/verdict.json" \
-            | grep -oE '"effect":"[a-z_]+","family":"[A-Z]","joints":\[[0-9,]*\],"present_in":\["target"\]' \
+            | grep -oE '[[,]\{"effect":"[a-z_]+","family":"[A-Z]","joints":\[[0-9,]*\],"present_in":\["target"\]' \
             | grep -vE "\"effect\":\"($friction)\"" || true)"
         if [[ -n "$others" ]]; then
             changed=$((changed + 1))

@@ -3,11 +3,7 @@
 //! The simulator makes friction that is not in the vocabulary; a library in C, which shares nothing with it, has the
 //! law. Without the library the case is unexplained, with it the model predicts the rest.
 
-use std::{
-    env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::path::PathBuf;
 
 use serde_json::Value;
 
@@ -24,15 +20,13 @@ fn verdict(folder: &Folder, out: &str) -> Value {
 
 #[test]
 fn a_law_that_only_a_library_has_is_found_and_modelled() {
-    let folder = Folder::new();
-    let Some(library) = strange_friction(&folder) else { return };
-    let library = text(&library);
-    concealed(
-        &folder,
+    let folder = Folder::new().with_concealed(
         "[strangers]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
          strengths = ['strong']\ntrials = 1\n",
         "31",
     );
+    let Some(library) = strange_friction(&folder) else { return };
+    let library = text(&library);
     for case in ["case_0001", "case_0002"] {
         let hidden = &folder.json(&format!("sealed/{case}.json"))["effects"][0];
         let model = match hidden["effect"].as_str() {
@@ -95,15 +89,13 @@ fn a_law_that_only_a_library_has_is_found_and_modelled() {
 
 #[test]
 fn a_library_changes_nothing_where_its_laws_are_not() {
-    let folder = Folder::new();
-    let Some(library) = strange_friction(&folder) else { return };
-    let library = text(&library);
-    concealed(
-        &folder,
+    let folder = Folder::new().with_concealed(
         "[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
          strengths = ['medium']\ntrials = 1\n[nulls]\nrobots = ['ur10e']\ncount = 2\n",
         "32",
     );
+    let Some(library) = strange_friction(&folder) else { return };
+    let library = text(&library);
     for case in ["case_0001", "case_0002", "case_0003", "case_0004", "case_0005"] {
         let experiment = format!("cases/{case}/experiment.toml");
         let (plain, loaded) = (format!("{case}_plain"), format!("{case}_loaded"));
