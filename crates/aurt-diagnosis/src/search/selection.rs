@@ -146,11 +146,11 @@ impl Selector<'_> {
             let ranked = scoring.rank(&scoring.fit(&rest), |g| {
                 !rest.contains(&g) && scoring.meet(g, chosen[i]) && !scoring.is_repeated(g, &rest)
             });
-            let best = scoring.frugal(&ranked).filter(|best| *best != chosen[i]);
-            if let Some(best) = best {
+            if let Some(best) = scoring.frugal(&ranked) {
                 chosen[i] = best;
-                self.estimate(best, &rest, false);
             }
+            // Beside what was found later, other shapes can be better.
+            self.estimate(chosen[i], &rest, false);
         }
     }
 }
