@@ -116,7 +116,10 @@ impl Selector<'_> {
             .collect();
         let best = scoring.frugal(&ranked)?;
         let contenders = scoring.contenders(best, &ranked);
-        let moved = contenders.iter().fold(false, |moved, g| self.estimate(*g, chosen, false) || moved);
+        let mut moved = false;
+        for group in contenders {
+            moved |= self.estimate(group, chosen, false);
+        }
         if !moved {
             return Some(best);
         }
