@@ -203,12 +203,13 @@ mod tests {
             signed in proptest::collection::vec(proptest::bool::ANY, 5),
         ) {
             // Seven rows of five columns and a measurement.
-            let column = |k: usize| values[k * 7..(k + 1) * 7].iter().map(move |v| v * 10f64.powf(units[k]));
+            let column = |k: usize| -> Vec<f64> {
+                values[k * 7..(k + 1) * 7].iter().map(|v| v * 10f64.powf(units[k])).collect()
+            };
             let y = &values[33..40];
-            let matrix: Vec<f64> = (0..25)
-                .map(|i| column(i / 5).zip(column(i % 5)).map(|(a, b)| a * b).sum())
-                .collect();
-            let right: Vec<f64> = (0..5).map(|k| column(k).zip(y).map(|(a, b)| a * b).sum()).collect();
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+            let matrix: Vec<f64> = (0..25).map(|i| dot(&column(i / 5), &column(i % 5))).collect();
+            let right: Vec<f64> = (0..5).map(|k| dot(&column(k), y)).collect();
             let x = solve_signed(&matrix, &right, &signed);
             proptest::prop_assert!(is_minimum(&matrix, &right, &signed, &x), "{x:?}");
         }

@@ -57,7 +57,29 @@ struct OfShift {
     squared: Vec<f64>,
 }
 
-/// What the groups do by chance beside a nested model, under `shifts` shifts of a residual, `[recording][joint][row]`.
+/// A shift after which some joint's velocity resembles itself this much (correlation) leaves the residual where it was.
+const REPEATS: f64 = 0.5;
+
+/// Whether the motion repeats after a share of every recording's length.
+fn repeats(recordings: &[RecordingRows], partition: &Partition, share: f64) -> bool {
+    recordings.iter().enumerate().any(|(r, recording)| {
+        let end = fitted_end(partition, r);
+        let by = (share * end as f64).round() as usize;
+        recording.joints.iter().any(|joint| {
+            let velocity = &joint.velocity_rad_s[..end];
+            let turned: Vec<f64> = velocity[by..].iter().chain(&velocity[..by]).copied().collect();
+            dot(velocity, &turned).abs() > REPEATS * dot(velocity, velocity)
+        })
+    })
+}
+
+/// The end of the rows of a recording that fit.
+fn fitted_end(partition: &Partition, recording: usize) -> usize {
+    partition.fitted().filter(|p| p.0 == recording).map(|p| p.2).max().unwrap_or(0)
+}
+
+/// What the groups do by chance beside a nested model, under at most `shifts` shifts of a residual,
+/// `[recording][joint][row]`: those after which the motion does not repeat.
 pub(crate) fn by_chance(
     problem: &Problem,
     nested: &[Switch],
@@ -68,8 +90,11 @@ pub(crate) fn by_chance(
 ) -> Vec<ByChance> {
     let shifted: Vec<Shifted> = (0..shifts)
         .into_par_iter()
-        .map(|s| Shifted::new(residual, (s + 1) as f64 / (shifts + 1) as f64))
+        .map(|s| (s + 1) as f64 / (shifts + 1) as f64)
+        .filter(|share| !repeats(residual.0, residual.1, *share))
+        .map(|share| Shifted::new(residual, share))
         .collect();
+    let shifts = shifted.len();
     let folds: Vec<Fold<'_>> = (0..problem.blocks())
         .into_par_iter()
         .map(|b| Fold::new(problem, b, nested, weights, &shifted))
@@ -99,7 +124,7 @@ impl Shifted {
             .zip(residual)
             .enumerate()
             .map(|(r, (recording, residual))| {
-                let end = partition.fitted().filter(|p| p.0 == r).map(|p| p.2).max().unwrap_or(0);
+                let end = fitted_end(partition, r);
                 let by = (share * end as f64).round() as usize;
                 let of_joint = |(joint, series): (&crate::recordings::rows::JointRows, &Vec<f64>)| {
                     turned(&series[..end], &joint.counts[..end], by)

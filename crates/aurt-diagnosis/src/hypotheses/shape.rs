@@ -24,6 +24,9 @@ pub struct Shape {
     pub scale: Scale,
     /// First step of the search: a difference, or the logarithm of a ratio.
     pub step: f64,
+    /// Whether its starts are what machines usually have, and kept unless another value is better by the least score of an
+    /// effect and by the least share of what the law itself brings.
+    pub usual: bool,
 }
 
 impl Shape {
@@ -34,7 +37,7 @@ impl Shape {
         bounds: [f64; 2],
         step: f64,
     ) -> Self {
-        Self { name, pointer, bounds, scale: Scale::Logarithmic, step }
+        Self { name, pointer, bounds, scale: Scale::Logarithmic, step, usual: false }
     }
 
     /// A quantity that is stepped through in equal differences.
@@ -44,7 +47,12 @@ impl Shape {
         bounds: [f64; 2],
         step: f64,
     ) -> Self {
-        Self { name, pointer, bounds, scale: Scale::Linear, step }
+        Self { name, pointer, bounds, scale: Scale::Linear, step, usual: false }
+    }
+
+    /// The same, with starts that machines usually have.
+    pub(crate) const fn with_usual_starts(self) -> Self {
+        Self { usual: true, ..self }
     }
 
     /// The value in a configuration.

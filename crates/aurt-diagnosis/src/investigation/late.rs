@@ -50,6 +50,9 @@ const STEPS: usize = 40;
 /// Steps behind the lowest point after which the scan ends.
 const BEYOND: usize = 4;
 
+/// Share of a step at which the lowest point is looked at once more.
+const FINE: f64 = 0.25;
+
 /// A delay within so many of its deviations of none is none.
 const CLEAR: f64 = 3.0;
 
@@ -127,6 +130,8 @@ struct Scan {
     step_s: f64,
     /// Of delays −1, 0, 1, … steps.
     errors: Vec<Vec<f64>>,
+    /// A delay near the lowest point, and the errors a quarter of a step before it, at it, and as much after it.
+    fine: Option<(f64, [Vec<f64>; 3])>,
     floor: Vec<f64>,
     /// ½ n_eff of each joint.
     effective: Vec<f64>,
@@ -163,6 +168,7 @@ impl Scan {
             target_only,
             step_s,
             errors: vec![at(-step_s), at(0.0)],
+            fine: None,
             floor: investigation.floor.clone(),
             effective: (0..problem.joints()).map(|j| 0.5 * shares[j] * rows(j)).collect(),
             least: question.selection.score,
@@ -174,17 +180,32 @@ impl Scan {
                 break;
             }
         }
+        if let Some((delay_s, _)) = scan.vertex() {
+            let around = [-1.0, 0.0, 1.0].map(|by| at(delay_s + by * FINE * step_s));
+            scan.fine = Some((delay_s, around));
+        }
         scan
     }
 
-    /// Σ_j ½ n_eff log(MSE / floor).
+    /// The lowest point of the parabola through the lowest step and its neighbours, s, and its deviation; none at −1 or 0
+    /// steps, or where the scan ended.
+    fn vertex(&self) -> Option<(f64, f64)> {
+        let lowest = self.lowest();
+        if lowest < 2 || lowest + 1 >= self.errors.len() {
+            return None;
+        }
+        let around = [lowest - 1, lowest, lowest + 1].map(|k| self.value(&self.errors[k]));
+        Some(parabola((lowest as f64 - 1.0) * self.step_s, self.step_s, around))
+    }
+
+    /// Σ_j ½ n_eff log(MSE / floor). What lies below the floor counts as well: it has its minimum there.
     fn value(&self, errors: &[f64]) -> f64 {
         (0..errors.len()).map(|j| self.effective[j] * self.log_error(errors, j)).sum()
     }
 
     fn log_error(&self, errors: &[f64], joint: usize) -> f64 {
         let floor = self.floor[joint].max(f64::MIN_POSITIVE);
-        (errors[joint].max(floor) / floor).ln()
+        (errors[joint].max(f64::MIN_POSITIVE) / floor).ln()
     }
 
     fn lowest(&self) -> usize {
@@ -195,29 +216,28 @@ impl Scan {
     /// The delay, if it is one.
     fn delay(&self) -> Option<Delay> {
         let lowest = self.lowest();
-        // At −1 or 0 steps, or where the scan ended, there is no minimum.
-        if lowest < 2 || lowest + 1 >= self.errors.len() {
-            return None;
-        }
+        let coarse = self.vertex()?;
         let score = self.value(&self.errors[1]) - self.value(&self.errors[lowest]);
         let gain = |j: &usize| {
             self.log_error(&self.errors[1], *j) - self.log_error(&self.errors[lowest], *j) > self.reduction
         };
         let joints = self.effective.len();
         let shown = (0..joints).filter(gain).count();
-        let [before, here, after] =
-            [-1, 0, 1].map(|by| self.value(&self.errors[lowest.wrapping_add_signed(by)]));
-        let curvature = before - 2.0 * here + after;
-        let vertex = 0.5 * (before - after) / curvature;
-        let delay = Delay {
-            delay_s: (lowest as f64 - 1.0 + vertex.clamp(-1.0, 1.0)) * self.step_s,
-            std_s: self.step_s / curvature.sqrt(),
-            score,
-            target_only: self.target_only,
-        };
+        let (delay_s, std_s) = self.fine.as_ref().map_or(coarse, |(at_s, around)| {
+            parabola(*at_s, FINE * self.step_s, around.each_ref().map(|e| self.value(e)))
+        });
+        let delay = Delay { delay_s, std_s, score, target_only: self.target_only };
         let clear = delay.std_s.is_finite() && delay.delay_s > CLEAR * delay.std_s;
         (score > self.least && clear && shown as f64 >= JOINTS_SHARE * joints as f64).then_some(delay)
     }
+}
+
+/// Where the parabola through three points, `step` apart around `at`, is lowest (no farther than a step), and the deviation
+/// that its curvature means.
+fn parabola(at: f64, step: f64, [before, here, after]: [f64; 3]) -> (f64, f64) {
+    let curvature = before - 2.0 * here + after;
+    let vertex = 0.5 * (before - after) / curvature;
+    (at + vertex.clamp(-1.0, 1.0) * step, step / curvature.sqrt())
 }
 
 /// The model under which delays are scanned: the baseline, what was found but for delays and what imitates them, and
@@ -324,6 +344,7 @@ mod tests {
             target_only: false,
             step_s: 0.002,
             errors,
+            fine: None,
             floor: vec![1.0; joints],
             effective: vec![200.0; joints],
             least: 8.0,

@@ -7,5 +7,8 @@ pub(crate) mod scoring;
 pub(crate) mod selection;
 pub(crate) mod shapes;
 
+#[cfg(test)]
+mod tests;
+
 pub use ground::{Beside, Ground};
 pub use selection::{Chosen, Selection, Selector};

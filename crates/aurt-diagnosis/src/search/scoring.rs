@@ -216,9 +216,10 @@ impl Scoring<'_> {
     }
 
     /// Whether the i-th of the chosen brings as much as it must: the least score, and on some joint the least reduction
-    /// and a share of what there is to bring. That is what the model gains on the joint, from `start` (for a change, what
-    /// structure leaves), or what it would gain down to the noise from where it stands without the effect, whichever is
-    /// less: what others gain does not hide an effect that takes a good part of what they leave.
+    /// and a share of what there is to bring. Of a change that is what all changes gain on the joint, from `start`, what
+    /// structure leaves. Of structure it is that as well, or what it would gain down to the noise from where the model
+    /// stands without it, whichever is less: what others gain does not hide an effect that takes a good part of what they
+    /// leave.
     pub(crate) fn earns_its_place(
         &self,
         chosen: &[usize],
@@ -235,7 +236,7 @@ impl Scoring<'_> {
         loss.score > self.options.score
             && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
                 let gain = self.log_ratio(j, start[j], full.all[j]);
-                let left = self.log_ratio(j, loss.without[j], 0.0);
+                let left = if own.target_only() { gain } else { self.log_ratio(j, loss.without[j], 0.0) };
                 *of_joint > share * gain.min(left) && *of_joint > self.least(chosen[i], full.misfit[j])
             })
     }

@@ -116,7 +116,10 @@ impl Selector<'_> {
             .collect();
         let best = scoring.frugal(&ranked)?;
         let contenders = scoring.contenders(best, &ranked);
-        let moved = contenders.iter().fold(false, |moved, g| self.estimate(*g, chosen, false) || moved);
+        let mut moved = false;
+        for group in contenders {
+            moved |= self.estimate(group, chosen, false);
+        }
         if !moved {
             return Some(best);
         }
@@ -146,11 +149,11 @@ impl Selector<'_> {
             let ranked = scoring.rank(&scoring.fit(&rest), |g| {
                 !rest.contains(&g) && scoring.meet(g, chosen[i]) && !scoring.is_repeated(g, &rest)
             });
-            let best = scoring.frugal(&ranked).filter(|best| *best != chosen[i]);
-            if let Some(best) = best {
+            if let Some(best) = scoring.frugal(&ranked) {
                 chosen[i] = best;
-                self.estimate(best, &rest, false);
             }
+            // Beside what was found later, other shapes can be better.
+            self.estimate(chosen[i], &rest, false);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! Shapes of a law, by variable projection.
 //!
-//! For given shapes θ the coefficients follow by least squares, so that only V(θ) = ½ Σ_j s_j ‖y_j − W_j(θ) ζ‖²/σ_j² is
-//! searched (Golub and Pereyra 1973), s_j the share of independent rows. The columns of one law change with θ; all other
-//! moments stay. Along each shape in turn: steps until the error rises, then the vertex of the parabola through the
-//! lowest three; steps shrink from one cycle to the next. The curvature of V at the minimum gives the deviations.
+//! For given shapes θ the coefficients follow by least squares, so that only V(θ) = ½ Σ_j n_eff,j log MSE_j is searched
+//! (Golub and Pereyra 1973), the likelihood with the joints' variances at their best, in the units of a score. The columns
+//! of one law change with θ; all other moments stay. The search begins at the best of the starts that the law has on these
+//! joints. Along each shape in turn: steps until the error rises, then the vertex of the parabola through the lowest three;
+//! steps shrink from one cycle to the next. The curvature of V at the minimum gives the deviations.
 //!
 //! [`aurt_calibration`]'s search over shapes fits whole models from recordings; it knows no switches that act in some
 //! recordings only, no signs, and no shapes of arm terms that do not declare them (a coupling's ratio, an order of
@@ -69,7 +70,7 @@ impl<'a, 'b> Estimate<'a, 'b> {
             .collect();
         let trial = ground.problem.total().clone();
         let mut estimate = Self { ground, group, beside, shapes, trial, places, weights: Vec::new() };
-        let errors = estimate.errors()?;
+        let errors = estimate.errors(&group.switches)?;
         estimate.weights = (0..errors.len())
             .map(|j| {
                 let variance = errors[j] / estimate.ground.problem.rows(j, false).max(1.0);
@@ -84,6 +85,16 @@ impl<'a, 'b> Estimate<'a, 'b> {
         let start = self.values();
         let mut values = start.clone();
         let Some(mut least) = self.objective(&values) else { return false };
+        let mut usual = (start.clone(), f64::INFINITY);
+        for other in self.starts() {
+            let Some(v) = self.objective(&other) else { continue };
+            if v < least {
+                (values, least) = (other.clone(), v);
+            }
+            if v < usual.1 {
+                usual = (other, v);
+            }
+        }
         let mut shrunk = 1.0;
         for _ in 0..CYCLES {
             let before = least;
@@ -94,6 +105,14 @@ impl<'a, 'b> Estimate<'a, 'b> {
                 break;
             }
             shrunk *= SHRINK;
+        }
+        // What machines usually have is kept where the recordings do not speak against it.
+        let options = &self.ground.question.selection;
+        if self.shapes.iter().all(|s| s.usual) {
+            let brings = self.errors(&[]).map_or(0.0, |errors| self.likelihood(&errors) - usual.1);
+            if usual.1 - least < options.score.max(options.share * brings) {
+                (values, least) = usual;
+            }
         }
         let deviations =
             if self.beside.deviations { self.deviations(&values, least) } else { vec![None; values.len()] };
@@ -115,6 +134,21 @@ impl<'a, 'b> Estimate<'a, 'b> {
         let proposal = &self.ground.candidates[self.group.candidate].proposal;
         let Addition::Term(term) = &proposal.addition else { return Vec::new() };
         self.shapes.iter().map(|s| s.value(term).unwrap_or(s.bounds[0])).collect()
+    }
+
+    /// Where the search for the same law on the same joints begins; of what a joint can have several, each is its own.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let candidates = &*self.ground.candidates;
+        let own = &candidates[self.group.candidate];
+        if self.group.is_repeatable() {
+            return vec![own.proposal.starts.clone()];
+        }
+        let same = candidates.iter().filter(|c| {
+            c.effect == own.effect
+                && c.proposal.joints == own.proposal.joints
+                && c.proposal.shapes == own.proposal.shapes
+        });
+        same.map(|c| c.proposal.starts.clone()).collect()
     }
 
     /// The lowest point along a shape, and V there.
@@ -197,10 +231,19 @@ impl<'a, 'b> Estimate<'a, 'b> {
     /// V at shapes.
     fn objective(&mut self, values: &[f64]) -> Option<f64> {
         self.put(values, false)?;
-        let errors = self.errors()?;
-        let of_joint = |(j, error): (usize, f64)| 0.5 * self.beside.shares[j] * self.weights[j] * error;
-        let sum: f64 = errors.into_iter().enumerate().map(of_joint).sum();
-        sum.is_finite().then_some(sum)
+        let errors = self.errors(&self.group.switches)?;
+        let v = self.likelihood(&errors);
+        v.is_finite().then_some(v)
+    }
+
+    /// V of squared errors.
+    fn likelihood(&self, errors: &[f64]) -> f64 {
+        let of_joint = |(j, error): (usize, f64)| {
+            let rows = self.ground.problem.rows(j, false).max(1.0);
+            let variance = (error / rows).max(self.beside.floor[j]).max(f64::MIN_POSITIVE);
+            0.5 * self.beside.shares[j] * rows * variance.ln()
+        };
+        errors.iter().copied().enumerate().map(of_joint).sum()
     }
 
     /// Writes the law's columns into the rows: of those that fit, or of all.
@@ -255,8 +298,8 @@ impl<'a, 'b> Estimate<'a, 'b> {
         Some(())
     }
 
-    /// Squared error of each joint with the law, at the shapes whose columns are in place.
-    fn errors(&self) -> Option<Vec<f64>> {
+    /// Squared error of each joint with the law or without, at the shapes whose columns are in place.
+    fn errors(&self, law: &[Switch]) -> Option<Vec<f64>> {
         let problem = &self.ground.problem;
         let among = |s: &&Switch| !self.group.switches.contains(s);
         let others: Vec<Switch> = self.beside.switches.iter().filter(among).copied().collect();
@@ -264,8 +307,8 @@ impl<'a, 'b> Estimate<'a, 'b> {
         let ones = vec![1.0; problem.joints()];
         let weights = if self.weights.is_empty() { &ones } else { &self.weights };
         let fit = problem.part_fit(&self.trial, &ordered, free, weights);
-        let beta = problem.extend(&self.trial, &fit, (&ordered, free), &self.group.switches, weights);
-        let all: Vec<Switch> = ordered.iter().chain(&self.group.switches).copied().collect();
+        let beta = problem.extend(&self.trial, &fit, (&ordered, free), law, weights);
+        let all: Vec<Switch> = ordered.iter().chain(law).copied().collect();
         let [calibration, target] = problem.squared_errors(&self.trial, &all, &beta);
         let sums: Vec<f64> = calibration.iter().zip(&target).map(|(a, b)| a + b).collect();
         sums.iter().all(|s| s.is_finite()).then_some(sums)

@@ -80,6 +80,7 @@ impl Effect for BaseTilt {
             presence: Presence::Any,
             fixed: BTreeMap::new(),
             shapes: Vec::new(),
+            starts: Vec::new(),
             deviations: BTreeMap::new(),
         }]
     }

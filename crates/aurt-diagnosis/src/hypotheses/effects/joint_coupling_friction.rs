@@ -38,7 +38,7 @@ const RATIOS: [f64; 6] = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0];
 
 /// Where the ratio is sought: a motor that turns twenty times slower or faster with the partner than with its own
 /// joint is one of either.
-const RATIO: Shape = Shape::logarithmic("ratio", "/ratio", [0.05, 20.0], 0.3);
+const RATIO: Shape = Shape::logarithmic("ratio", "/ratio", [0.05, 20.0], 0.3).with_usual_starts();
 
 pub(super) struct JointCouplingFriction;
 
@@ -90,6 +90,7 @@ fn coupling(joint: usize, partner: usize, ratio: f64) -> Proposal {
         presence: Presence::Any,
         fixed: BTreeMap::new(),
         shapes: Vec::new(),
+        starts: Vec::new(),
         deviations: BTreeMap::new(),
     }
     .with("partner", partner as f64)

@@ -118,6 +118,8 @@ pub struct Proposal {
     pub fixed: BTreeMap<String, f64>,
     /// Those of them that the recordings decide, once the proposal is taken; `fixed` and the term hold their values.
     pub shapes: Vec<Shape>,
+    /// The values from which their search begins.
+    pub starts: Vec<f64>,
     /// Standard deviations of those that were estimated.
     pub deviations: BTreeMap<String, f64>,
 }
@@ -340,6 +342,7 @@ impl Proposal {
             presence: Presence::Any,
             fixed: BTreeMap::new(),
             shapes: Vec::new(),
+            starts: Vec::new(),
             deviations: BTreeMap::new(),
         }
     }
@@ -352,6 +355,7 @@ impl Proposal {
             presence: Presence::Any,
             fixed: BTreeMap::new(),
             shapes: Vec::new(),
+            starts: Vec::new(),
             deviations: BTreeMap::new(),
         }
     }
@@ -362,6 +366,7 @@ impl Proposal {
             && let Some(value) = shape.value(term)
         {
             self.fixed.insert(shape.name.to_owned(), value);
+            self.starts.push(value);
             self.shapes.push(shape);
         }
         self

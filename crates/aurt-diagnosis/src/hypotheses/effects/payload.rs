@@ -77,6 +77,7 @@ impl Effect for Payload {
                     presence: Presence::Change,
                     fixed: BTreeMap::new(),
                     shapes: Vec::new(),
+                    starts: Vec::new(),
                     deviations: BTreeMap::new(),
                 }
                 .with("link", link as f64)

@@ -108,6 +108,7 @@ fn of_model(
                     presence: Presence::Any,
                     fixed: shapes.clone(),
                     shapes: Vec::new(),
+                    starts: Vec::new(),
                     deviations: BTreeMap::new(),
                 },
                 term: built,

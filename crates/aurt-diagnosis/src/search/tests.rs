@@ -1,0 +1,209 @@
+//! Selection on rows whose physics is known.
+
+use super::ground::{Beside, Ground};
+use super::null::Judge;
+use super::selection::{Selection, Selector};
+use crate::evidence::gram::BlockMoments;
+use crate::evidence::problem::Problem;
+use crate::evidence::residuals::shares;
+use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::partition::Partition;
+use crate::recordings::rows::{JointRows, Layout, RecordingRows, Role};
+use crate::request::SelectionOptions;
+
+const ROWS: usize = 900;
+const NOISE: f64 = 0.1;
+
+/// Rows of one joint over columns of its own making.
+struct Rows {
+    problem: Problem,
+    rows: Vec<RecordingRows>,
+    partition: Partition,
+    layout: Layout,
+}
+
+/// Uniform values of unit variance from a linear congruential sequence.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12f64.sqrt()
+    }
+}
+
+/// A recording whose columns are wanderings that have nothing to do with one another, measured as their sum with
+/// coefficients.
+fn recording(role: Role, seed: u64, coefficients: &[f64]) -> RecordingRows {
+    let columns = coefficients.len();
+    let mut data = Vec::new();
+    for k in 0..columns {
+        let mut draw = noise(seed * 100 + k as u64 + 1);
+        let mut value = 0.0;
+        data.extend((0..ROWS).map(|_| {
+            value = 0.9 * value + 0.43 * draw();
+            value
+        }));
+    }
+    let mut draw = noise(seed * 100 + 77);
+    let of_row = |row: usize| (0..columns).map(|k| coefficients[k] * data[k * ROWS + row]).sum::<f64>();
+    let measurement = (0..ROWS).map(|row| of_row(row) + NOISE * draw()).collect();
+    let joint = JointRows {
+        velocity_rad_s: data[..ROWS].to_vec(),
+        position_rad: vec![0.0; ROWS],
+        acceleration_rad_s2: vec![0.0; ROWS],
+        counts: vec![true; ROWS],
+        measurement,
+        data,
+    };
+    RecordingRows {
+        name: format!("{role:?}"),
+        role,
+        rate_hz: 50.0,
+        time_s: (0..ROWS).map(|k| k as f64 / 50.0).collect(),
+        segment_starts: vec![0, ROWS],
+        joints: vec![joint],
+    }
+}
+
+impl Rows {
+    fn new(rows: Vec<RecordingRows>) -> Self {
+        let columns = rows[0].joints[0].data.len() / ROWS;
+        let layout =
+            Layout { coefficients: columns, rows: vec![(0..columns).collect()], first_instrument: columns };
+        let partition = Partition::new(&rows, 6, 0.2, false);
+        let problem = Problem::new(&layout, BlockMoments::accumulate(&rows, &partition));
+        Self { problem, rows, partition, layout }
+    }
+
+    fn judge<'a>(&'a self, groups: &'a [Group], options: &'a SelectionOptions) -> Judge<'a> {
+        Judge {
+            problem: &self.problem,
+            groups,
+            rows: &self.rows,
+            partition: &self.partition,
+            layout: &self.layout,
+            floor: &[NOISE * NOISE],
+            options,
+        }
+    }
+
+    fn select(&mut self, groups: &[Group]) -> Selection {
+        let options = SelectionOptions::default();
+        let baseline = [switch(0, false)];
+        let floor = [NOISE * NOISE];
+        let mut selector =
+            Selector { ground: self, baseline: &baseline, groups, floor: &floor, options: &options };
+        selector.run(|_| ())
+    }
+}
+
+impl Ground for Rows {
+    fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
+        shares(&self.rows, &self.partition, &self.layout, switches, coefficients)
+    }
+
+    fn scores_by_chance(
+        &self,
+        groups: &[Group],
+        switches: &[Switch],
+        _floor: &[f64],
+        options: &SelectionOptions,
+    ) -> Vec<f64> {
+        self.judge(groups, options).scores_by_chance(switches, &[1.0])
+    }
+
+    fn estimate(&mut self, _group: &Group, _beside: &Beside<'_>) -> bool {
+        false
+    }
+}
+
+const fn switch(column: usize, target_only: bool) -> Switch {
+    Switch { column, target_only, nonnegative: false }
+}
+
+fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
+    Group {
+        effect,
+        joints: vec![0],
+        candidate: column,
+        switches: vec![switch(column, target_only)],
+        accessory: Vec::new(),
+    }
+}
+
+#[test]
+fn what_is_there_is_found_and_nothing_beside_it() {
+    let mut rows = Rows::new(vec![recording(Role::Calibration, 1, &[1.0, 0.8, 0.0, 0.0])]);
+    let groups = [group("spring", 1, false), group("rotor_inertia", 2, false), group("viscous", 3, false)];
+    let found = rows.select(&groups);
+    assert_eq!(found.chosen.iter().map(|c| c.group).collect::<Vec<_>>(), [0]);
+    let only = &found.chosen[0];
+    assert!(only.score > only.threshold && only.p_null.is_some_and(|p| p < 0.05), "{only:?}");
+    assert!(found.after[0] < 1.2 * NOISE * NOISE, "{found:?}");
+}
+
+#[test]
+fn noise_alone_is_nothing() {
+    let mut rows = Rows::new(vec![recording(Role::Calibration, 2, &[1.0, 0.0, 0.0])]);
+    let found = rows.select(&[group("spring", 1, false), group("viscous", 2, false)]);
+    assert!(found.chosen.is_empty(), "{found:?}");
+}
+
+#[test]
+fn a_change_is_found_beside_the_structure_that_hides_it() {
+    // Structure takes nearly all of the gain; the change is a twentieth of it.
+    let mut rows = Rows::new(vec![
+        recording(Role::Calibration, 3, &[1.0, 2.0, 0.0]),
+        recording(Role::Target, 4, &[1.0, 2.0, 0.12]),
+    ]);
+    let groups = [
+        group("presliding_hysteresis", 1, false),
+        group("presliding_hysteresis", 1, true),
+        group("spring", 2, false),
+        group("spring", 2, true),
+    ];
+    let mut found: Vec<usize> = rows.select(&groups).chosen.iter().map(|c| c.group).collect();
+    found.sort_unstable();
+    assert_eq!(found, [0, 3]);
+}
+
+#[test]
+fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
+    let rows = Rows::new(vec![recording(Role::Calibration, 5, &[1.0, 0.8, 0.0])]);
+    let options = SelectionOptions::default();
+    let groups = [group("spring", 1, false), group("viscous", 2, false)];
+    let all = [switch(0, false), switch(1, false), switch(2, false)];
+    let judge = rows.judge(&groups, &options);
+    let [there, not] = [0, 1].map(|k| judge.p_confirm(&all, &groups[k]).unwrap());
+    assert!(there < 0.01 && not > 0.05, "{there} {not}");
+}
+
+#[test]
+fn a_renewed_column_has_the_moments_of_its_rows() {
+    let mut rows = Rows::new(vec![recording(Role::Calibration, 6, &[1.0, 0.8, 0.3])]);
+    let column = rows.rows[0].joints[0].data[..ROWS].to_vec();
+    rows.rows[0].joints[0].data[2 * ROWS..].iter_mut().zip(&column).for_each(|(v, c)| *v += 0.5 * c * c);
+    rows.problem.renew(&rows.rows, &rows.partition, 0, &[2]);
+    let anew = Problem::new(&rows.layout, BlockMoments::accumulate(&rows.rows, &rows.partition));
+    let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9 * b.abs().max(1.0));
+    for block in 0..6 {
+        let ((rest, _), (rest_anew, _)) = (rows.problem.fold(block), anew.fold(block));
+        assert!(close(&rest[0][0].gram, &rest_anew[0][0].gram));
+        assert!(close(&rest[0][0].right, &rest_anew[0][0].right));
+    }
+}
+
+#[test]
+fn a_sign_holds_on_held_out_blocks_too() {
+    let rows = Rows::new(vec![recording(Role::Calibration, 7, &[1.0, -0.8])]);
+    let signed = [Switch { column: 1, target_only: false, nonnegative: true }];
+    let nested = rows.problem.nest(&[switch(0, false)], &[1.0]);
+    let [without, with] = [&[][..], &signed].map(|g| rows.problem.held_out(&nested, g)[0][0]);
+    assert!((without - with).abs() < 1e-9 * without, "{without} {with}");
+    let all = rows.problem.nest(&[switch(0, false), signed[0]], &[1.0]);
+    assert!((rows.problem.held_out(&all, &[])[0][0] - without).abs() < 1e-9 * without);
+}
