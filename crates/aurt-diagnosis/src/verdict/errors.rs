@@ -112,6 +112,10 @@ impl Of<'_> {
         let total = self.investigation.problem.total();
         (0..self.investigation.problem.joints())
             .map(|j| {
+                // What never moved beside the targets has nothing that it could have changed from.
+                if self.rows(0, j) <= 0.0 {
+                    return f64::INFINITY;
+                }
                 let power = |kind: usize| total[kind][j].square / total[kind][j].rows.max(1.0);
                 // What a given model leaves is no measure of the torque.
                 let louder = if self.investigation.baseline.frozen || power(0) <= 0.0 {
