@@ -1,5 +1,6 @@
 //! Effects added to recordings: what is added is what the truth says, nowhere else, and nothing leaks.
 
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_simulation::case::{Case, CaseRequest, CaseType, World};
 use aurt_simulation::fit::Structure;
