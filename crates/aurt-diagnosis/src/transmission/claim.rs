@@ -283,6 +283,11 @@ impl Found {
         self.fails = fails;
     }
 
+    /// Whether its torque has about the size that physics asks for.
+    pub fn is_possible(&self) -> bool {
+        (AMPLITUDE[0]..=AMPLITUDE[1]).contains(&self.amplitude)
+    }
+
     /// Whether it passes all tests.
     pub fn confirmed(&self) -> bool {
         self.fails.is_empty()

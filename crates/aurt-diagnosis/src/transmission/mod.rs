@@ -214,7 +214,8 @@ fn of_joint(
             if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
         let shows: Vec<Shape> =
             starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN).map(|(s, _)| *s).collect();
-        (found.filter(|f| f.gain >= LEAST_GAIN), shows)
+        // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.
+        (found.filter(|f| f.gain >= LEAST_GAIN && f.is_possible()), shows)
     };
     let mut of_joint = OfJoint::default();
     let (mut elastic, mut play) = (None, None);

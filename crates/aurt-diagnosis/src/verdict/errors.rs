@@ -2,6 +2,7 @@
 
 use crate::evidence::account::Left;
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::deviations::Resampled;
 use crate::evidence::problem::TotalFit;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
@@ -90,10 +91,11 @@ impl Of<'_> {
             floor: references[j],
         });
         let (was, is, counts) = self.confirmed(calibrated, after);
+        let expected = self.expected(after, references);
         let confirmed = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).map(|j| Left {
             before: (was[j] / counts[j]).sqrt(),
             after: (is[j] / counts[j]).sqrt(),
-            floor: references[j],
+            floor: (expected[j] / counts[j]).sqrt(),
         });
         OfQuestion { fitted: fitted.collect(), confirmed: confirmed.collect() }
     }
@@ -126,6 +128,25 @@ impl Of<'_> {
                 (louder * self.fitted_rms(whole, 0, j)).max(self.investigation.floor[j].sqrt())
             })
             .collect()
+    }
+
+    /// Sums of squares that a model without a fault leaves of the rows that took no part: the noise of those recordings
+    /// (no less than the reference of the rows that fit), and the variance of its prediction, since its coefficients are
+    /// known no better than the rows that fit tell. The variance is the jackknife's over blocks of time, which sees the
+    /// memory and the misfit of the residual: (B − 1)/B Σ_b (w·β_b − w·β̄)², w a row.
+    fn expected(&self, model: &Model, references: &[f64]) -> Vec<f64> {
+        let Investigation { problem, floor, layout, floors, confirm, .. } = self.investigation;
+        let weights = weighted_fit(problem, &model.switches, floor).1;
+        let resampled = Resampled::new(problem, &model.switches, &weights);
+        let mut sums = vec![0.0; problem.joints()];
+        for (r, rows) in confirm.to_judge().iter().enumerate().filter(|(_, rows)| rows.rows() > 0) {
+            let variance = resampled.variance(|c| residuals(rows, layout, &model.switches, c));
+            for (j, sum) in sums.iter_mut().enumerate() {
+                let noise = floors[r][j].max(references[j].powi(2));
+                *sum += noise * rows.joints[j].counted(0, rows.rows()) + variance[j];
+            }
+        }
+        sums
     }
 
     /// Sums of squares over the rows that took no part, before and after, and how many there are of each joint.
