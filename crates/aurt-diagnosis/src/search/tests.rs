@@ -7,6 +7,7 @@ use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::divided::FitRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{JointRows, Layout, RecordingRows, Role};
 use crate::request::SelectionOptions;
@@ -177,8 +178,9 @@ fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
     let options = SelectionOptions::default();
     let groups = [group("spring", 1, false), group("viscous", 2, false)];
     let all = [switch(0, false), switch(1, false), switch(2, false)];
+    let (_, confirm) = FitRows::divide(rows.rows.clone(), &rows.partition);
     let judge = rows.judge(&groups, &options);
-    let [there, not] = [0, 1].map(|k| judge.p_confirm(&all, &groups[k]).unwrap());
+    let [there, not] = [0, 1].map(|k| judge.p_confirm(&confirm, &all, &groups[k]).unwrap());
     assert!(there < 0.01 && not > 0.05, "{there} {not}");
 }
 
