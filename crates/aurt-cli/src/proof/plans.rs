@@ -29,7 +29,7 @@ pub fn small(world: World) -> Plan {
         strangers: stranger,
         pairs: (world == World::Clean).then(|| PairPlan {
             robots: robots(),
-            effects: vec!["payload".into(), "stribeck".into()],
+            effects: vec!["spring".into(), "viscous".into()],
             count: 1,
             ..PairPlan::default()
         }),

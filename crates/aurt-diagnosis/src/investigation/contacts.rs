@@ -129,8 +129,11 @@ impl Parts<'_> {
                     rows.joints[j].residual(columns.map(|c| at_rest.get(*c).copied().unwrap_or(0.0)))
                 })
                 .collect();
+            // Laws that were selected beside the model's own level take part of it over, and hold at rest as well.
+            let level =
+                |j: usize, of: &[f64]| OwnFriction::of(self.question.model, j, of).coulomb_nm.max(0.0);
             let friction_nm: Vec<f64> = (0..rows.joints.len())
-                .map(|j| OwnFriction::of(self.question.model, j, &coefficients).coulomb_nm.max(0.0))
+                .map(|j| level(j, &coefficients).max(level(j, &baseline.coefficients)))
                 .collect();
             let forces = force_columns(&**self.question.model.rigid_body(), &rows)?;
             let view = StandingRows {

@@ -43,7 +43,12 @@ pub(crate) fn answers(
             let structure = &errors.structure;
             let missing =
                 Asked { fitted: &structure.fitted, confirmed: &structure.confirmed, coincidence: false };
-            (word(&|p| !in_all(p), &changed), Some(word(&in_all, &missing)))
+            let change = match word(&|p| !in_all(p), &changed) {
+                // Both were fitted together, for want of a reference: what has changed can hide in that.
+                Answer::NoMismatch if investigation.undetermined => Answer::Unexplained,
+                answer => answer,
+            };
+            (change, Some(word(&in_all, &missing)))
         }
         None => {
             let structure = &errors.structure;

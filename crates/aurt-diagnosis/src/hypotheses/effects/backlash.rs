@@ -51,7 +51,7 @@ impl Effect for Backlash {
     }
 
     /// None: the torque is not linear in the gap, so no column of a regressor describes it. It is simulated at the
-    /// recording's own rate ([`crate::transmission`]).
+    /// recording's own rate (`transmission/`).
     fn proposals(&self, _context: &Context<'_>) -> Vec<Proposal> {
         Vec::new()
     }

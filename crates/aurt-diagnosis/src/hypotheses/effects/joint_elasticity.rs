@@ -58,7 +58,7 @@ impl Effect for JointElasticity {
     }
 
     /// None: below its resonance a gear looks like any low-pass of the instrument, τ̈ with a positive factor. A gear is
-    /// simulated at the recording's own rate, where the resonance turns the phase ([`crate::transmission`]).
+    /// simulated at the recording's own rate, where the resonance turns the phase (`transmission/`).
     fn proposals(&self, _context: &Context<'_>) -> Vec<Proposal> {
         Vec::new()
     }
