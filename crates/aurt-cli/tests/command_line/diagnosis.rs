@@ -307,6 +307,6 @@ fn a_push_against_a_standing_arm_is_a_contact() {
                 window[0] <= at && at <= window[1]
             })
         };
-        assert!(pushed(5.2) && pushed(12.5) && !pushed(1.0) && !pushed(17.0), "{verdict}");
+        assert!(pushed(5.2) && pushed(9.0) && !pushed(1.0) && !pushed(17.0), "{verdict}");
     }
 }

@@ -56,6 +56,13 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let reach_m = reach_m(question, investigation)?;
     let trial = Trial::new(question, investigation, &chosen, reach_m);
     let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
+    for (one, fails) in chosen.iter().zip(&mut fails) {
+        if let Some(p) = one.p_confirm.filter(|p| *p > question.selection.confirm) {
+            fails.push(format!(
+                "data that took no part favour it no more than chance does, with a probability of {p:.2}"
+            ));
+        }
+    }
     for (joint, times) in trial.worse_in_all() {
         let on_it = |i: &usize| trial.groups[*i].joints == [joint];
         let culprits: Vec<usize> = (0..chosen.len()).filter(on_it).collect();
