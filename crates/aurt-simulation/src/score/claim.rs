@@ -135,7 +135,8 @@ impl ClaimedEffect {
         let number = |(name, value): (&String, &Value)| {
             Some((name.clone(), value.as_f64().filter(|v| v.is_finite())?))
         };
-        self.evidence.iter().filter_map(number).collect()
+        // What had to be exceeded says how poor the recordings are, and nothing of the finding.
+        self.evidence.iter().filter(|(name, _)| *name != "threshold").filter_map(number).collect()
     }
 }
 
