@@ -1,6 +1,6 @@
 //! What the model leaves with and without what was found, for each of the two questions.
 
-use crate::evidence::account::Left;
+use crate::evidence::account::{Left, STRUCTURE};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::deviations::Resampled;
 use crate::evidence::problem::TotalFit;
@@ -11,6 +11,10 @@ use crate::investigation::Investigation;
 
 /// Fewer rows that confirm say nothing of a joint.
 const FEWEST_CONFIRMING: f64 = 20.0;
+
+/// Share of its error by which a joint's may change while nothing that was found is about it: terms of other joints move the
+/// base parameters that they share.
+const UNTOUCHED: f64 = 0.05;
 
 /// Errors of one question, joint by joint.
 #[derive(Debug, Clone)]
@@ -38,8 +42,13 @@ struct Model {
 
 impl Errors {
     /// Of an investigation. Registered models have no names and account for nothing; joints of `apart` are left out: what
-    /// was found of them is no part of the model.
-    pub(crate) fn new(investigation: &Investigation, has_targets: bool, apart: &[usize]) -> Self {
+    /// was found of them is no part of the model. The noise of each joint is `louder` times its floor.
+    pub(crate) fn new(
+        investigation: &Investigation,
+        has_targets: bool,
+        apart: &[usize],
+        louder: &[f64],
+    ) -> Self {
         let chosen = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
         let named: Vec<&Group> = chosen.filter(|g| g.effect != REGISTERED).collect();
         let model = |of: &dyn Fn(&Group) -> bool| {
@@ -49,10 +58,13 @@ impl Errors {
         };
         let whole = model(&|_| true);
         let of = Of { investigation, apart };
+        let noise = || -> Vec<f64> {
+            investigation.floor.iter().zip(louder).map(|(f, louder)| louder * f.sqrt()).collect()
+        };
         if !(has_targets && investigation.problem.has_reference()) {
             let bare = model(&|_| false);
             let kind = usize::from(!investigation.problem.has_reference());
-            let noise: Vec<f64> = investigation.floor.iter().map(|f| f.sqrt()).collect();
+            let noise = noise();
             // As it was calibrated, where that was without the rows in question.
             let calibrated = Model {
                 switches: investigation.base_switches.clone(),
@@ -65,8 +77,8 @@ impl Errors {
         }
         let unchanged = model(&|g| !g.target_only());
         let bare = model(&Group::target_only);
-        let noise: Vec<f64> = investigation.floor.iter().map(|f| f.sqrt()).collect();
-        let usual = of.usual(&whole);
+        let noise = noise();
+        let usual: Vec<f64> = of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.max(*n)).collect();
         Self {
             change: Some(of.question([&unchanged, &unchanged, &whole], 1, &usual)),
             structure: of.question([&bare, &bare, &whole], 0, &noise),
@@ -92,7 +104,14 @@ impl Of<'_> {
         });
         let (was, is, counts) = self.confirmed(calibrated, after);
         let expected = self.expected(after, references);
-        let confirmed = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).map(|j| Left {
+        // A joint that the rows that fit show at its reference, and that nothing found touches, says nothing of what was found.
+        let concerned = |j: &usize| {
+            let excess =
+                self.rows(kind, *j) > 0.0 && self.fitted_rms(before, kind, *j) > STRUCTURE * references[*j];
+            excess || (is[*j] - was[*j]).abs() > UNTOUCHED * was[*j]
+        };
+        let judged = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).filter(concerned);
+        let confirmed = judged.map(|j| Left {
             before: (was[j] / counts[j]).sqrt(),
             after: (is[j] / counts[j]).sqrt(),
             floor: (expected[j] / counts[j]).sqrt(),
@@ -125,9 +144,26 @@ impl Of<'_> {
                 } else {
                     (power(1) / power(0)).sqrt().max(1.0)
                 };
-                (louder * self.fitted_rms(whole, 0, j)).max(self.investigation.floor[j].sqrt())
+                let left = self.fitted_rms(whole, 0, j).min(self.calibrated_rms(j));
+                (louder * left).max(self.investigation.floor[j].sqrt())
             })
             .collect()
+    }
+
+    /// What the model calibrated without the targets leaves of the recordings beside them, with the degrees of freedom that
+    /// the fit takes given back: a fit to both spreads a change over both. Infinite for a given model, and where there are
+    /// too few independent rows to tell.
+    fn calibrated_rms(&self, joint: usize) -> f64 {
+        let Investigation { problem, base_switches, baseline, mean_independent_share, .. } =
+            self.investigation;
+        let independent = mean_independent_share * self.rows(0, joint);
+        let freedoms = base_switches.len() as f64 / problem.joints() as f64;
+        if baseline.frozen || self.investigation.undetermined || independent <= freedoms {
+            return f64::INFINITY;
+        }
+        let errors = problem.squared_errors(problem.total(), base_switches, &baseline.coefficients);
+        let given_back = independent / (independent - freedoms);
+        (errors[0][joint] / self.rows(0, joint).max(1.0) * given_back).sqrt()
     }
 
     /// Sums of squares that a model without a fault leaves of the rows that took no part: the noise of those recordings

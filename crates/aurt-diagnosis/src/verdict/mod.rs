@@ -8,6 +8,7 @@ pub(crate) mod faults;
 pub(crate) mod findings;
 mod finite;
 pub(crate) mod localise;
+mod memory;
 mod model;
 mod not_examined;
 pub(crate) mod registered;

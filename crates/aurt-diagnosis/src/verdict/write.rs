@@ -19,7 +19,9 @@ use crate::verdict::faults::fault_findings;
 use crate::verdict::findings::{delay_finding, findings, indications};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
-use crate::verdict::{Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, registered};
+use crate::verdict::{
+    Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, memory, registered,
+};
 use aurt_traits::ColumnGroup;
 
 /// The verdict of an investigation.
@@ -61,7 +63,14 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     // What shakes is no part of the model: its joints' rows say nothing of how much else accounts for.
     let apart: Vec<usize> = shaking.iter().flat_map(|f| f.joints.iter().copied()).collect();
     let targets = question.recordings.iter().any(|r| r.role == Role::Target);
-    let errors = Errors::new(investigation, targets, &apart);
+    let fitting: Vec<&RecordingRows> = investigation.rows.iter().collect();
+    let left: Vec<Vec<Vec<f64>>> =
+        fitting.iter().map(|r| residuals(r, &investigation.layout, all, &fit.coefficients)).collect();
+    let louder = memory::factors(&residual, &fitting, &left);
+    for (joint, _) in residual.iter_mut().zip(&louder).filter(|(_, factor)| **factor > 1.0) {
+        joint.structure_left = false;
+    }
+    let errors = Errors::new(investigation, targets, &apart, &louder);
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
@@ -92,6 +101,19 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     );
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());
+    let wandering: Vec<String> = louder
+        .iter()
+        .enumerate()
+        .filter(|(_, factor)| **factor > 1.0)
+        .map(|(joint, factor)| format!("{joint} ({factor:.1} times)"))
+        .collect();
+    if !wandering.is_empty() {
+        verdict.notes.push(format!(
+            "what is left on joint {} exceeds the noise that the recordings show above their filters; it follows no coordinate, \
+             stands in no window and hums at no frequency, and is taken for noise that wanders: an effect of that size can hide in it",
+            wandering.join(", ")
+        ));
+    }
     verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
     if let Some(note) = worse_on_held_out(&verdict) {
         verdict.notes.push(note);
