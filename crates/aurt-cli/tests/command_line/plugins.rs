@@ -128,7 +128,6 @@ fn a_new_c_plugin_is_calibrated_and_swept() {
 
 #[test]
 fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
     let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
     for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {

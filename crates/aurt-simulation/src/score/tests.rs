@@ -39,11 +39,11 @@ fn spring() -> Truth {
 fn all_parts_must_be_right_and_each_is_counted() {
     let of = |word: &str, effects: &[Value]| score(&spring(), &claim(word, effects), None, None);
     let right = claimed("spring", &[2], "target");
-    let good = of("named", &[right.clone()]);
+    let good = of("named", std::slice::from_ref(&right));
     assert!(good.right && good.first_label && good.anywhere && good.beside == 0);
     assert_eq!((good.joints_right, good.presence_right, good.joint_f1), (Some(true), Some(true), Some(1.0)));
 
-    let word = of("unexplained", &[right.clone()]);
+    let word = of("unexplained", std::slice::from_ref(&right));
     assert!(!word.right && word.first_label && word.beside == 0);
     let joints = of("named", &[claimed("spring", &[1], "target")]);
     assert!(!joints.right && joints.first_label && joints.joints_right == Some(false) && joints.beside == 1);
@@ -71,7 +71,7 @@ fn a_surplus_claim_costs() {
     assert_eq!(beside(claimed("spring", &[2], "calibration")), 1, "it is not there twice");
     let wide = score(&spring(), &claim("named", &[claimed("spring", &[1, 2], "target")]), None, None);
     assert!(!wide.right && wide.beside == 1 && wide.joint_f1 == Some(2.0 / 3.0));
-    let board = Scoreboard::of(&[score(&spring(), &claim("named", &[right.clone()]), None, None), wide]);
+    let board = Scoreboard::of(&[score(&spring(), &claim("named", std::slice::from_ref(&right)), None, None), wide]);
     let rough = &board.worlds[&crate::case::World::Rough];
     assert_eq!(rough.beside, Some(0.5));
     assert_eq!(rough.singles[&crate::Strength::Medium].right, Share { count: 1, of: 2 });
