@@ -75,7 +75,12 @@ fn crates_import_what_the_architecture_page_allows() {
 fn rooms() -> Vec<String> {
     let lib = std::fs::read_to_string(Path::new(ROOT).join("crates/aurt-diagnosis/src/lib.rs")).unwrap();
     lib.lines()
-        .filter_map(|line| line.strip_prefix("//! | [`")?.split('`').next().map(str::to_owned))
+        .filter_map(|line| {
+            line.strip_prefix("//! | [`")?
+                .split('`')
+                .next()
+                .map(|room| room.trim_start_matches("mod@").to_owned())
+        })
         .collect()
 }
 

@@ -15,7 +15,7 @@
 //! | [`investigation`] | the walk through all rooms |
 //! | [`verdict`] | what may be said of what was found |
 //! | [`comparison`] | simpler methods on the same columns |
-//! | [`improvement`] | the experiment with what was found |
+//! | [`mod@improvement`] | the experiment with what was found |
 
 pub mod comparison;
 pub mod contact;

@@ -2,9 +2,9 @@
 //!
 //! A gear shows above the filters of calibration, where noise, servos and friction show as well. So what rings or strikes
 //! is no evidence; what is *predicted* is. The link of a joint is simulated, driven by the measured motion of its motor
-//! ([`link`]); the torque that this asks of all drives is set against what the fitted model leaves at the recording's own
-//! rate, on rows that are white ([`whiten`], [`rows`]), beside what the noise of the encoders and the rigid model explain
-//! ([`against`]); and it counts by what it gains on blocks of time that had no part in the fit ([`claim`]).
+//! (`link`); the torque that this asks of all drives is set against what the fitted model leaves at the recording's own
+//! rate, on rows that are white (`whiten`, `rows`), beside what the noise of the encoders and the rigid model explain
+//! (`against`); and it counts by what it gains on blocks of time that had no part in the fit (`claim`).
 //!
 //! Joints that rest, or have just reversed, started or stopped, are left out: the sign of dry friction jumps there.
 

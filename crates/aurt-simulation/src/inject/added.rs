@@ -11,7 +11,7 @@ pub struct Added {
     pub law: Law,
     /// The joint that it is on; of effects of the whole arm, any.
     pub joint: usize,
-    /// Its size, in the unit that [`Self::unit`] names; never negative.
+    /// Its size, in the unit that `Self::unit` names; never negative.
     pub size: f64,
     /// 1 or −1: which way it acts, where it can act either way.
     pub sign: f64,

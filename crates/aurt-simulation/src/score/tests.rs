@@ -71,7 +71,8 @@ fn a_surplus_claim_costs() {
     assert_eq!(beside(claimed("spring", &[2], "calibration")), 1, "it is not there twice");
     let wide = score(&spring(), &claim("named", &[claimed("spring", &[1, 2], "target")]), None, None);
     assert!(!wide.right && wide.beside == 1 && wide.joint_f1 == Some(2.0 / 3.0));
-    let board = Scoreboard::of(&[score(&spring(), &claim("named", std::slice::from_ref(&right)), None, None), wide]);
+    let board =
+        Scoreboard::of(&[score(&spring(), &claim("named", std::slice::from_ref(&right)), None, None), wide]);
     let rough = &board.worlds[&crate::case::World::Rough];
     assert_eq!(rough.beside, Some(0.5));
     assert_eq!(rough.singles[&crate::Strength::Medium].right, Share { count: 1, of: 2 });

@@ -25,7 +25,7 @@ pub enum ColumnNames {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Logger {
-    /// Rows per second, at most [`FASTEST_HZ`].
+    /// Rows per second, at most `FASTEST_HZ`.
     pub rate_hz: f64,
     /// Standard deviation of the instants of sampling around the regular ones, s. Stamps tell the real ones.
     pub clock_jitter_s: f64,

@@ -6,9 +6,9 @@
 //! has too much of beside it, its refitted coefficients give back. Models that come with AURT are spoken for by
 //! [`crate::hypotheses::effects`].
 //!
-//! - [`proposals`]: which models in which configurations;
-//! - [`choose`]: when one is taken, and that the vocabulary comes first;
-//! - [`findings`]: what the verdict says of those that were taken.
+//! - `proposals`: which models in which configurations;
+//! - `choose`: when one is taken, and that the vocabulary comes first;
+//! - `findings`: what the verdict says of those that were taken.
 
 mod shapes;
 mod trial;
