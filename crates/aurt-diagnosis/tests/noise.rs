@@ -57,12 +57,11 @@ impl Normal {
 }
 
 fn model_of(robot: &Robot) -> RobotModel {
-    let folder = std::env::temp_dir().join(format!("aurt_noise_{}_{}", robot.name, std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let mdh = folder.join("mdh.csv");
+    let folder = tempfile::tempdir().unwrap();
+    let mdh = folder.path().join("mdh.csv");
     std::fs::write(&mdh, robot.mdh_csv()).unwrap();
     // The experiment has to name a recording that exists; none is read.
-    let unread = folder.join("unread.csv");
+    let unread = folder.path().join("unread.csv");
     std::fs::write(&unread, "").unwrap();
     let text = format!(
         "schema = 1\n[robot]\nmdh = {mdh:?}\ngravity_m_s2 = {:?}\n[joint_dynamics]\ncoulomb = {{ model = \"none\" }}\n\
