@@ -66,7 +66,7 @@ pub const TERMS: &[Term] = &[
         title: "noise floor",
         text: "The residual that a perfect model would leave on a joint: the white noise of the measurement \
             after the filter, and the noise of the positions as it passes through differentiation and model. No \
-            model can have less on data that took no part. Structure is claimed where a residual exceeds 1.5 \
+            model can have less on data that took no part. Structure is claimed where a residual exceeds 1.65 \
             times the floor.",
     },
     Term {
@@ -119,7 +119,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "structure_left",
         title: "structure left",
-        text: "More than noise is left on a joint after all that was found: its residual exceeds 1.5 times the \
+        text: "More than noise is left on a joint after all that was found: its residual exceeds 1.65 times the \
             noise floor. See follows for where to look.",
     },
     Term {

@@ -6,7 +6,7 @@
 //! the joint at the distance Δ_i once the element slips, so friction remembers where the joint turned. Dahl,
 //! LuGre and Bouc–Wen models describe the same loops.
 //!
-//! - `thresholds_rad`: Δ_i, 10⁻³–10⁻¹ rad on geared joints (0.0005–0.12 rad, five elements, are tried);
+//! - `thresholds_rad`: Δ_i, 10⁻³–10⁻¹ rad on geared joints (five elements; the range is estimated);
 //! - `weights_nm`: W_i ≥ 0, Nm; their sum joins the level of full sliding.
 //!
 //! # How it shows

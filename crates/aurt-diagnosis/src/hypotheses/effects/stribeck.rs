@@ -5,7 +5,8 @@
 //! separates them, and friction falls from F_S to F_C over a few v_S before viscous friction takes over.
 //!
 //! - `static_nm`: F_S, Nm, above F_C; `coulomb_nm`: F_C, Nm, with the model's own level;
-//! - `stribeck_velocity_rad_s`: v_S, 0.02–0.1 rad/s on geared joints. δ is 2 here (Gaussian).
+//! - `stribeck_velocity_rad_s`: v_S, 0.02–0.1 rad/s on geared joints, and `stribeck_exponent`, δ: both are
+//!   estimated.
 //!
 //! # How it shows
 //! A hump of residual at |q̇| below about 2 v_S, of the sign of velocity, after every break-away and before
