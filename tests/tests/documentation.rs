@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 

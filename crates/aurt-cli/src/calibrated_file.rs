@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use aurt_calibration::Calibration;
-use aurt_plugins::{
+use aurt_experiment::{
     Registry,
     model_file::{read_json, robot_model_from_json, robot_model_to_json},
 };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::NamedRecording;
-use aurt_plugins::{
+use aurt_experiment::{
     Experiment,
     experiment::{ColumnName, JointColumns, RecordingColumns, RecordingSource},
 };
@@ -16,25 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 
-/// How recordings are preprocessed; kept in model files, because predictions need the same.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Preprocessing {
-    /// Frequency of the robot's dynamics, Hz.
-    pub f_dyn_hz: f64,
-    /// Rate of the uniform grid, Hz; by default that of the recording.
-    pub sample_rate_hz: Option<f64>,
-    /// Cut-off of the position filter, Hz; by default 5 f_dyn.
-    pub position_cutoff_hz: Option<f64>,
-    /// Cut-off of the parallel filter, Hz; by default 2 f_dyn.
-    pub parallel_cutoff_hz: Option<f64>,
-    /// A joint rests at and below this speed, rad/s.
-    pub rest_velocity_rad_s: f64,
-    /// Whether calibration cuts rest at both ends.
-    pub trim_rest: bool,
-    /// Longer gaps split a recording, s.
-    pub max_gap_s: Option<f64>,
-}
+pub use aurt_recording::PreprocessOptions as Preprocessing;
 
 /// What measuring does to the quantity that the model is about; preprocessing undoes it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -48,22 +30,6 @@ pub struct Instrument {
     pub offsets: Option<Vec<f64>>,
     /// How much later than the motion the measurement is recorded, s.
     pub delay_s: Option<Vec<f64>>,
-}
-
-impl Preprocessing {
-    /// As an experiment says.
-    pub fn of(experiment: &Experiment) -> Self {
-        let p = &experiment.preprocess;
-        Self {
-            f_dyn_hz: p.f_dyn_hz,
-            sample_rate_hz: p.sample_rate_hz,
-            position_cutoff_hz: p.position_cutoff_hz,
-            parallel_cutoff_hz: p.parallel_cutoff_hz,
-            rest_velocity_rad_s: p.rest_velocity_rad_s,
-            trim_rest: p.trim_rest,
-            max_gap_s: p.max_gap_s,
-        }
-    }
 }
 
 impl Instrument {
@@ -257,26 +223,12 @@ impl Pipeline<'_> {
 
     /// How a recording whose measurement is in `unit` is preprocessed.
     pub fn options(&self, unit: MeasurementUnit, purpose: Purpose) -> PreprocessOptions {
-        let Preprocessing {
-            f_dyn_hz,
-            sample_rate_hz,
-            position_cutoff_hz,
-            parallel_cutoff_hz,
-            rest_velocity_rad_s,
-            trim_rest,
-            max_gap_s,
-        } = *self.preprocessing;
         PreprocessOptions {
-            f_dyn_hz,
-            sample_rate_hz,
-            position_cutoff_hz,
-            parallel_cutoff_hz,
-            trim_rest: trim_rest && purpose == Purpose::Calibration,
-            rest_velocity_rad_s,
-            max_gap_s,
+            trim_rest: self.preprocessing.trim_rest && purpose == Purpose::Calibration,
             gains: self.instrument.factors(unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),
+            ..self.preprocessing.clone()
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aurt_calibration::CalibrationError;
 use aurt_diagnosis::DiagnosisError;
-use aurt_plugins::{BuildError, ExperimentErrors};
+use aurt_experiment::{BuildError, ExperimentErrors};
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
@@ -20,7 +20,7 @@ pub enum Failure {
     Experiment(Box<ExperimentErrors>),
     /// Models, experiments or model files.
     #[error(transparent)]
-    Plugins(aurt_plugins::Error),
+    Plugins(aurt_experiment::Error),
     /// Model options on the command line do not give models.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Build(Vec<BuildError>),
@@ -126,14 +126,20 @@ pub enum Failure {
     },
 }
 
-impl From<aurt_plugins::Error> for Failure {
-    fn from(error: aurt_plugins::Error) -> Self {
+impl From<aurt_experiment::Error> for Failure {
+    fn from(error: aurt_experiment::Error) -> Self {
         match error {
-            aurt_plugins::Error::Experiment(errors) => Self::Experiment(errors),
-            aurt_plugins::Error::RigidBody(error) => error.into(),
-            aurt_plugins::Error::Assembly(errors) => Self::Models(errors),
+            aurt_experiment::Error::Experiment(errors) => Self::Experiment(errors),
+            aurt_experiment::Error::RigidBody(error) => error.into(),
+            aurt_experiment::Error::Assembly(errors) => Self::Models(errors),
             other => Self::Plugins(other),
         }
+    }
+}
+
+impl From<aurt_plugins::Error> for Failure {
+    fn from(error: aurt_plugins::Error) -> Self {
+        Self::Plugins(error.into())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
+use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use aurt_rbd::SerialChain;
 use aurt_recording::Recording;
 use aurt_simulation::{
@@ -11,7 +11,7 @@ use aurt_simulation::{
 };
 
 use crate::{
-    data::{Instrument, Pipeline, Preprocessing, Purpose, Source},
+    data::{Instrument, Pipeline, Purpose, Source},
     failure::Failure,
 };
 
@@ -46,7 +46,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
             "leave out the arm term and the recordings that have it",
         ));
     }
-    let (preprocessing, instrument) = (Preprocessing::of(experiment), Instrument::of(experiment));
+    let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
     let pipeline =
         Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
     let parts = &experiment.recordings;
@@ -80,7 +80,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     (options.gains, options.offsets) = (None, None);
     let table = &experiment.robot.table;
     let mdh = std::fs::read(&experiment.robot.mdh)
-        .map_err(|source| aurt_plugins::Error::Read { path: experiment.robot.mdh.clone(), source })?;
+        .map_err(|source| aurt_experiment::Error::Read { path: experiment.robot.mdh.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         mdh_csv: String::from_utf8_lossy(&mdh).into_owned(),

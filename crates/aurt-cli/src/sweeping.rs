@@ -1,12 +1,12 @@
 //! How a sweep reads recordings and fits: as `aurt run` does.
 
 use aurt_calibration::ShapeOptions;
-use aurt_plugins::{Experiment, experiment::RecordingSource};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_sweep::{Data, Loader, PointError, Settings, Validate};
 
 use crate::{
     commands::run::calibration_options,
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    data::{Instrument, Loaded, Pipeline, Purpose, Source},
     failure::Failure,
     fitting::judged_rows,
     results::metrics::Role,
@@ -31,7 +31,7 @@ impl Loader for ExperimentLoader {
 }
 
 fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Failure> {
-    let (preprocessing, instrument) = (Preprocessing::of(experiment), Instrument::of(experiment));
+    let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
     let pipeline =
         Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
     let read = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Failure> {

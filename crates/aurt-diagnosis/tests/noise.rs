@@ -10,7 +10,7 @@ use aurt_diagnosis::evidence::baseline::{Baseline, evaluate_all};
 use aurt_diagnosis::noise::floor::noise_floor;
 use aurt_diagnosis::noise::spectrum::RecordingNoise;
 use aurt_diagnosis::{Fit, Question, QuestionedRecording, Role, SelectionOptions};
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_simulation::{Motion, Robot, robots};
 use aurt_traits::{MeasurementUnit, Motion as Series, RegressorTile, RobotModel};

@@ -8,7 +8,7 @@ use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_diagnosis::{
     Question, QuestionedRecording, Role, SelectionOptions, investigate, series, write_verdict,
 };
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_traits::MeasurementUnit;
 

@@ -167,7 +167,7 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
             }
         }
     };
-    let complaints = invalid(table, model.complaints());
+    let complaints = BuildError::invalid(table, model.complaints());
     if complaints.is_empty() { Ok(model) } else { Err(complaints) }
 }
 
@@ -233,20 +233,6 @@ pub(crate) fn build_saved<M: SlotModel + ?Sized>(
             })
             .collect()
     })
-}
-
-/// A model's complaints about its configuration, each with the place of the key that it names.
-pub(crate) fn invalid(table: &Node, complaints: Vec<ModelError>) -> Vec<BuildError> {
-    complaints
-        .into_iter()
-        .map(|error| {
-            let place = match &error {
-                ModelError::InvalidParameter { parameter, .. } => place::of_key(table, parameter),
-                other => place::of_message(table, &other.to_string()),
-            };
-            BuildError::Invalid { error, span: place.span }
-        })
-        .collect()
 }
 
 /// Serde speaks of fields; who writes an experiment knows keys.

@@ -141,7 +141,8 @@ impl Node {
     }
 
     /// A parsed TOML table, and the numbers in it that no `i64` or `f64` can hold.
-    pub(crate) fn from_toml(table: &DeTable<'_>, span: Span) -> (Self, Vec<Span>) {
+    #[must_use]
+    pub fn from_toml(table: &DeTable<'_>, span: Span) -> (Self, Vec<Span>) {
         let mut unreadable = Vec::new();
         let node = Self { kind: table_kind(table, &mut unreadable), span };
         (node, unreadable)

@@ -1,18 +1,15 @@
 use std::path::PathBuf;
 
-use aurt_rbd::RbdError;
 use aurt_traits::{ModelError, Slot};
 use thiserror::Error;
 
 use crate::{
-    Span,
+    Node, Span,
     dynamic::{LibraryListing, LibraryProblem},
-    experiment::ExperimentErrors,
-    model_file::{Step, in_words},
-    suggestion,
+    place, suggestion,
 };
 
-/// Why something about models, experiments or model files failed.
+/// Why something about models, libraries or plugins failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -33,9 +30,6 @@ pub enum Error {
         /// What registered the second, in words.
         second: String,
     },
-    /// An experiment is wrong in one or more places.
-    #[error(transparent)]
-    Experiment(#[from] Box<ExperimentErrors>),
     /// A dynamic library could not be loaded.
     #[error("the library {path} {problem}", path = path.display())]
     Library {
@@ -51,52 +45,6 @@ pub enum Error {
         name: String,
         /// Why.
         reason: &'static str,
-    },
-    /// The rigid bodies cannot be built, or their base parameters not be determined.
-    #[error(transparent)]
-    RigidBody(#[from] RbdError),
-    /// Stacks, arm terms and rigid bodies do not fit together.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Assembly(Vec<ModelError>),
-    /// A value of a model file is wrong; [`Error::in_file`] makes a [`Error::ModelFile`] of it.
-    #[error("{}{reason}{}", in_words(place), and_help(help))]
-    ModelValue {
-        /// The way to the value.
-        place: Vec<Step>,
-        /// What is wrong with it, as the rest of a sentence about it.
-        reason: String,
-        /// What to do.
-        help: Option<String>,
-    },
-    /// A model file is wrong.
-    #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
-    ModelFile {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The column, from 1.
-        column: usize,
-        /// What is wrong.
-        reason: String,
-        /// What to do.
-        help: Option<String>,
-    },
-    /// Something cannot be written into a model file.
-    #[error("{what} cannot be saved: {reason}")]
-    Unsaved {
-        /// What could not be saved.
-        what: String,
-        /// Why.
-        reason: String,
-    },
-    /// A file could not be read.
-    #[error("{path}: cannot be read: {source}", path = path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
     },
     /// A file could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
@@ -204,6 +152,21 @@ pub enum BuildError {
 }
 
 impl BuildError {
+    /// A model's complaints about its configuration, each with the place of the key that it names.
+    #[must_use]
+    pub fn invalid(table: &Node, complaints: Vec<ModelError>) -> Vec<Self> {
+        complaints
+            .into_iter()
+            .map(|error| {
+                let place = match &error {
+                    ModelError::InvalidParameter { parameter, .. } => place::of_key(table, parameter),
+                    other => place::of_message(table, &other.to_string()),
+                };
+                Self::Invalid { error, span: place.span }
+            })
+            .collect()
+    }
+
     /// Where the culprit stands in the text that the configuration was read from.
     #[must_use]
     pub fn span(&self) -> Span {
@@ -263,8 +226,4 @@ impl BuildError {
             Self::Invalid { .. } => None,
         }
     }
-}
-
-fn and_help(help: &Option<String>) -> String {
-    help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
 }

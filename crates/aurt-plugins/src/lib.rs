@@ -1,9 +1,7 @@
-//! Finding models by name, reading experiments, composing robot models.
+//! Finding models by name.
 //!
 //! - [`Registry`] knows every model that can be named and builds one from its table;
-//! - [`Experiment`] is an experiment's TOML file, checked;
-//! - [`RigidBodyDynamics`] and [`Experiment::robot_model`] compose the robot model;
-//! - [`model_file`] writes and reads models as JSON;
+//! - [`Node`] is such a table, with the place of every key and value;
 //! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from.
 //!
 //! ```
@@ -20,27 +18,22 @@
 //! # Ok::<(), aurt_plugins::Error>(())
 //! ```
 
-mod assemble;
 mod build;
 mod builtin;
 mod configuration;
 mod describe;
 mod dynamic;
 mod error;
-pub mod experiment;
 mod inner;
-pub mod model_file;
 mod new_plugin;
 mod place;
 mod registry;
 pub mod suggestion;
 
-pub use assemble::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;
 pub use dynamic::{LibraryListing, LibraryProblem};
 pub use error::{BuildError, Error};
-pub use experiment::{Experiment, ExperimentErrors, Problem};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};
 pub use registry::{ModelListing, Origin, Registry};

@@ -1,6 +1,6 @@
 //! `[sweep]`: what is varied, how points are judged.
 
-use aurt_plugins::{Node, NodeKind, Problem, Span, suggestion};
+use aurt_experiment::{Node, NodeKind, Problem, Span, suggestion};
 
 use crate::place::Place;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use aurt_plugins::Span;
+use aurt_experiment::Span;
 use toml::{
     Table, Value,
     de::{DeTable, DeValue},

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use aurt_calibration::CalibrationError;
-use aurt_plugins::ExperimentErrors;
+use aurt_experiment::ExperimentErrors;
 use thiserror::Error;
 
 /// Why a sweep, as a whole, cannot go on. What is wrong with a single point is its result, not one of these.
@@ -13,7 +13,7 @@ pub enum SweepError {
     Definition(#[from] Box<ExperimentErrors>),
     /// The experiment, models or libraries.
     #[error(transparent)]
-    Plugins(#[from] aurt_plugins::Error),
+    Plugins(#[from] aurt_experiment::Error),
     /// The experiment has no `[sweep]`.
     #[error("{}: there is no [sweep] to run; add one that names keys and their values", path.display())]
     NoSweep {
@@ -105,7 +105,7 @@ pub enum PointError {
     Recordings(String),
     /// The rigid bodies or the robot model.
     #[error(transparent)]
-    Model(#[from] aurt_plugins::Error),
+    Model(#[from] aurt_experiment::Error),
     /// The fit or its validation.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),

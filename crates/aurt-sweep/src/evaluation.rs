@@ -1,7 +1,7 @@
 //! A point's result, from the rows that its family shares.
 
 use aurt_calibration::{FitRows, JudgedRow, TermScopes, calibrate_shapes_rows};
-use aurt_plugins::Experiment;
+use aurt_experiment::Experiment;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 

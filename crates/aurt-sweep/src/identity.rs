@@ -6,7 +6,7 @@ use std::{
     sync::Mutex,
 };
 
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 use blake3::Hasher;
 use serde_json::Value;
 

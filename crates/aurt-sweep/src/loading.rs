@@ -1,5 +1,5 @@
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
-use aurt_plugins::Experiment;
+use aurt_experiment::Experiment;
 use aurt_traits::MeasurementUnit;
 
 use crate::{PointError, definition::Validate};

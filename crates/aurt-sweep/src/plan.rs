@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use aurt_plugins::{Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
 use rayon::prelude::*;
 
 use crate::{

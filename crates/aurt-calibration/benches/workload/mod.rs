@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use aurt_plugins::{Registry, RigidBodyDynamics, SlotModel};
+use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{ReadReport, Recording};
 use aurt_traits::{JointStack, MeasurementUnit, RobotModel};

@@ -3,7 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt_calibration::TermScopes;
-use aurt_plugins::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, model_file::read_robot_model};
+use aurt_experiment::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, model_file::read_robot_model};
 use aurt_traits::RobotModel;
 use clap::Args;
 use serde_json::json;

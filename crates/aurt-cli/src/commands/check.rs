@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_plugins::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::MdhTable;
 use aurt_traits::MeasurementUnit;
 use clap::Args;
@@ -286,16 +286,8 @@ fn own_name(one: &Inspected, taken: &[String]) -> String {
     names.into_iter().find(|n| !taken.contains(n)).unwrap_or_default()
 }
 
-const fn preprocessing(f_dyn_hz: f64) -> Preprocessing {
-    Preprocessing {
-        f_dyn_hz,
-        sample_rate_hz: None,
-        position_cutoff_hz: None,
-        parallel_cutoff_hz: None,
-        rest_velocity_rad_s: 0.03,
-        trim_rest: false,
-        max_gap_s: None,
-    }
+fn preprocessing(f_dyn_hz: f64) -> Preprocessing {
+    Preprocessing { trim_rest: false, ..Preprocessing::new(f_dyn_hz) }
 }
 
 /// The f_dyn to look with: what is usual, less where the slowest recording asks for it.

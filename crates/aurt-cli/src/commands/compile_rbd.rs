@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_plugins::{
+use aurt_experiment::{
     BASE_PARAMETER_SEED, RigidBodyDynamics,
     model_file::{read_base_parameters, rigid_body_to_json},
 };

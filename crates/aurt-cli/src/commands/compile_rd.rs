@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_plugins::{
+use aurt_experiment::{
     BuildError, Experiment, Registry, SlotModel,
     model_file::{read_rigid_body, robot_model_to_json},
 };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
-use aurt_plugins::experiment::{ColumnName, JointColumns, RecordingColumns};
+use aurt_experiment::experiment::{ColumnName, JointColumns, RecordingColumns};
 use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
@@ -106,15 +106,11 @@ enum RestName {
 
 impl FittingOptions {
     /// How recordings are preprocessed.
-    pub const fn preprocessing(&self) -> Preprocessing {
+    pub fn preprocessing(&self) -> Preprocessing {
         Preprocessing {
-            f_dyn_hz: self.f_dyn_hz,
             sample_rate_hz: self.sample_rate_hz,
-            position_cutoff_hz: None,
-            parallel_cutoff_hz: None,
             rest_velocity_rad_s: self.rest_velocity_rad_s,
-            trim_rest: true,
-            max_gap_s: None,
+            ..Preprocessing::new(self.f_dyn_hz)
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibratedParameter;
-use aurt_plugins::Experiment;
+use aurt_experiment::Experiment;
 use clap::Args;
 use serde_json::{Value, json};
 

@@ -6,7 +6,7 @@ use aurt_diagnosis::{
     Answer, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
     improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
-use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
+use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
 use serde_json::json;
 
@@ -14,7 +14,7 @@ use super::Session;
 use crate::{
     calibrated_file::CalibratedModel,
     commands::run::{calibration_options, drawn_text, fit_experiment, written_text},
-    data::{Instrument, Pipeline, Preprocessing, Purpose, Source},
+    data::{Instrument, Pipeline, Purpose, Source},
     failure::Failure,
     output::OutputFolder,
     proof::COMPARISON,
@@ -93,7 +93,7 @@ impl Diagnose {
             Some(calibrated) => calibrated.model.clone(),
             None => experiment.robot_model()?,
         };
-        let (preprocessing, instrument) = (Preprocessing::of(&experiment), Instrument::of(&experiment));
+        let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(&experiment));
         let pipeline =
             Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
         let (recordings, unit) = read(&experiment, &pipeline, |what| progress.step(what))?;

@@ -3,7 +3,7 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt_calibration::extrapolations;
-use aurt_plugins::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use clap::Args;
 use serde_json::json;
 

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
-use aurt_plugins::{Experiment, experiment};
+use aurt_experiment::{Experiment, experiment};
 use clap::Args;
 use serde_json::json;
 
 use super::Session;
 use crate::{
-    data::{Instrument, Preprocessing, Source},
+    data::{Instrument, Source},
     failure::Failure,
     fitting::{Detail, Job, Outcome},
     output::OutputFolder,
@@ -60,7 +60,7 @@ pub fn fit_experiment(experiment: &Experiment, terminal: &Terminal) -> Result<Ou
     progress.step("compiling the model");
     let job = Job {
         model: experiment.robot_model()?,
-        preprocessing: Preprocessing::of(experiment),
+        preprocessing: experiment.preprocess.clone(),
         instrument: Instrument::of(experiment),
         options: calibration_options(experiment),
         scopes: TermScopes::new(experiment.arm_term_recordings.clone()),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_plugins::Experiment;
+use aurt_experiment::Experiment;
 use aurt_simulation::inject::{Kind, injectable};
 use clap::Args;
 use serde_json::json;

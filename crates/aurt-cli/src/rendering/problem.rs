@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_plugins::{Error, suggestion};
+use aurt_experiment::{Error, suggestion};
 use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
 use miette::{

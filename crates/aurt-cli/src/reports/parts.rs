@@ -1,7 +1,7 @@
 //! Tables and lists that several reports have.
 
 use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueChoice};
-use aurt_plugins::BASE_PARAMETER_SEED;
+use aurt_experiment::BASE_PARAMETER_SEED;
 use aurt_report::{Block, Cell, Table};
 use aurt_traits::RobotModel;
 

@@ -2,7 +2,7 @@ use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_diagnosis::{
     Answer, Finding, Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict,
 };
-use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
+use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use aurt_recording::{Recording, preprocess};
 use aurt_simulation::inject::{Added, Injection, Presence, Split};
 use aurt_traits::RobotModel;

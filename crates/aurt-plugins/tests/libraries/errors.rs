@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use aurt_plugins::{Error, Experiment, Registry};
+use aurt_experiment::{Error, Experiment, Registry};
 use aurt_traits::{Columns, HysteresisModel, JointModel, JointSeries, ModelError};
 use serde_json::json;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use aurt_plugins::{Origin, Registry, RigidBodyDynamics};
+use aurt_experiment::{Origin, Registry, RigidBodyDynamics};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_traits::{
     ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, JointSeries, JointStack, LoadTorque, Motion,

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use aurt_plugins::{Experiment, Registry, model_file};
+use aurt_experiment::{Experiment, Registry, model_file};
 use aurt_traits::ArmTerm;
 use serde_json::json;
 

@@ -1,9 +1,13 @@
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::RecordingError;
 
 /// How a recording is preprocessed (paper, section IV).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+///
+/// Experiments (`[preprocess]`) and model files hold this without `gains`, `offsets` and `delay_s`, which say what the
+/// instrument did and have a place of their own there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PreprocessOptions {
     /// Highest frequency of the robot's dynamics, in Hz; the cut-offs follow from it.
     pub f_dyn_hz: f64,
@@ -13,18 +17,21 @@ pub struct PreprocessOptions {
     pub position_cutoff_hz: Option<f64>,
     /// Cut-off of the parallel filter of regressor and measurement, in Hz. `None`: 2 f_dyn.
     pub parallel_cutoff_hz: Option<f64>,
-    /// Cut the rest before the first and after the last motion (calibration does, validation does not).
-    pub trim_rest: bool,
     /// A joint moves while |q̇| is above this, in rad/s.
     pub rest_velocity_rad_s: f64,
+    /// Cut the rest before the first and after the last motion (calibration does, validation does not).
+    pub trim_rest: bool,
     /// Longer gaps between stamps split the recording, in s. `None`: 0.1 s or ten periods, whichever is longer.
     pub max_gap_s: Option<f64>,
     /// Per joint, factors of the measurement: y = (raw − offset) · gain. Torque constants in Nm/A turn currents
     /// into torques. `None`: 1.
+    #[serde(skip)]
     pub gains: Option<Vec<f64>>,
     /// Per joint, what the instrument shows at zero, in the raw unit. `None`: 0.
+    #[serde(skip)]
     pub offsets: Option<Vec<f64>>,
     /// Per joint, by how much the measurement lags behind the positions, in s; it is shifted back. `None`: 0.
+    #[serde(skip)]
     pub delay_s: Option<Vec<f64>>,
 }
 

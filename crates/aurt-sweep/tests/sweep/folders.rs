@@ -149,12 +149,12 @@ fn a_plugin_that_panics_fails_its_point_alone() {
     impl Loader for Panics {
         fn load(
             &self,
-            _: &aurt_plugins::Experiment,
+            _: &aurt_experiment::Experiment,
             _: aurt_sweep::Validate,
         ) -> Result<aurt_sweep::Data, aurt_sweep::PointError> {
             panic!("out of cheese")
         }
-        fn settings(&self, experiment: &aurt_plugins::Experiment) -> aurt_sweep::Settings {
+        fn settings(&self, experiment: &aurt_experiment::Experiment) -> aurt_sweep::Settings {
             TestLoader.settings(experiment)
         }
     }

@@ -6,7 +6,7 @@ use super::{
     joint_count::{JointCheck, repeated},
     section::{Reader, Section},
 };
-use crate::{Node, Registry, build::SlotModel};
+use crate::{Node, Registry, SlotModel};
 
 /// `[joint_dynamics]`: the friction of every joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇) (equation 6), with
 /// exceptions for some.

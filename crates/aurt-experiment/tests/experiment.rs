@@ -4,7 +4,7 @@
 
 use std::{fs, path::Path};
 
-use aurt_plugins::{
+use aurt_experiment::{
     Error, Experiment, Registry,
     experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, Rest},
 };

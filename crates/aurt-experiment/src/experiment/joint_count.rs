@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use aurt_traits::ArmTerm;
 
 use super::errors::Complaint;
-use crate::{Node, Span, build};
+use crate::{BuildError, Node, Span};
 
 /// A check that waits for the number of joints.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl JointCheck {
             }
             Self::ArmTerm { term, table } => {
                 let complaints = term.validate(joints).err().unwrap_or_default();
-                build::invalid(&table, complaints).into_iter().map(Complaint::from).collect()
+                BuildError::invalid(&table, complaints).into_iter().map(Complaint::from).collect()
             }
             Self::Length { .. } | Self::Joint { .. } => Vec::new(),
         }

@@ -3,7 +3,7 @@
 use std::{cell::RefCell, path::PathBuf};
 
 use super::{errors::Complaint, joint_count::JointCheck, paths};
-use crate::{Node, Span, configuration::NodeKind, suggestion};
+use crate::{Node, NodeKind, Span, suggestion};
 
 /// What all sections share while an experiment is read.
 #[derive(Debug, Default)]

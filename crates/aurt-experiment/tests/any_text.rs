@@ -4,7 +4,7 @@
 
 use std::{fs, path::Path, sync::OnceLock};
 
-use aurt_plugins::{Experiment, Registry, model_file};
+use aurt_experiment::{Experiment, Registry, model_file};
 use proptest::{prelude::*, sample::Index};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -44,7 +44,7 @@ fn folder() -> &'static Path {
         .path()
 }
 
-fn parse(text: &str) -> Result<Experiment, Box<aurt_plugins::ExperimentErrors>> {
+fn parse(text: &str) -> Result<Experiment, Box<aurt_experiment::ExperimentErrors>> {
     Experiment::parse(text, &folder().join("e.toml"), &mut Registry::linked().unwrap())
 }
 
@@ -136,7 +136,7 @@ proptest! {
         let registry = Registry::linked().unwrap();
         if let Err(error) = model_file::robot_model_from_json(&changed, &registry) {
             let error = error.in_file(Path::new("m.json"), &text, &[]);
-            let aurt_plugins::Error::ModelFile { line, column, .. } = error else {
+            let aurt_experiment::Error::ModelFile { line, column, .. } = error else {
                 return Err(TestCaseError::fail(error.to_string()));
             };
             prop_assert!(line >= 1 && line <= text.lines().count() && column >= 1);

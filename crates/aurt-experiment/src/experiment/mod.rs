@@ -17,6 +17,7 @@ mod section;
 
 use std::path::{Path, PathBuf};
 
+use aurt_recording::PreprocessOptions;
 use aurt_traits::ArmTerm;
 use toml::de::DeTable;
 
@@ -25,7 +26,6 @@ pub use self::{
     errors::{ExperimentErrors, Problem},
     instrument::Instrument,
     joint_dynamics::{JointDynamics, JointOverride},
-    preprocess::Preprocess,
     recordings::{ColumnName, JointColumns, RecordingColumns, RecordingSource, Recordings},
     robot::Robot,
 };
@@ -59,8 +59,8 @@ pub struct Experiment {
     pub instrument: Instrument,
     /// `[recordings]`.
     pub recordings: Recordings,
-    /// `[preprocess]`.
-    pub preprocess: Preprocess,
+    /// `[preprocess]`, without what `[instrument]` says.
+    pub preprocess: PreprocessOptions,
     /// `[calibration]`.
     pub calibration: Calibration,
     /// `libraries` of `[plugins]`: the dynamic libraries that were loaded for this experiment.
@@ -146,7 +146,7 @@ fn read_sections(
     let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
     top.require("recordings", "[recordings] with `calibration`");
     let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
-    let preprocess = top.section("preprocess").map(Preprocess::read).unwrap_or_default();
+    let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
     let calibration = top.section("calibration").map(Calibration::read).unwrap_or_default();
     let sweep = top.take("sweep").cloned();
     top.finish();

@@ -2,7 +2,7 @@ use std::{fmt, path::PathBuf};
 
 use thiserror::Error;
 
-use crate::{Span, error::BuildError};
+use crate::{BuildError, Span};
 
 /// Everything that is wrong with an experiment, in the order of the text.
 ///

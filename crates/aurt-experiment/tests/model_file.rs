@@ -4,7 +4,7 @@
 
 use std::{fs, path::Path};
 
-use aurt_plugins::{Error, Experiment, Registry, RigidBodyDynamics, model_file};
+use aurt_experiment::{Error, Experiment, Registry, RigidBodyDynamics, model_file};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_traits::RobotModel;
 use serde_json::Value;
