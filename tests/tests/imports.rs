@@ -11,14 +11,19 @@ use serde_json::Value;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
+/// Whether a crate is one of ours, by its name.
+fn is_ours(name: &str) -> bool {
+    name == "aurt" || name.starts_with("aurt-")
+}
+
 /// The crates of each row's last column; `None` where it says `all`.
 fn allowed() -> BTreeMap<String, Option<BTreeSet<String>>> {
     let page = std::fs::read_to_string(Path::new(ROOT).join("ARCHITECTURE.md")).unwrap();
     let names = |cell: &str| -> BTreeSet<String> {
-        cell.split('`').skip(1).step_by(2).filter(|n| n.starts_with("aurt-")).map(str::to_owned).collect()
+        cell.split('`').skip(1).step_by(2).filter(|n| is_ours(n)).map(str::to_owned).collect()
     };
     page.lines()
-        .filter(|line| line.starts_with("| `aurt-"))
+        .filter(|line| line.starts_with("| `aurt"))
         .map(|line| {
             let cells: Vec<&str> = line.split('|').map(str::trim).collect();
             let may_import = (cells[3] != "all").then(|| names(cells[3]));
@@ -44,11 +49,11 @@ fn imports() -> BTreeMap<String, BTreeSet<String>> {
                 .into_iter()
                 .filter(|d| d["kind"].is_null())
                 .map(|d| d["name"].as_str().unwrap().to_owned())
-                .filter(|name| name.starts_with("aurt-"))
+                .filter(|name| is_ours(name))
                 .collect();
             (package["name"].as_str().unwrap().to_owned(), imported)
         })
-        .filter(|(name, _): &(String, _)| name.starts_with("aurt-"))
+        .filter(|(name, _): &(String, _)| is_ours(name))
         .collect()
 }
 

@@ -3,27 +3,15 @@
 //! Exit status: 0 all well, 1 a check found something, 2 the command failed or its input was bad.
 
 mod arguments;
-mod calibrated_file;
 mod commands;
-mod data;
-mod demo;
-mod failure;
-mod fitting;
-mod glossary;
-mod injected;
-mod inspection;
-mod output;
-mod proof;
 mod rendering;
-mod reports;
-mod results;
-mod sensitivity;
-mod simulated;
-mod streaming;
-mod sweeping;
 
 use std::process::ExitCode;
 
+use aurt::{
+    calibrated_file, data, demo, failure, fitting, glossary, injected, inspection, output, progress, proof,
+    reports, results, sensitivity, simulated, streaming, sweeping,
+};
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;
 

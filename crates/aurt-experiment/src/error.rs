@@ -78,3 +78,9 @@ pub enum Error {
 fn and_help(help: &Option<String>) -> String {
     help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
 }
+
+impl From<aurt_output::WriteError> for Error {
+    fn from(error: aurt_output::WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
+    }
+}

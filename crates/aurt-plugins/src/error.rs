@@ -227,3 +227,9 @@ impl BuildError {
         }
     }
 }
+
+impl From<aurt_output::WriteError> for Error {
+    fn from(error: aurt_output::WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
+    }
+}

@@ -2,10 +2,11 @@
 
 use std::{
     env::consts::{DLL_PREFIX, DLL_SUFFIX},
-    fs, io,
+    io,
     path::{Path, PathBuf},
 };
 
+use aurt_output::write_folder;
 use aurt_traits::abi;
 
 use crate::Error;
@@ -179,16 +180,9 @@ pub fn new_plugin(name: &str, language: PluginLanguage, folder: &Path) -> Result
     if language == PluginLanguage::C {
         contents.push(("aurt_plugin.h".to_owned(), abi::HEADER.to_owned()));
     }
-    for (file, text) in &contents {
-        write(&folder.join(file), text)?;
-    }
+    write_folder(folder, &contents)?;
     let files = contents.into_iter().map(|(file, _)| file.into()).collect();
     Ok(NewPlugin { folder: folder.to_owned(), files, model, library, commands })
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Error> {
-    let written = path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, text));
-    written.map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 /// The model's name, if the plugin's can be used.
@@ -236,6 +230,8 @@ fn dependency(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

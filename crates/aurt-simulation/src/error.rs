@@ -230,3 +230,9 @@ impl Complaints {
         SimulationError::all(self.0)
     }
 }
+
+impl From<aurt_output::WriteError> for SimulationError {
+    fn from(error: aurt_output::WriteError) -> Self {
+        Self::Io { path: error.path, source: error.source }
+    }
+}

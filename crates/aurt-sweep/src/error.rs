@@ -116,3 +116,9 @@ pub enum PointError {
     #[error("the program failed on this point: {0}")]
     Panic(String),
 }
+
+impl From<aurt_output::WriteError> for SweepError {
+    fn from(error: aurt_output::WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
+    }
+}

@@ -14,10 +14,11 @@
 
 use std::{
     fs::{self, File, TryLockError},
-    io::{ErrorKind, Write},
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
+use aurt_output::{clear_unfinished, write_file_unsynced};
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{
@@ -30,8 +31,6 @@ const PLAN: &str = "sweep.json";
 const LOCK: &str = "lock";
 const RESULTS: &str = "results";
 const POINTS: &str = "points";
-/// Begin of the names of files that are being written.
-const UNFINISHED: &str = ".unfinished-";
 
 /// A sweep's folder.
 #[derive(Debug)]
@@ -218,26 +217,10 @@ impl Folder {
         self.file(RESULTS).join(format!("{key}.json"))
     }
 
-    /// Writes a file of the folder.
-    ///
-    /// # Errors
-    /// [`SweepError::Write`].
-    pub fn write(&self, name: &str, contents: &[u8]) -> Result<PathBuf, SweepError> {
-        let path = self.file(name);
-        write_whole(&path, contents)?;
-        Ok(path)
-    }
-
     /// Removes what a killed process left half-written.
     fn clear_unfinished(&self) {
         for name in ["", POINTS, RESULTS] {
-            let Ok(entries) = fs::read_dir(self.file(name)) else { continue };
-            for entry in entries.flatten() {
-                if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-                    // Nobody else writes here; what cannot be removed is in nobody's way.
-                    let _ = fs::remove_file(entry.path());
-                }
-            }
+            clear_unfinished(&self.file(name));
         }
     }
 }
@@ -255,21 +238,9 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {
 
 /// Writes a file so that nobody ever sees half of it.
 fn write_whole(path: &Path, contents: &[u8]) -> Result<(), SweepError> {
-    let fail = |source| SweepError::Write { path: path.to_owned(), source };
     if fs::read(path).is_ok_and(|old| old == contents) {
         return Ok(());
     }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What any new file gets; the umask takes away what it should.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(fail)?;
-    file.write_all(contents).map_err(fail)?;
-    file.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
+    // A point can be judged again; a hundred thousand waits for the disk would take longer.
+    Ok(write_file_unsynced(path, contents)?)
 }

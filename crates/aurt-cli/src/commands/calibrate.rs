@@ -18,7 +18,7 @@ use crate::{
     data::Source,
     failure::Failure,
     fitting::{Detail, Job},
-    output::{OutputFile, distinct},
+    output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
     results::{metrics::Results, parameters},
     streaming::{Bytes, TooLarge},
@@ -87,10 +87,10 @@ impl Calibrate {
         };
         drop(progress);
         let calibrated = &outcome.calibrated;
-        // Both contents are made before either file is written.
-        let model_contents = calibrated.to_file()?;
-        params.write(&parameters::to_csv(&calibrated.calibration.parameters))?;
-        calibrated_model.write(&model_contents)?;
+        let mut outputs = Outputs::default();
+        outputs.file(&params, parameters::to_csv(&calibrated.calibration.parameters));
+        outputs.file(&calibrated_model, calibrated.to_file()?);
+        outputs.write()?;
 
         let results = Results {
             model: &calibrated.model,
@@ -102,7 +102,11 @@ impl Calibrate {
         let mut json = results.to_json();
         json["command"] = json!("calibrate");
         json["outputs"] = json!(written);
-        Ok(Report { text: results.to_text(terminal) + &written_text(&written), json, findings: false })
+        Ok(Report {
+            text: results.to_text(terminal.style()) + &written_text(&written),
+            json,
+            findings: false,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! `aurt calibrate-validate`: calibrate on the first part of a recording, validate on the rest (paper, section
 //! II-C).
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use aurt_calibration::TermScopes;
 use clap::Args;
@@ -11,6 +11,7 @@ use super::{
     Session,
     calibrate::model_under_gravity,
     data_options::{FittingOptions, ReadingOptions},
+    plots::PlotOptions,
     run::{drawn_text, written_text},
 };
 use crate::{
@@ -18,9 +19,9 @@ use crate::{
     data::{Loaded, Source},
     failure::Failure,
     fitting::{Assigned, Detail, Job},
-    output::{OutputFile, distinct},
+    output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
-    reports::{self, PlotOptions},
+    reports,
     results::{
         metrics::{Results, Role},
         parameters,
@@ -107,11 +108,11 @@ impl CalibrateValidate {
             .iter_mut()
             .for_each(|r| r.prediction = Some(prediction.path().display().to_string()));
         let calibrated = &outcome.calibrated;
-        let model_contents = calibrated.to_file()?;
-        params.write(&parameters::to_csv(&calibrated.calibration.parameters))?;
-        calibrated_model.write(&model_contents)?;
-        if let Some((_, contents)) = outcome.predictions.first() {
-            prediction.write(contents)?;
+        let mut outputs = Outputs::default();
+        outputs.file(&params, parameters::to_csv(&calibrated.calibration.parameters));
+        outputs.file(&calibrated_model, calibrated.to_file()?);
+        if let Some((_, contents)) = outcome.predictions.pop() {
+            outputs.file(&prediction, contents);
         }
 
         let results = Results {
@@ -122,13 +123,14 @@ impl CalibrateValidate {
         };
         let mut json = results.to_json();
         let page = reports::calibration::page("calibrate-validate", &results, None, &json);
-        report.write(page.to_html().as_bytes())?;
-        let drawn = reports::write_plots(&page, plots.as_ref())?;
-        let outputs = [params.path(), calibrated_model.path(), prediction.path(), report.path()];
-        let mut written: Vec<PathBuf> = outputs.map(Path::to_path_buf).into();
+        outputs.file(&report, page.to_html().into_bytes());
+        let mut written = outputs.paths();
+        let drawn = outputs.figures(&page, plots.as_ref());
+        outputs.write()?;
         json["command"] = json!("calibrate-validate");
         json["calibration_data_rel"] = json!(self.calibration_data_rel);
-        let text = results.to_text(terminal) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
+        let text =
+            results.to_text(terminal.style()) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
         written.extend(drawn);
         json["outputs"] = json!(written);
         Ok(Report { text, json, findings: false })

@@ -12,6 +12,7 @@ use super::{
     Session,
     compile_rbd::Rows,
     data_options::ReadingOptions,
+    plots::PlotOptions,
     run::{drawn_text, written_text},
 };
 use crate::{
@@ -23,12 +24,12 @@ use crate::{
         joints::suitable_f_dyn_hz,
         judged::{Judged, plain_friction},
     },
-    output::OutputFolder,
+    output::{OutputFolder, Outputs},
     rendering::{
         terminal::{Emphasis, Report, Terminal},
         text::wrapped,
     },
-    reports::{self, PlotOptions, recording::Checked},
+    reports::{self, recording::Checked},
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
@@ -126,6 +127,7 @@ impl Check {
         }
         let mut taken: Vec<String> = Vec::new();
         let (mut pages, mut figures) = (Vec::new(), Vec::new());
+        let mut outputs = Outputs::default();
         for seen in alone {
             let part = |of: Option<&OutputFolder>, option| -> Result<Option<OutputFolder>, Failure> {
                 match of {
@@ -139,11 +141,12 @@ impl Check {
             taken.push(own_name(seen.one, &taken));
             let page = seen.page();
             if let Some(folder) = &folder {
-                folder.write(&[(reports::FILE.to_owned(), page.to_html().into_bytes())])?;
+                outputs.folder(folder, [(reports::FILE.to_owned(), page.to_html().into_bytes())]);
                 pages.push(folder.path().join(reports::FILE));
             }
-            figures.extend(reports::write_plots(&page, plots.as_ref())?);
+            figures.extend(outputs.figures(&page, plots.as_ref()));
         }
+        outputs.write()?;
         report.text.push_str(&written_text(&pages));
         report.text.push_str(&drawn_text(&figures, plots));
         pages.extend(figures);
@@ -190,7 +193,7 @@ impl Seen<'_> {
 
     fn report(&self, terminal: &Terminal) -> Report {
         let findings = self.findings();
-        let mut text = self.one.to_text(self.judged.as_ref(), terminal);
+        let mut text = self.one.to_text(self.judged.as_ref(), terminal.style());
         text.push_str(&suitable(self.one.suitable_f_dyn_hz()));
         let measured = self.one.loaded.recording.measurement.is_some();
         text.push_str(&heeded(&findings, "it", measured, terminal));
@@ -220,7 +223,7 @@ impl Seen<'_> {
 fn together(several: &[Seen<'_>], judged: Option<&Judged>, terminal: &Terminal) -> Report {
     let mut text = String::new();
     for seen in several {
-        text.push_str(&seen.one.to_text(seen.judged.as_ref(), terminal));
+        text.push_str(&seen.one.to_text(seen.judged.as_ref(), terminal.style()));
         text.push('\n');
     }
     let joints = several.first().map_or(0, |s| s.one.joints.len());

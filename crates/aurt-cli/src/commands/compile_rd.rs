@@ -3,19 +3,20 @@
 use std::path::PathBuf;
 
 use aurt_experiment::{
-    BuildError, Experiment, Registry, SlotModel,
+    Experiment, Registry,
     model_file::{read_rigid_body, robot_model_to_json},
 };
 use aurt_traits::{
     ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
 };
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::Session;
 use crate::{
     calibrated_file::file_contents,
     failure::Failure,
+    inspection::judged::build,
     output::OutputFile,
     rendering::{table::Table, terminal::Report},
 };
@@ -125,14 +126,6 @@ impl CompileRd {
         );
         JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Failure::Models)
     }
-}
-
-/// A model by its table.
-///
-/// # Errors
-/// All complaints about the table.
-pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
-    registry.build_from_json(&table).map_err(|errors: Vec<BuildError>| Failure::Build(errors))
 }
 
 /// The coefficients that are not base parameters.

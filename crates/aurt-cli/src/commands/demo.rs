@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::{
     Session,
     diagnose::Diagnose,
-    run::{fit_experiment, write_results},
+    run::{fit_experiment_watched, write_results},
 };
 use crate::{
     demo,
@@ -49,7 +49,7 @@ impl Demo {
         drop(progress);
 
         let experiment = Experiment::read(folder.path().join("experiment.toml"), &mut session.registry)?;
-        let outcome = fit_experiment(&experiment, session.terminal)?;
+        let outcome = fit_experiment_watched(&experiment, session.terminal)?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
         let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
         let title = session.terminal.emphasise(Emphasis::Title, "found and put in");

@@ -10,13 +10,15 @@ use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use clap::Args;
 use serde_json::json;
 
-use super::Session;
+use super::{Session, plots::PlotOptions};
 use crate::{
     calibrated_file::CalibratedModel,
-    commands::run::{calibration_options, drawn_text, fit_experiment, written_text},
+    commands::run::{drawn_text, written_text},
     data::{Instrument, Pipeline, Purpose, Source},
     failure::Failure,
-    output::OutputFolder,
+    fitting::{calibration_options, fit_experiment},
+    output::{OutputFolder, Outputs},
+    progress::Progress,
     proof::COMPARISON,
     rendering::{
         json::pretty,
@@ -24,7 +26,7 @@ use crate::{
         text::wrapped,
     },
     reports::{
-        self, PlotOptions,
+        self,
         diagnosis::{Diagnosed, words::Asked},
     },
     results::verdict::Shown,
@@ -129,7 +131,7 @@ impl Diagnose {
             drop(progress);
             folder.write(&files)?;
             let written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
-            let text = shown.to_text(terminal) + &written_text(&written);
+            let text = shown.to_text(terminal.style()) + &written_text(&written);
             return Ok(finished(text, document, &verdict, &[], &written));
         }
         let mut improvement = improvement(&question, &investigation);
@@ -165,11 +167,13 @@ impl Diagnose {
             ("improved.toml".to_owned(), text.clone().into_bytes()),
             ("rd_improved.json".to_owned(), improved.to_file()?),
         ]);
-        folder.write(&files)?;
-        let drawn = reports::write_plots(&page, plots.as_ref())?;
-        let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
+        let mut outputs = Outputs::default();
+        outputs.folder(&folder, files);
+        let mut written = outputs.paths();
+        let drawn = outputs.figures(&page, plots.as_ref());
+        outputs.write()?;
         let warnings = &improved.calibration.warnings;
-        let mut report = Shown { warnings, ..shown }.to_text(terminal);
+        let mut report = Shown { warnings, ..shown }.to_text(terminal.style());
         report.extend(improvement.notes.iter().map(|note| wrapped(&format!("note: {note}"))));
         report.push_str(&difference(&unchanged, &text));
         report.push_str(&written_text(&written));
@@ -282,7 +286,7 @@ fn with_windows(held_out: &[String], validation: &[RecordingSource]) -> Vec<Stri
 /// Runs the improved experiment and gives its calibrated model.
 fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
     let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
-    Ok(fit_experiment(&experiment, &Terminal::new(false, true))?.calibrated)
+    Ok(fit_experiment(&experiment, &Progress::silent())?.calibrated)
 }
 
 /// Whether the experiment itself loads a library; if not, it came with `--plugin`.

@@ -15,6 +15,7 @@ mod explain;
 mod man;
 mod models;
 mod new_plugin;
+pub mod plots;
 mod predict;
 mod prove;
 pub mod run;

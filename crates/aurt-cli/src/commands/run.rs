@@ -2,22 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
-use aurt_experiment::{Experiment, experiment};
+use aurt_experiment::Experiment;
 use clap::Args;
 use serde_json::json;
 
-use super::Session;
+use super::{Session, plots::PlotOptions};
 use crate::{
-    data::{Instrument, Source},
     failure::Failure,
-    fitting::{Detail, Job, Outcome},
-    output::OutputFolder,
+    fitting::{Outcome, fit_experiment},
+    output::{OutputFolder, Outputs},
     rendering::{
         json::pretty,
         terminal::{Report, Terminal},
     },
-    reports::{self, PlotOptions},
+    reports,
     results::{metrics::Results, parameters},
 };
 
@@ -44,33 +42,18 @@ impl Run {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
-        let outcome = fit_experiment(&experiment, session.terminal)?;
+        let outcome = fit_experiment_watched(&experiment, session.terminal)?;
         write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)
     }
 }
 
-/// Does what an experiment says, without writing anything.
+/// Does what an experiment says, under a bar of its steps.
 ///
 /// # Errors
-/// Why it could not be done.
-pub fn fit_experiment(experiment: &Experiment, terminal: &Terminal) -> Result<Outcome, Failure> {
-    let recordings = &experiment.recordings;
-    let count = recordings.calibration.len() + recordings.validation.len();
-    let progress = terminal.progress(3 * count + 2);
-    progress.step("compiling the model");
-    let job = Job {
-        model: experiment.robot_model()?,
-        preprocessing: experiment.preprocess.clone(),
-        instrument: Instrument::of(experiment),
-        options: calibration_options(experiment),
-        scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
-    };
-    let assigned = job.read(
-        recordings.calibration.iter().map(Source::from),
-        recordings.validation.iter().map(Source::from),
-        &progress,
-    )?;
-    job.fit(&assigned, Detail::RowByRow, &progress)
+/// As [`fit_experiment`].
+pub fn fit_experiment_watched(experiment: &Experiment, terminal: &Terminal) -> Result<Outcome, Failure> {
+    let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+    fit_experiment(experiment, &terminal.progress(3 * count + 2))
 }
 
 /// Fills `folder` with results and reports them.
@@ -102,11 +85,13 @@ pub fn write_results(
         ("metrics.json".to_owned(), pretty(&metrics).into_bytes()),
     ];
     files.extend(outcome.predictions);
-    folder.write(&files)?;
-    let drawn = reports::write_plots(&page, plots)?;
+    let mut outputs = Outputs::default();
+    outputs.folder(folder, files);
+    let mut written = outputs.paths();
+    let drawn = outputs.figures(&page, plots);
+    outputs.write()?;
 
-    let mut written: Vec<PathBuf> = files.iter().map(|(name, _)| folder.path().join(name)).collect();
-    let mut text = results.to_text(terminal);
+    let mut text = results.to_text(terminal.style());
     text.push_str(&written_text(&written));
     text.push_str(&drawn_text(&drawn, plots));
     written.extend(drawn);
@@ -127,25 +112,4 @@ pub fn drawn_text(drawn: &[PathBuf], plots: Option<&OutputFolder>) -> String {
     plots.map_or_else(String::new, |folder| {
         format!("  {} figures in {}\n", drawn.len(), folder.path().display())
     })
-}
-
-/// `[calibration]` and what of `[preprocess]` concerns it.
-pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
-    let experiment::Calibration { estimator, load_torque, rest, fit_shapes } = experiment.calibration;
-    CalibrationOptions {
-        estimator: match estimator {
-            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
-            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
-        },
-        load_torque: match load_torque {
-            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
-            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
-        },
-        rest: match rest {
-            experiment::Rest::Keep => Rest::Keep,
-            experiment::Rest::Exclude => Rest::Exclude,
-        },
-        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
-        fit_shapes,
-    }
 }

@@ -7,12 +7,12 @@ use aurt_simulation::inject::{Kind, injectable};
 use clap::Args;
 use serde_json::json;
 
-use super::Session;
+use super::{Session, plots::PlotOptions};
 use crate::{
     failure::Failure,
-    output::OutputFolder,
+    output::{OutputFolder, Outputs},
     rendering::{json::pretty, terminal::Report},
-    reports::{self, PlotOptions, sensitivity::Answered},
+    reports::{self, sensitivity::Answered},
     sensitivity::{DRAWS, LEVELS, Subject, search, tasks},
 };
 
@@ -80,12 +80,17 @@ impl Sensitivity {
         });
         let answered = Answered { rows: &rows, subject: &subject, seed: self.seed, document: &document };
         let page = answered.page();
-        folder.write(&[
-            (RESULTS.to_owned(), pretty(&document).into_bytes()),
-            (reports::FILE.to_owned(), page.to_html().into_bytes()),
-        ])?;
-        let mut written = vec![folder.path().join(RESULTS), folder.path().join(reports::FILE)];
-        written.extend(reports::write_plots(&page, plots.as_ref())?);
+        let mut outputs = Outputs::default();
+        outputs.folder(
+            &folder,
+            [
+                (RESULTS.to_owned(), pretty(&document).into_bytes()),
+                (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ],
+        );
+        outputs.figures(&page, plots.as_ref());
+        let written = outputs.paths();
+        outputs.write()?;
         let mut text = answered.text();
         text.push_str(&super::run::written_text(&written));
         Ok(Report { text, json: document, findings: false })

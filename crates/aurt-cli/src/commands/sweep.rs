@@ -8,12 +8,14 @@ use serde_json::{Value, json};
 
 use super::{
     Session,
+    plots::PlotOptions,
     run::{drawn_text, written_text},
 };
 use crate::{
     failure::Failure,
+    output::{OutputFolder, Outputs},
     rendering::terminal::Report,
-    reports::{self, PlotOptions},
+    reports,
     results::sweep_table,
     sweeping::ExperimentLoader,
 };
@@ -248,7 +250,11 @@ impl Show {
             RowChoice::Moving => Rows::Moving,
         };
         let ranking = Ranking::of(&folder, &folder.plan()?, rows);
-        let text = if self.csv { ranking.to_csv() } else { sweep_table::to_text(&ranking, session.terminal) };
+        let text = if self.csv {
+            ranking.to_csv()
+        } else {
+            sweep_table::to_text(&ranking, session.terminal.style())
+        };
         let mut json = json!({ "command": "sweep show" });
         json["ranking"] = json!(ranking);
         Ok(Report { text, json, findings: false })
@@ -269,13 +275,19 @@ fn collected(
     let plots = plots.folder()?;
     let definition = std::fs::read_to_string(folder.path().join("experiment.toml")).ok();
     let page = reports::sweep::page(&ranking, plan, definition.as_deref());
-    let mut written = vec![
-        folder.write(reports::FILE, page.to_html().as_bytes())?,
-        folder.write("table.csv", ranking.to_csv().as_bytes())?,
-        folder.write("table.json", document.as_bytes())?,
-    ];
-    let drawn = reports::write_plots(&page, plots.as_ref())?;
-    text.push_str(&sweep_table::to_text(&ranking, session.terminal));
+    let mut outputs = Outputs::default();
+    outputs.folder(
+        &OutputFolder::new("--out", folder.path())?,
+        [
+            (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ("table.csv".to_owned(), ranking.to_csv().into_bytes()),
+            ("table.json".to_owned(), document.into_bytes()),
+        ],
+    );
+    let mut written = outputs.paths();
+    let drawn = outputs.figures(&page, plots.as_ref());
+    outputs.write()?;
+    text.push_str(&sweep_table::to_text(&ranking, session.terminal.style()));
     text.push_str(&written_text(&written));
     text.push_str(&drawn_text(&drawn, plots.as_ref()));
     written.extend(drawn);

@@ -5,6 +5,11 @@ use std::{
     time::Duration,
 };
 
+pub use aurt::rendering::style::Emphasis;
+use aurt::{
+    progress::{Observer, Progress},
+    rendering::style::Style,
+};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
@@ -31,15 +36,6 @@ pub struct Terminal {
     colour_err: bool,
 }
 
-/// A part of a report that is set off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Emphasis {
-    /// A title.
-    Title,
-    /// Something that needs attention.
-    Warning,
-}
-
 impl Terminal {
     /// A terminal for `--json` and `--quiet` as given, coloured where a person looks and `NO_COLOR` is unset.
     pub fn new(json: bool, quiet: bool) -> Self {
@@ -53,13 +49,14 @@ impl Terminal {
         }
     }
 
+    /// How reports are set off.
+    pub const fn style(&self) -> Style {
+        Style { coloured: self.colour_out }
+    }
+
     /// `text` set off, if reports are coloured.
     pub fn emphasise(&self, emphasis: Emphasis, text: &str) -> String {
-        let code = match emphasis {
-            Emphasis::Title => "1",
-            Emphasis::Warning => "33",
-        };
-        if self.colour_out { format!("\u{1b}[{code}m{text}\u{1b}[0m") } else { text.to_owned() }
+        self.style().emphasise(emphasis, text)
     }
 
     /// Prints what a command has to say.
@@ -92,55 +89,49 @@ impl Terminal {
 
     /// A bar over `steps` steps on standard error, where a person looks at it.
     pub fn progress(&self, steps: usize) -> Progress {
+        self.bar(steps, "{bar:24} {pos}/{len} {elapsed} {wide_msg}")
+    }
+
+    /// A bar over the points of a sweep, with their rate and the time left.
+    pub fn points_bar(&self, points: usize) -> Progress {
+        self.bar(points, "{bar:24} {pos}/{len} points, {per_sec}, {eta} left")
+    }
+
+    fn bar(&self, steps: usize, template: &str) -> Progress {
         let shown = !self.json && !self.quiet && std::io::stderr().is_terminal();
         let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:24} {pos}/{len} {elapsed} {wide_msg}") {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Progress { bar }
+        Progress::observed(Bar { bar })
     }
 }
 
-impl Terminal {
-    /// A bar over the points of a sweep, with their rate and the time left.
-    pub fn points_bar(&self, points: usize) -> Progress {
-        let progress = self.progress(points);
-        let template = "{bar:24} {pos}/{len} points, {per_sec}, {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            progress.bar.set_style(style);
-        }
-        progress
-    }
-}
-
-/// The progress of a command.
+/// A bar on standard error.
 #[derive(Debug)]
-pub struct Progress {
+struct Bar {
     bar: ProgressBar,
 }
 
-impl Progress {
-    /// Says what begins.
-    pub fn step(&self, what: impl Into<String>) {
-        self.bar.set_message(what.into());
+impl Observer for Bar {
+    fn step(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
         self.bar.inc(1);
     }
 
-    /// Passes over steps that were done before; they do not count for the rate.
-    pub fn skip(&self, steps: usize) {
+    fn skip(&self, steps: usize) {
         self.bar.set_position(steps as u64);
         self.bar.reset_eta();
     }
 
-    /// Notes that one step more is done.
-    pub fn advance(&self) {
+    fn advance(&self) {
         self.bar.inc(1);
     }
 }
 
-impl Drop for Progress {
+impl Drop for Bar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -2,6 +2,7 @@
 
 use std::{collections::HashMap, fs, path::Path};
 
+use aurt_output::write_file;
 use serde_json::{Map, Value, value::RawValue};
 
 use super::SCHEMA;
@@ -131,10 +132,7 @@ pub fn write_json(path: &Path, value: &Value) -> Result<(), Error> {
     let failed = |source| Error::Write { path: path.to_owned(), source };
     let mut text = serde_json::to_string_pretty(value).map_err(|e| failed(e.into()))?;
     text.push('\n');
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(failed)
+    Ok(write_file(path, text.as_bytes())?)
 }
 
 impl Error {

@@ -2,7 +2,8 @@
 
 use std::{fs, path::Path};
 
-use aurt_experiment::{Error, Experiment, Registry};
+use aurt_experiment::{Experiment, Registry};
+use aurt_plugins::Error;
 use aurt_traits::{Columns, HysteresisModel, JointModel, JointSeries, ModelError};
 use serde_json::json;
 

@@ -1,6 +1,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use aurt_output::{write_file, write_folder};
 use rayon::prelude::*;
 
 use super::make::{Case, make_case, make_case_in};
@@ -137,15 +138,8 @@ impl Case {
     /// # Errors
     /// [`SimulationError::Io`].
     pub fn write(&self, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
-        let write = |path: std::path::PathBuf, content: &[u8]| {
-            std::fs::write(&path, content).map_err(|source| SimulationError::Io { path, source })
-        };
-        let folder = cases.join(&self.name);
-        std::fs::create_dir_all(&folder)
-            .map_err(|source| SimulationError::Io { path: folder.clone(), source })?;
-        for (name, content) in &self.files {
-            write(folder.join(name), content)?;
-        }
-        write(sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())
+        // The truth first: a case folder that is there has one.
+        write_file(&sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())?;
+        Ok(write_folder(&cases.join(&self.name), &self.files)?)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use aurt_output::write_folder;
 use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
 use serde_json::json;
@@ -294,16 +295,6 @@ impl Case {
     /// # Errors
     /// [`SimulationError::Io`].
     pub fn write_folder(&self, cases: &std::path::Path) -> Result<(), SimulationError> {
-        let folder = cases.join(&self.name);
-        let io = |path: &std::path::Path| {
-            let path = path.to_owned();
-            move |source| SimulationError::Io { path, source }
-        };
-        std::fs::create_dir_all(&folder).map_err(io(&folder))?;
-        for (name, content) in &self.files {
-            let path = folder.join(name);
-            std::fs::write(&path, content).map_err(io(&path))?;
-        }
-        Ok(())
+        Ok(write_folder(&cases.join(&self.name), &self.files)?)
     }
 }

@@ -311,7 +311,7 @@ impl SimulatedRecording {
     /// [`SimulationError::Io`].
     pub fn write_csv(&self, path: impl AsRef<std::path::Path>) -> Result<(), SimulationError> {
         let path = path.as_ref();
-        std::fs::write(path, self.csv()).map_err(|source| SimulationError::Io { path: path.into(), source })
+        Ok(aurt_output::write_file(path, &self.csv())?)
     }
 }
 

@@ -7,7 +7,7 @@ use aurt_recording::{Recording, preprocess};
 use aurt_simulation::inject::{Added, Injection, Presence, Split};
 use aurt_traits::RobotModel;
 
-use crate::{commands::run::calibration_options, failure::Failure, injected};
+use crate::{failure::Failure, fitting::calibration_options, injected};
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
     rendering::{
-        terminal::{Emphasis, Terminal},
+        style::{Emphasis, Style},
         text::wrapped,
     },
 };
@@ -109,10 +109,10 @@ impl Inspected {
     }
 
     /// For people.
-    pub fn to_text(&self, judged: Option<&Judged>, terminal: &Terminal) -> String {
+    pub fn to_text(&self, judged: Option<&Judged>, style: Style) -> String {
         let recording = &self.loaded.recording;
         let unit = recording.unit;
-        let title = |text: &str| terminal.emphasise(Emphasis::Title, text);
+        let title = |text: &str| style.emphasise(Emphasis::Title, text);
         let mut text = format!(
             "{}\n  {} samples over {:.2} s, {} joints, {}\n",
             title(&self.loaded.source.file.display().to_string()),

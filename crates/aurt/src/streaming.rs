@@ -11,7 +11,7 @@ use crate::{
     data::{Purpose, Source},
     failure::Failure,
     fitting::{Job, Outcome},
-    rendering::terminal::Progress,
+    progress::Progress,
     results::metrics::{RecordingResult, Role},
 };
 

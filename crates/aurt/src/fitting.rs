@@ -1,16 +1,18 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, Comparison, NamedRecording, ShapeOptions, TermScopes,
-    ValidatedRows, calibrate_shapes, compare, predict, validate,
+    Calibration, CalibrationError, CalibrationOptions, Comparison, Estimator, LoadTorqueChoice,
+    NamedRecording, Rest, ShapeOptions, TermScopes, ValidatedRows, calibrate_shapes, compare, predict,
+    validate,
 };
+use aurt_experiment::{Experiment, experiment};
 use aurt_traits::RobotModel;
 
 use crate::{
     calibrated_file::CalibratedModel,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
     failure::Failure,
-    rendering::terminal::Progress,
+    progress::Progress,
     results::{
         metrics::{RecordingResult, Role},
         predictions::{PredictionNames, to_csv},
@@ -225,5 +227,48 @@ impl CalibratedModel {
         let prepared = self.pipeline().preprocess(loaded, Purpose::Prediction)?;
         let predictions = predict(&self.model, &self.calibration, &prepared)?;
         Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))
+    }
+}
+
+/// Does what an experiment says, without writing anything.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Outcome, Failure> {
+    let recordings = &experiment.recordings;
+    progress.step("compiling the model");
+    let job = Job {
+        model: experiment.robot_model()?,
+        preprocessing: experiment.preprocess.clone(),
+        instrument: Instrument::of(experiment),
+        options: calibration_options(experiment),
+        scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
+    };
+    let assigned = job.read(
+        recordings.calibration.iter().map(Source::from),
+        recordings.validation.iter().map(Source::from),
+        progress,
+    )?;
+    job.fit(&assigned, Detail::RowByRow, progress)
+}
+
+/// `[calibration]` and what of `[preprocess]` concerns it.
+pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
+    let experiment::Calibration { estimator, load_torque, rest, fit_shapes } = experiment.calibration;
+    CalibrationOptions {
+        estimator: match estimator {
+            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
+            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
+        },
+        load_torque: match load_torque {
+            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
+            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
+        },
+        rest: match rest {
+            experiment::Rest::Keep => Rest::Keep,
+            experiment::Rest::Exclude => Rest::Exclude,
+        },
+        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
+        fit_shapes,
     }
 }

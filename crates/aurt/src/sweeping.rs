@@ -5,10 +5,9 @@ use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_sweep::{Data, Loader, PointError, Settings, Validate};
 
 use crate::{
-    commands::run::calibration_options,
     data::{Instrument, Loaded, Pipeline, Purpose, Source},
     failure::Failure,
-    fitting::judged_rows,
+    fitting::{calibration_options, judged_rows},
     results::metrics::Role,
 };
 

@@ -1,4 +1,4 @@
-//! A verdict on the terminal, in a dozen lines.
+//! A verdict on the style, in a dozen lines.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use aurt_diagnosis::Verdict;
 
 use crate::{
     rendering::{
-        terminal::{Emphasis, Terminal},
+        style::{Emphasis, Style},
         text::{WIDTH, wrapped, wrapped_with},
     },
     reports::diagnosis::words::{
@@ -31,13 +31,13 @@ pub struct Shown<'a> {
 
 impl Shown<'_> {
     /// The lines.
-    pub fn to_text(self, terminal: &Terminal) -> String {
+    pub fn to_text(self, style: Style) -> String {
         let verdict = self.verdict;
-        let mut text = terminal
+        let mut text = style
             .emphasise(Emphasis::Title, wrapped_with(&headline(verdict, self.asked), WIDTH, "", "").trim());
         text.push('\n');
         for group in groups(verdict, self.asked) {
-            self.group(&mut text, &group, terminal);
+            self.group(&mut text, &group, style);
         }
         for model in &verdict.registered_models {
             let said = format!("{} (score {:.0})", model.sentence, model.evidence.score);
@@ -46,7 +46,7 @@ impl Shown<'_> {
         for indication in &verdict.indications {
             text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
         }
-        let warning = terminal.emphasise(Emphasis::Warning, "warning");
+        let warning = style.emphasise(Emphasis::Warning, "warning");
         let (warnings, notes): (Vec<&String>, Vec<&String>) =
             verdict.notes.iter().partition(|n| n.starts_with(WARNING));
         for w in &warnings {
@@ -70,7 +70,7 @@ impl Shown<'_> {
         text
     }
 
-    fn group(&self, text: &mut String, group: &Group<'_>, terminal: &Terminal) {
+    fn group(&self, text: &mut String, group: &Group<'_>, style: Style) {
         if group.findings.is_empty() {
             let _ = writeln!(text, "{}: {}", group.title, nothing(self.verdict.verdict));
             return;
@@ -82,7 +82,7 @@ impl Shown<'_> {
             let said = format!("{} (score {:.0})", claim(finding, self.asked), finding.evidence.score);
             text.push_str(&wrapped_with(&said, WIDTH, &format!("  {number}. "), "     "));
             if let Some(objection) = objection(self.verdict, finding, self.unit) {
-                let warning = terminal.emphasise(Emphasis::Warning, "warning");
+                let warning = style.emphasise(Emphasis::Warning, "warning");
                 let said = format!("{warning}: {objection}");
                 text.push_str(&wrapped_with(&said, WIDTH, "     ", "     "));
             }

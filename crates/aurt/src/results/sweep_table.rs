@@ -4,13 +4,13 @@ use aurt_sweep::{Ranked, Ranking, Rows};
 
 use crate::rendering::{
     number::percent,
+    style::{Emphasis, Style},
     table::Table,
-    terminal::{Emphasis, Terminal},
     text::wrapped,
 };
 
 /// The points, best first: how their mean squared errors compare with the reference's, and how large they are.
-pub fn to_text(ranking: &Ranking, terminal: &Terminal) -> String {
+pub fn to_text(ranking: &Ranking, style: Style) -> String {
     let mut text = String::new();
     if let Some(reference) = &ranking.reference {
         let rows = match ranking.rows {
@@ -19,7 +19,7 @@ pub fn to_text(ranking: &Ranking, terminal: &Terminal) -> String {
         };
         let joints = ranking.ranked.first().map_or(0, |r| r.joints.len());
         let title = format!("held-out MSE over {rows}, against \"{reference}\", %");
-        text.push_str(&format!("{}\n", terminal.emphasise(Emphasis::Title, &title)));
+        text.push_str(&format!("{}\n", style.emphasise(Emphasis::Title, &title)));
         let change = |r: &Ranked, j: usize| {
             r.joints[j].change_percent.map_or_else(
                 || "–".into(),
@@ -33,7 +33,7 @@ pub fn to_text(ranking: &Ranking, terminal: &Terminal) -> String {
              coefficients + shape parameters.",
         ));
         let title = "held-out error, root mean square over that of the measurement, %";
-        text.push_str(&format!("\n{}\n", terminal.emphasise(Emphasis::Title, title)));
+        text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Title, title)));
         let size = |r: &Ranked, j: usize| {
             r.joints[j].nrmse_percent.map_or_else(|| "–".into(), |p| percent(p / 100.0))
         };
@@ -44,14 +44,14 @@ pub fn to_text(ranking: &Ranking, terminal: &Terminal) -> String {
         text.push_str(&table(ranking, joints, "mean", &mean, &size));
     }
     if !ranking.failed.is_empty() {
-        text.push_str(&format!("\n{}\n", terminal.emphasise(Emphasis::Warning, "points that failed")));
+        text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Warning, "points that failed")));
         for failed in &ranking.failed {
             text.push_str(&wrapped(&format!("{} {}: {}", failed.number, failed.name, failed.error)));
         }
     }
     if !ranking.missing.is_empty() {
         let numbers = aurt_sweep::slurm::ranges(&ranking.missing);
-        text.push_str(&format!("\n{}\n", terminal.emphasise(Emphasis::Warning, "points without a result")));
+        text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Warning, "points without a result")));
         text.push_str(&wrapped(&numbers));
     }
     text

@@ -1,11 +1,13 @@
-//! Writing results so that nobody ever reads half of one: into a temporary file in the same folder, then
-//! renamed. Whether a path can be written at all is asked before any work is done.
+//! Where a command writes its results. Whether a path can be written at all is asked before any work is done; results
+//! appear together or not at all.
 
 use std::{
     fs,
-    io::{ErrorKind, Write},
     path::{Path, PathBuf},
 };
+
+use aurt_output::{WriteError, write_file, write_files, write_folder};
+use aurt_report::Page;
 
 use crate::failure::Failure;
 
@@ -58,7 +60,7 @@ impl OutputFile {
     /// # Errors
     /// [`Failure::Write`].
     pub fn write(&self, contents: &[u8]) -> Result<(), Failure> {
-        Staged::new(&self.path, contents)?.publish()
+        Ok(write_file(&self.path, contents)?)
     }
 }
 
@@ -134,67 +136,72 @@ impl OutputFolder {
     /// # Errors
     /// [`Failure::Write`].
     pub fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
-        let created = !self.path.exists();
-        if created {
-            fs::create_dir_all(&self.path)
-                .map_err(|source| Failure::Write { path: self.path.clone(), source })?;
-        }
-        let staged: Result<Vec<Staged>, Failure> =
-            files.iter().map(|(name, contents)| Staged::new(&self.path.join(name), contents)).collect();
-        let result = staged.and_then(|staged| staged.into_iter().try_for_each(Staged::publish));
-        if result.is_err() && created {
-            // Nothing but our own temporary files was in it, and these are gone.
-            let _ = fs::remove_dir(&self.path);
-        }
-        result
+        Ok(write_folder(&self.path, files)?)
     }
 }
 
-/// Contents that are on the disk under a temporary name.
-#[derive(Debug)]
-enum Staged {
-    Regular {
-        file: tempfile::NamedTempFile,
-        path: PathBuf,
-    },
-    /// A device or pipe cannot be renamed over.
-    Special {
-        contents: Vec<u8>,
-        path: PathBuf,
-    },
+/// What a command writes: all of it or nothing.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    /// The folder that is to hold results, if it does not exist.
+    new_folder: Option<PathBuf>,
+    files: Vec<(PathBuf, Vec<u8>)>,
 }
 
-impl Staged {
-    fn new(path: &Path, contents: &[u8]) -> Result<Self, Failure> {
-        let fail = |source| Failure::Write { path: path.to_owned(), source };
-        // A link keeps its place: what it points to is replaced.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if fs::metadata(&path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-            return Ok(Self::Special { contents: contents.to_owned(), path });
-        }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".aurt-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // What any new file gets; the umask takes away what it should.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder_of(&path)).map_err(fail)?;
-        file.write_all(contents).and_then(|()| file.flush()).map_err(fail)?;
-        Ok(Self::Regular { file, path })
+impl Outputs {
+    /// Adds a file.
+    pub fn file(&mut self, file: &OutputFile, contents: Vec<u8>) {
+        self.files.push((file.path.clone(), contents));
     }
 
-    fn publish(self) -> Result<(), Failure> {
-        match self {
-            Self::Regular { file, path } => {
-                file.persist(&path).map(drop).map_err(|e| Failure::Write { path, source: e.error })
-            }
-            Self::Special { contents, path } => match fs::write(&path, contents) {
-                Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Failure::Write { path, source }),
-                _ => Ok(()),
-            },
+    /// Adds files of a folder.
+    pub fn folder(&mut self, folder: &OutputFolder, files: impl IntoIterator<Item = (String, Vec<u8>)>) {
+        if self.new_folder.is_none() && !folder.path.exists() {
+            self.new_folder = Some(folder.path.clone());
         }
+        self.files.extend(files.into_iter().map(|(name, contents)| (folder.path.join(name), contents)));
+    }
+
+    /// Adds the figures of a page, if they are asked for, and says where they will be.
+    pub fn figures(&mut self, page: &Page, folder: Option<&OutputFolder>) -> Vec<PathBuf> {
+        let Some(folder) = folder else { return Vec::new() };
+        let first = self.files.len();
+        self.folder(
+            folder,
+            page.figures().into_iter().map(|(name, figure)| (name, figure.to_svg().into_bytes())),
+        );
+        self.files[first..].iter().map(|(path, _)| path.clone()).collect()
+    }
+
+    /// The files that have been added.
+    #[must_use]
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.files.iter().map(|(path, _)| path.clone()).collect()
+    }
+
+    /// Writes everything or, on failure, nothing.
+    ///
+    /// # Errors
+    /// [`Failure::Write`].
+    pub fn write(self) -> Result<(), Failure> {
+        let within = self.new_folder.as_ref().and_then(|folder| {
+            let inside = |(path, contents): &(PathBuf, Vec<u8>)| {
+                Some((path.strip_prefix(folder).ok()?.to_owned(), contents.clone()))
+            };
+            Some((folder, self.files.iter().map(inside).collect::<Option<Vec<_>>>()?))
+        });
+        match within {
+            // A folder that does not exist appears at once.
+            Some((folder, files)) => write_folder(folder, &files)?,
+            None => write_files(&self.files)?,
+        }
+        Ok(())
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
     }
 }
 
@@ -240,18 +247,5 @@ mod tests {
         let files = [("a".to_owned(), b"1".to_vec()), ("no/b".to_owned(), b"2".to_vec())];
         assert!(OutputFolder::new("--out", &out).unwrap().write(&files).is_err());
         assert!(!out.exists());
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn new_files_get_the_permissions_of_any_new_file() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().unwrap();
-        let plain = folder.path().join("plain");
-        fs::write(&plain, "").unwrap();
-        let ours = folder.path().join("ours");
-        OutputFile::new("--out", &ours, &[]).unwrap().write(b"").unwrap();
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
-        assert_eq!(mode(&ours), mode(&plain));
     }
 }

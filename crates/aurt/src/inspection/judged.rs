@@ -4,7 +4,7 @@ use aurt_calibration::{
     CalibratedParameter, CalibrationOptions, NamedRecording, accumulate, badly_excited, calibrate,
     hardly_excited,
 };
-use aurt_plugins::Registry;
+use aurt_plugins::{BuildError, Registry, SlotModel};
 use aurt_traits::{
     CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
 };
@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 
 use super::excitation::{Excitation, Excited, judge};
 use crate::{
-    commands::compile_rd::build,
     failure::Failure,
     rendering::{number::significant, text::wrapped},
     reports::recording::Excited as ExcitedNames,
@@ -29,6 +28,14 @@ pub struct Judged {
     pub excited: Excited,
     /// What a calibration of the model on these recordings would warn of; nothing where they measured nothing.
     pub warnings: Vec<String>,
+}
+
+/// A model by its table.
+///
+/// # Errors
+/// All complaints about the table.
+pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result<Box<M>, Failure> {
+    registry.build_from_json(&table).map_err(|errors: Vec<BuildError>| Failure::Build(errors))
 }
 
 /// Coulomb and linear viscous friction: the least that a joint has.

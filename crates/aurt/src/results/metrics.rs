@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use super::shapes;
 use crate::rendering::{
     number::{percent, significant},
+    style::{Emphasis, Style},
     table::Table,
-    terminal::{Emphasis, Terminal},
     text::wrapped,
 };
 
@@ -117,12 +117,12 @@ impl Results<'_> {
     }
 
     /// The same for a terminal of 80 columns.
-    pub fn to_text(&self, terminal: &Terminal) -> String {
+    pub fn to_text(&self, style: Style) -> String {
         let Calibration { options, .. } = self.calibration;
         let mut text = format!(
             "{}\n  {} joints, {} parameters ({} base parameters), unit {}\n  \
              {} fit to {} rows per joint, τ_J {}, rest {}, f_dyn {} Hz\n  condition number {}\n",
-            terminal.emphasise(Emphasis::Title, "calibration"),
+            style.emphasise(Emphasis::Title, "calibration"),
             self.model.joints(),
             self.model.parameters().len(),
             self.model.base().len(),
@@ -140,7 +140,7 @@ impl Results<'_> {
         for note in self.notes {
             text.push_str(&wrapped(&format!("note: {note}")));
         }
-        let warning = terminal.emphasise(Emphasis::Warning, "warning");
+        let warning = style.emphasise(Emphasis::Warning, "warning");
         let warn = |text: &mut String, sentences: &[String]| {
             text.extend(sentences.iter().map(|s| wrapped(&format!("{warning}: {s}"))));
         };
@@ -152,11 +152,11 @@ impl Results<'_> {
             let window =
                 recording.window_s.map_or(String::new(), |[from, to]| format!(", {from} s to {to} s"));
             let title = format!("{} ({}{window})", recording.label, recording.role.name());
-            text.push_str(&format!("\n{}\n", terminal.emphasise(Emphasis::Title, &title)));
+            text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Title, &title)));
             text.push_str(&self.table(&recording.validation));
             warn(&mut text, &recording.validation.warnings);
         }
-        let title = terminal.emphasise(Emphasis::Title, "what was done to the recordings");
+        let title = style.emphasise(Emphasis::Title, "what was done to the recordings");
         text.push_str(&format!("\n{title}\n"));
         for (note, labels) in self.notes_by_sentence() {
             let whose = if labels.len() == self.recordings.len() { "all".into() } else { labels.join(", ") };

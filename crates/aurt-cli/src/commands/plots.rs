@@ -1,0 +1,30 @@
+//! `--plots`, an option of every command that writes a report.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::{failure::Failure, output::OutputFolder};
+
+/// Options of commands that write a report.
+#[derive(Debug, Clone, Default, Args)]
+pub struct PlotOptions {
+    /// Folder for the report's figures, each as an SVG file; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+}
+
+impl PlotOptions {
+    /// No figures beside the report.
+    pub const fn none() -> Self {
+        Self { plots: None }
+    }
+
+    /// The folder, checked before any work is done.
+    ///
+    /// # Errors
+    /// [`Failure::Output`].
+    pub fn folder(&self) -> Result<Option<OutputFolder>, Failure> {
+        self.plots.as_deref().map(|path| OutputFolder::nested("--plots", path)).transpose()
+    }
+}

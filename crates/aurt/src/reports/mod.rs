@@ -1,0 +1,14 @@
+//! What commands found, as pages: `report.html`, and with `--plots` every figure as a file of its own.
+//!
+//! Pages are made from the structures that metrics.json and verdict.json are made from, and carry these documents.
+
+pub mod calibration;
+pub mod diagnosis;
+pub mod figures;
+pub mod parts;
+pub mod recording;
+pub mod sensitivity;
+pub mod sweep;
+
+/// Name of a report in its folder.
+pub const FILE: &str = "report.html";
