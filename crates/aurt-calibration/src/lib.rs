@@ -32,7 +32,7 @@ pub use calibrated::{
     CalibratedParameter, Calibration, CalibrationOptions, Estimator, JointRange, LoadTorqueChoice, Rest,
 };
 pub use comparison::{ComparedJoint, Comparison, compare};
-pub use dense::add_gram;
+pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
 pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;

@@ -172,7 +172,7 @@ fn floors(robot: &Robot, motion: &Motion, sight: &Sight) -> Vec<(f64, f64)> {
     };
     let baseline = Baseline::new(&question).unwrap();
     let fit = Fit { model: &model, load: &baseline.load, coefficients: &baseline.coefficients };
-    let rows = evaluate_all(&question, &model, &fit).unwrap();
+    let rows = evaluate_all(&question, &fit).unwrap();
     let mut sums = vec![(0.0, 0.0, 0.0); robot.joints()];
     for (recording, rows) in recordings.iter().zip(&rows) {
         let noise =

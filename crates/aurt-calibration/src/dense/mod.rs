@@ -9,6 +9,7 @@
 mod columns;
 mod fold;
 mod gram;
+mod products;
 mod project;
 mod reflect;
 
@@ -18,6 +19,7 @@ pub(crate) use project::project_out;
 pub(crate) use reflect::{bidiagonal, triangularise_below};
 
 pub use gram::add_gram;
+pub use products::products_of_columns;
 
 /// Defines a function that runs `$body` on the instruction set of a level. The numbers are how many columns are
 /// worked on at once, left and right, in scalar products and in additions: as many as registers hold the sums of.

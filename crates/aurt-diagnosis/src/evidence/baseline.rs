@@ -1,7 +1,7 @@
 //! The model in question, fitted to the rows that may fit it.
 
 use aurt_calibration::LoadTorqueChoice;
-use aurt_traits::{LoadTorque, RobotModel};
+use aurt_traits::{JointStack, LoadTorque, RobotModel};
 
 use crate::error::DiagnosisError;
 use crate::evidence::gram::BlockMoments;
@@ -59,18 +59,19 @@ impl Baseline {
             LoadTorqueChoice::Fitted => LoadTorque::Fitted(zero.clone()),
         };
         let mut coefficients = zero;
+        let referenced = question.recordings.iter().any(|r| r.role == Role::Calibration);
+        let fitted = if referenced { Role::Calibration } else { Role::Target };
         for _ in 0..2 {
             let fit = Fit { model: question.model, load: &load, coefficients: &coefficients };
-            let mut rows = evaluate_all(question, question.model, &fit)?;
-            let referenced = rows.iter().any(|r| r.role == Role::Calibration);
-            rows.retain(|r| {
-                referenced && r.role == Role::Calibration || !referenced && r.role == Role::Target
-            });
+            let rows = evaluate_some(question, &fit, |role| role == fitted)?;
             coefficients = fit_rows(question, &rows)?;
             if load == LoadTorque::Literal {
                 break;
             }
             load = LoadTorque::Fitted(coefficients.clone());
+            if !reads_load(question.model) {
+                break;
+            }
         }
         // Another simulator is what is questioned; the fit only says what loads the joints.
         let frozen = question.recordings.iter().any(|r| r.simulated.is_some());
@@ -106,10 +107,10 @@ pub fn own_switches(model: &RobotModel) -> Vec<Switch> {
 /// OLS for the joints' variances, then least squares weighted by them; the weights are returned, too.
 #[must_use]
 pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (TotalFit, Vec<f64>) {
-    let first = problem.fit(switches, &vec![1.0; problem.joints()]);
+    let (_, squared_errors) = problem.least_squares(switches, &vec![1.0; problem.joints()]);
     let weights: Vec<f64> = (0..problem.joints())
         .map(|j| {
-            let sum = first.squared_errors[0][j] + first.squared_errors[1][j];
+            let sum = squared_errors[0][j] + squared_errors[1][j];
             let variance = sum / problem.rows(j, false).max(1.0);
             1.0 / variance.max(floor.get(j).copied().unwrap_or(0.0)).max(f64::MIN_POSITIVE)
         })
@@ -117,22 +118,33 @@ pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (T
     (problem.fit(switches, &weights), weights)
 }
 
-/// The rows of all recordings over a model's columns. With a frozen model or another simulator the measurement
-/// is what these leave, and every recording that is not for validation is a target.
+/// Whether a column of a model depends on what loads the joints; arm terms do not say.
+fn reads_load(model: &RobotModel) -> bool {
+    let stack =
+        |s: &JointStack| s.coulomb().reads_load() || s.hysteresis().reads_load() || s.viscous().reads_load();
+    !model.arm_terms().is_empty() || model.stacks().iter().any(stack)
+}
+
+/// The rows of all recordings over the columns of a fitted model. With a frozen model or another simulator the
+/// measurement is what these leave, and every recording that is not for validation is a target.
 ///
 /// # Errors
 /// What evaluation reports.
-pub fn evaluate_all(
+pub fn evaluate_all(question: &Question<'_>, fit: &Fit<'_>) -> Result<Vec<RecordingRows>, DiagnosisError> {
+    evaluate_some(question, fit, |_| true)
+}
+
+fn evaluate_some(
     question: &Question<'_>,
-    model: &RobotModel,
     fit: &Fit<'_>,
+    asked: impl Fn(Role) -> bool,
 ) -> Result<Vec<RecordingRows>, DiagnosisError> {
     use rayon::prelude::*;
-    question
-        .recordings
-        .par_iter()
+    let asked: Vec<_> = question.recordings.iter().filter(|r| asked(r.role)).collect();
+    asked
+        .into_par_iter()
         .map(|r| {
-            let mut rows = RecordingRows::evaluate(&r.data.name, r.role, &r.data.data, model, fit.load, fit)?;
+            let mut rows = RecordingRows::of_model(&r.data.name, r.role, &r.data.data, fit)?;
             r.mask(&mut rows);
             Ok(rows)
         })

@@ -38,7 +38,7 @@ impl Judged {
     /// Recordings too short to be cut in blocks; what evaluation reports.
     pub(crate) fn new(question: &Question<'_>, baseline: Baseline) -> Result<Self, DiagnosisError> {
         let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-        let mut own_rows = evaluate_all(question, question.model, &fit)?;
+        let mut own_rows = evaluate_all(question, &fit)?;
         let asked = own_rows.iter().filter(|r| r.role != Role::Validation);
         if let Some(short) = asked.into_iter().find(|r| r.rows() < FEWEST_ROWS_PER_BLOCK * BLOCKS) {
             return Err(DiagnosisError::TooShort {

@@ -1,5 +1,7 @@
 //! Small dense solves on second moments, tolerant of columns that the data do not excite.
 
+use crate::evidence::gram::dot;
+
 /// Relative pivot below which a column counts as dependent on those before it. Moments square the condition
 /// number, so this corresponds to a share of 1e-5 of the column's length.
 const PIVOT_TOLERANCE: f64 = 1e-10;
@@ -10,16 +12,24 @@ const PIVOT_TOLERANCE: f64 = 1e-10;
 pub(crate) struct Cholesky {
     n: usize,
     lower: Vec<f64>,
+    /// One over the diagonal of L.
+    reciprocal: Vec<f64>,
     used: Vec<bool>,
 }
 
 impl Cholesky {
     /// Factorises a symmetric matrix, column-major n × n.
     pub(crate) fn new(matrix: &[f64], n: usize) -> Self {
-        let mut lower = matrix.to_vec();
+        Self::of(matrix.to_vec(), n)
+    }
+
+    /// The same in the place of the matrix.
+    fn of(mut lower: Vec<f64>, n: usize) -> Self {
         let mut used = vec![true; n];
+        let mut reciprocal = vec![0.0; n];
+        let diagonal: Vec<f64> = (0..n).map(|k| lower[k * n + k]).collect();
         for k in 0..n {
-            let original = matrix[k * n + k];
+            let original = diagonal[k];
             let pivot = lower[k * n + k];
             if pivot <= PIVOT_TOLERANCE * original || !original.is_normal() {
                 used[k] = false;
@@ -27,8 +37,9 @@ impl Cholesky {
                 continue;
             }
             let root = pivot.sqrt();
+            reciprocal[k] = root.recip();
             lower[k * n + k] = root;
-            lower[k * n + k + 1..(k + 1) * n].iter_mut().for_each(|v| *v /= root);
+            lower[k * n + k + 1..(k + 1) * n].iter_mut().for_each(|v| *v *= reciprocal[k]);
             let (left, right) = lower.split_at_mut((k + 1) * n);
             let column = &left[k * n..];
             for (offset, target) in right.chunks_exact_mut(n).enumerate() {
@@ -41,7 +52,7 @@ impl Cholesky {
                 }
             }
         }
-        Self { n, lower, used }
+        Self { n, lower, reciprocal, used }
     }
 
     /// Whether each column is independent of those before it.
@@ -56,7 +67,7 @@ impl Cholesky {
                 b[k] = 0.0;
                 continue;
             }
-            b[k] /= self.lower[k * self.n + k];
+            b[k] *= self.reciprocal[k];
             let (value, column) = (b[k], &self.lower[k * self.n + k + 1..(k + 1) * self.n]);
             for (x, l) in b[k + 1..].iter_mut().zip(column) {
                 *x -= value * l;
@@ -72,8 +83,7 @@ impl Cholesky {
                 continue;
             }
             let column = &self.lower[k * self.n + k + 1..(k + 1) * self.n];
-            let sum: f64 = column.iter().zip(&b[k + 1..]).map(|(l, x)| l * x).sum();
-            b[k] = (b[k] - sum) / self.lower[k * self.n + k];
+            b[k] = (b[k] - dot(column, &b[k + 1..])) * self.reciprocal[k];
         }
     }
 
@@ -93,14 +103,30 @@ const ZERO_GRADIENT: f64 = 1e-9;
 /// signs. Active sets in units of the columns' lengths, so that the answer does not depend on the units of the
 /// coefficients (Lawson and Hanson 1974, chapter 23, begun with all columns in).
 pub(crate) fn solve_signed(matrix: &[f64], right: &[f64], nonnegative: &[bool]) -> Vec<f64> {
+    solve_signed_from(matrix, right, nonnegative, vec![true; right.len()])
+}
+
+/// The same, begun with some columns in. A good guess saves most of the work, and any has the same answer.
+pub(crate) fn solve_signed_from(
+    matrix: &[f64],
+    right: &[f64],
+    nonnegative: &[bool],
+    mut passive: Vec<bool>,
+) -> Vec<f64> {
     let n = right.len();
+    if let ([length], [right], [nonnegative]) = (matrix, right, nonnegative) {
+        let value = if length.is_normal() && *length > 0.0 { right / length } else { 0.0 };
+        return vec![if *nonnegative { value.max(0.0) } else { value }];
+    }
     let scale: Vec<f64> = (0..n)
         .map(|k| if matrix[k * n + k].is_normal() { matrix[k * n + k].sqrt().recip() } else { 0.0 })
         .collect();
-    let scaled: Vec<f64> = (0..n * n).map(|i| matrix[i] * scale[i / n] * scale[i % n]).collect();
+    let mut scaled = matrix.to_vec();
+    for (column, own) in scaled.chunks_exact_mut(n.max(1)).zip(&scale) {
+        column.iter_mut().zip(&scale).for_each(|(value, other)| *value *= own * other);
+    }
     let target: Vec<f64> = right.iter().zip(&scale).map(|(r, s)| r * s).collect();
     let zero = ZERO_GRADIENT * target.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
-    let mut passive = vec![true; n];
     let mut x = vec![0.0; n];
     // Every pass of the outer loop lowers the error; the bound only ends what rounding would let run in circles.
     for _ in 0..3 * n + 3 {
@@ -119,7 +145,7 @@ pub(crate) fn solve_signed(matrix: &[f64], right: &[f64], nonnegative: &[bool]) 
                 }
             }
         }
-        let gradient = |k: usize| target[k] - (0..n).map(|i| scaled[k * n + i] * x[i]).sum::<f64>();
+        let gradient = |k: usize| target[k] - dot(&scaled[k * n..(k + 1) * n], &x);
         let best = (0..n)
             .filter(|k| !passive[*k])
             .map(|k| (k, gradient(k)))
@@ -137,11 +163,14 @@ pub(crate) fn solve_signed(matrix: &[f64], right: &[f64], nonnegative: &[bool]) 
 fn solve_among(matrix: &[f64], right: &[f64], used: &[bool]) -> Vec<f64> {
     let n = right.len();
     let active: Vec<usize> = (0..n).filter(|k| used[*k]).collect();
-    let reduced: Vec<f64> =
-        active.iter().flat_map(|b| active.iter().map(move |a| matrix[b * n + a])).collect();
+    let mut reduced = Vec::with_capacity(active.len() * active.len());
+    for b in &active {
+        let column = &matrix[b * n..(b + 1) * n];
+        reduced.extend(active.iter().map(|a| column[*a]));
+    }
     let reduced_right: Vec<f64> = active.iter().map(|a| right[*a]).collect();
     let mut full = vec![0.0; n];
-    for (a, value) in active.iter().zip(Cholesky::new(&reduced, active.len()).solve(&reduced_right)) {
+    for (a, value) in active.iter().zip(Cholesky::of(reduced, active.len()).solve(&reduced_right)) {
         full[*a] = value;
     }
     full

@@ -7,6 +7,7 @@ pub(crate) mod deviations;
 pub(crate) mod gram;
 pub(crate) mod judged;
 pub(crate) mod linear;
+pub(crate) mod nested;
 pub(crate) mod null;
 pub(crate) mod problem;
 pub(crate) mod residuals;

@@ -5,14 +5,16 @@
 //! the motion repeats after just that time. How well the best of all hypotheses then does tells what a score is worth:
 //! that many were tried is paid for. The moments of the columns stay; only their products with the residual are new.
 
+use aurt_calibration::products_of_columns;
 use rayon::prelude::*;
 
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::solve_signed;
-use crate::evidence::problem::{PartFit, Problem, ROUNDING};
+use crate::evidence::nested::Test;
+use crate::evidence::problem::{PartFit, Place, Problem, Products};
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
-use crate::recordings::rows::{RecordingRows, Role};
+use crate::recordings::rows::{JointRows, RecordingRows, Role};
 
 /// A residual that was shifted: its products with all columns, `[block][kind][joint]`, and its own square.
 struct Shifted {
@@ -40,8 +42,8 @@ struct Fold<'a> {
     train: &'a [Vec<Moments>; 2],
     test: &'a [Vec<Moments>; 2],
     fit: PartFit,
-    /// XᵀX of the nested columns over the test part, joint by joint.
-    nested: Vec<Vec<f64>>,
+    /// The nested columns over the test part, joint by joint.
+    tests: Vec<Test>,
     shifts: Vec<OfShift>,
 }
 
@@ -50,11 +52,17 @@ struct OfShift {
     train: [Vec<Vec<f64>>; 2],
     test: [Vec<Vec<f64>>; 2],
     forward: Vec<f64>,
+    joints: Vec<OfJoint>,
+}
+
+/// What it means for a joint: of the nested columns that the joint has …
+struct OfJoint {
+    /// … the coefficients, …
     beta: Vec<f64>,
-    /// Xᵀ(e − Xβ) over the test part, joint by joint.
-    gradient: Vec<Vec<f64>>,
-    /// ‖e − Xβ‖² over the test part, joint by joint.
-    squared: Vec<f64>,
+    /// … Xᵀ(e − Xβ) over the test part, …
+    gradient: Vec<f64>,
+    /// … and ‖e − Xβ‖² there.
+    squared: f64,
 }
 
 /// A shift after which some joint's velocity resembles itself this much (correlation) leaves the residual where it was.
@@ -88,24 +96,25 @@ pub(crate) fn by_chance(
     residual: (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
     shifts: usize,
 ) -> Vec<ByChance> {
-    let shifted: Vec<Shifted> = (0..shifts)
+    let shares: Vec<f64> = (0..shifts)
         .into_par_iter()
         .map(|s| (s + 1) as f64 / (shifts + 1) as f64)
         .filter(|share| !repeats(residual.0, residual.1, *share))
-        .map(|share| Shifted::new(residual, share))
         .collect();
-    let shifts = shifted.len();
+    let shifts = shares.len();
+    let shifted = Shifted::all(residual, &shares);
+    let places = problem.places(nested);
     let folds: Vec<Fold<'_>> = (0..problem.blocks())
         .into_par_iter()
-        .map(|b| Fold::new(problem, b, nested, weights, &shifted))
+        .map(|b| Fold::new(problem, b, (nested, &places), weights, &shifted))
         .collect();
     let rows: Vec<f64> = (0..problem.joints()).map(|j| problem.rows(j, false).max(1.0)).collect();
     let mean = |sums: Vec<f64>| sums.iter().zip(&rows).map(|(s, n)| s / n).collect::<Vec<f64>>();
     let errors: Vec<Vec<Vec<f64>>> =
-        groups.par_iter().map(|group| of_group(problem, &folds, nested, group, weights, shifts)).collect();
+        groups.par_iter().map(|group| of_group(problem, &folds, &places, group, weights, shifts)).collect();
     (0..shifts)
         .map(|s| {
-            let sum = |j: usize| folds.iter().map(|fold| fold.shifts[s].squared[j]).sum();
+            let sum = |j: usize| folds.iter().map(|fold| fold.shifts[s].joints[j].squared).sum();
             ByChance {
                 before: mean((0..problem.joints()).map(sum).collect()),
                 after: errors.iter().map(|of_shift| mean(of_shift[s].clone())).collect(),
@@ -115,19 +124,22 @@ pub(crate) fn by_chance(
 }
 
 impl Shifted {
-    fn new(
+    /// A residual under shifts by shares of each recording's length.
+    fn all(
         (recordings, partition, residual): (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
-        share: f64,
-    ) -> Self {
+        shares: &[f64],
+    ) -> Vec<Self> {
+        // The shifted series of a joint, one after the other.
         let turned: Vec<Vec<Vec<f64>>> = recordings
-            .iter()
+            .par_iter()
             .zip(residual)
             .enumerate()
             .map(|(r, (recording, residual))| {
                 let end = fitted_end(partition, r);
-                let by = (share * end as f64).round() as usize;
-                let of_joint = |(joint, series): (&crate::recordings::rows::JointRows, &Vec<f64>)| {
-                    turned(&series[..end], &joint.counts[..end], by)
+                let of_joint = |(joint, series): (&JointRows, &Vec<f64>)| {
+                    let by = |share: &f64| (share * end as f64).round() as usize;
+                    let of_share = |share| turned(&series[..end], &joint.counts[..end], by(share));
+                    shares.iter().flat_map(of_share).collect()
                 };
                 recording.joints.iter().zip(residual).map(of_joint).collect()
             })
@@ -139,31 +151,46 @@ impl Shifted {
                 .map_or(0, |r| r.joints[j].data.len().checked_div(r.joints[j].measurement.len()).unwrap_or(0))
         };
         let zero = || [0, 1].map(|_| (0..joints).map(|j| Product::zero(columns(j))).collect::<Vec<_>>());
-        let mut total = zero();
-        let parts = partition
+        // `[block][shift]`.
+        let blocks: Vec<Vec<[Vec<Product>; 2]>> = partition
             .blocks
-            .iter()
+            .par_iter()
             .map(|block| {
-                let mut part = zero();
+                let mut parts: Vec<_> = shares.iter().map(|_| zero()).collect();
                 for (r, start, end) in block {
                     let kind = usize::from(recordings[*r].role == Role::Target);
+                    let length = fitted_end(partition, *r);
                     for (j, joint) in recordings[*r].joints.iter().enumerate() {
-                        let y = &turned[*r][j][*start..*end];
-                        let product = &mut part[kind][j];
-                        for (k, sum) in product.right.iter_mut().enumerate() {
-                            *sum += dot(&joint.column(k)[*start..*end], y);
+                        let (rows, count) = (joint.measurement.len(), columns(j));
+                        let products = products_of_columns(
+                            (joint.data.get(*start..).unwrap_or_default(), rows, count),
+                            (turned[*r][j].get(*start..).unwrap_or_default(), length, shares.len()),
+                            end - start,
+                        );
+                        for (s, part) in parts.iter_mut().enumerate() {
+                            let sums = part[kind][j].right.iter_mut();
+                            sums.zip(&products[s * count..]).for_each(|(sum, product)| *sum += product);
+                            let own = &turned[*r][j][s * length + start..s * length + end];
+                            part[kind][j].square += dot(own, own);
                         }
-                        product.square += dot(y, y);
                     }
                 }
-                for (sum, own) in total.iter_mut().flatten().zip(part.iter().flatten()) {
-                    sum.right.iter_mut().zip(&own.right).for_each(|(s, o)| *s += o);
-                    sum.square += own.square;
-                }
-                part
+                parts
             })
             .collect();
-        Self { parts, total }
+        (0..shares.len())
+            .map(|s| {
+                let parts: Vec<_> = blocks.iter().map(|block| block[s].clone()).collect();
+                let mut total = zero();
+                for part in &parts {
+                    for (sum, own) in total.iter_mut().flatten().zip(part.iter().flatten()) {
+                        sum.right.iter_mut().zip(&own.right).for_each(|(s, o)| *s += o);
+                        sum.square += own.square;
+                    }
+                }
+                Self { parts, total }
+            })
+            .collect()
     }
 }
 
@@ -185,20 +212,23 @@ fn turned(series: &[f64], counts: &[bool], by: usize) -> Vec<f64> {
     turned
 }
 
+/// The product of a column with a shifted residual.
+fn measured(rights: &[Vec<Vec<f64>>; 2], joint: usize, column: Place) -> f64 {
+    let calibration = if column.target_only { 0.0 } else { rights[0][joint][column.local] };
+    calibration + rights[1][joint][column.local]
+}
+
 impl<'a> Fold<'a> {
     fn new(
         problem: &'a Problem,
         block: usize,
-        nested: &[Switch],
+        (nested, places): (&[Switch], &[Vec<Place>]),
         weights: &[f64],
         shifted: &[Shifted],
     ) -> Self {
         let (train, test) = problem.fold(block);
         let fit = problem.part_fit(train, nested, nested.len(), weights);
-        let only = |j: usize| (0..problem.joints()).map(|k| f64::from(u8::from(k == j))).collect::<Vec<_>>();
-        let own: Vec<Vec<f64>> =
-            (0..problem.joints()).map(|j| problem.cross(test, nested, nested, &only(j))).collect();
-        let n = nested.len();
+        let tests: Vec<Test> = (0..problem.joints()).map(|j| Test::of(test, j, &places[j])).collect();
         let shifts = shifted
             .iter()
             .map(|s| {
@@ -215,94 +245,116 @@ impl<'a> Fold<'a> {
                 fit.forward(&mut forward);
                 let mut beta = forward.clone();
                 fit.backward(&mut beta);
-                let mut gradient = Vec::new();
-                let mut squared = Vec::new();
-                for (j, own) in own.iter().enumerate() {
-                    let right = problem.right_of(&test_right, nested, &only(j));
-                    let image: Vec<f64> = (0..n).map(|k| dot(&own[k * n..(k + 1) * n], &beta)).collect();
-                    let square = part[0][j].square + part[1][j].square;
-                    squared.push((square - 2.0 * dot(&right, &beta) + dot(&image, &beta)).max(0.0));
-                    gradient.push(right.iter().zip(&image).map(|(r, i)| r - i).collect());
-                }
-                OfShift { train: train_right, test: test_right, forward, beta, gradient, squared }
+                let joints = tests
+                    .iter()
+                    .zip(places)
+                    .enumerate()
+                    .map(|(j, (own, places))| {
+                        let beta: Vec<f64> = places.iter().map(|p| beta[p.at]).collect();
+                        let image = own.image(&beta);
+                        let right = places.iter().map(|p| measured(&test_right, j, *p));
+                        let gradient: Vec<f64> = right.zip(&image).map(|(r, i)| r - i).collect();
+                        let square = part[0][j].square + part[1][j].square;
+                        // −2 rᵀβ + βᵀGβ = −(2 (r − Gβ) + Gβ)ᵀβ.
+                        let squared = square - 2.0 * dot(&gradient, &beta) - dot(&image, &beta);
+                        OfJoint { beta, gradient, squared: squared.max(0.0) }
+                    })
+                    .collect();
+                OfShift { train: train_right, test: test_right, forward, joints }
             })
             .collect();
-        Self { train, test, fit, nested: own, shifts }
+        Self { train, test, fit, tests, shifts }
     }
+}
+
+/// A group's columns over the rows of one joint in a test part.
+struct Tested {
+    /// What the nested model makes of them, its columns one after the other.
+    taken: Vec<f64>,
+    /// Their products with the nested columns.
+    beside: Vec<f64>,
+    /// The Gram matrix of what is free.
+    free: Vec<f64>,
 }
 
 /// Squared errors with a group, `[shift][joint]`, over all test parts.
 fn of_group(
     problem: &Problem,
     folds: &[Fold<'_>],
-    nested: &[Switch],
+    places: &[Vec<Place>],
     group: &Group,
     weights: &[f64],
     shifts: usize,
 ) -> Vec<Vec<f64>> {
-    let own = &group.switches;
-    let (n, g, joints) = (nested.len(), own.len(), problem.joints());
-    let nonnegative: Vec<bool> = own.iter().map(|s| s.nonnegative).collect();
+    let own = problem.places(&group.switches);
+    let (g, joints) = (group.switches.len(), problem.joints());
+    let nonnegative: Vec<bool> = group.switches.iter().map(|s| s.nonnegative).collect();
     let mut sums = vec![vec![0.0; joints]; shifts];
     for fold in folds {
         // The group's columns less what the nested model makes of them on the training part.
-        let mut projected = problem.cross(fold.train, nested, own, weights);
-        projected.chunks_exact_mut(n.max(1)).for_each(|c| fold.fit.forward(c));
+        let n = fold.fit.free();
+        let (projected, schur, _) =
+            problem.extended(fold.train, &fold.fit, places, (n, 0), &group.switches, weights);
         let mut absorbed = projected.clone();
         absorbed.chunks_exact_mut(n.max(1)).for_each(|c| fold.fit.backward(c));
-        let of = |k: usize| &projected[k * n..(k + 1) * n];
-        let taken = |k: usize| &absorbed[k * n..(k + 1) * n];
-        let whole = problem.cross(fold.train, own, own, weights);
-        let mut schur = vec![0.0; g * g];
-        for b in 0..g {
-            for a in 0..g {
-                schur[b * g + a] = whole[b * g + a] - dot(of(a), of(b));
-            }
-        }
-        // What the nested model absorbs, its own columns among it, leaves rounding.
-        for k in 0..g {
-            if schur[k * g + k] <= ROUNDING * whole[k * g + k] {
-                schur[k * g + k] = 0.0;
-            }
-        }
-        // Over the test part, joint by joint: products with the nested columns, and the Gram matrix of what is free.
-        let tested: Vec<(Vec<f64>, Vec<f64>)> = (0..joints)
-            .map(|j| {
-                let only: Vec<f64> = (0..joints).map(|k| f64::from(u8::from(k == j))).collect();
-                let beside = problem.cross(fold.test, nested, own, &only);
-                let mut free = problem.cross(fold.test, own, own, &only);
-                let gram = &fold.nested[j];
-                for b in 0..g {
-                    let image: Vec<f64> = (0..n).map(|k| dot(&gram[k * n..(k + 1) * n], taken(b))).collect();
-                    for a in 0..g {
-                        free[b * g + a] += dot(taken(a), &image)
-                            - dot(taken(a), &beside[b * n..(b + 1) * n])
-                            - dot(taken(b), &beside[a * n..(a + 1) * n]);
-                    }
-                }
-                (beside, free)
-            })
-            .collect();
+        let tested: Vec<Tested> =
+            (0..joints).map(|j| Tested::new(fold, j, (&places[j], &own[j]), &absorbed, g)).collect();
         for (sum, shift) in sums.iter_mut().zip(&fold.shifts) {
-            let mut right = problem.right_of(&shift.train, own, weights);
-            right.iter_mut().enumerate().for_each(|(k, r)| *r -= dot(of(k), &shift.forward));
+            let mut right: Vec<f64> =
+                (0..g).map(|k| -dot(&projected[k * n..(k + 1) * n], &shift.forward)).collect();
+            for (j, own) in own.iter().enumerate() {
+                own.iter().for_each(|p| right[p.at] += weights[j] * measured(&shift.train, j, *p));
+            }
             let extension = solve_signed(&schur, &right, &nonnegative);
-            for (j, (beside, free)) in tested.iter().enumerate() {
-                let only: Vec<f64> = (0..joints).map(|k| f64::from(u8::from(k == j))).collect();
-                let measured = problem.right_of(&shift.test, own, &only);
+            for (j, tested) in tested.iter().enumerate() {
+                let of = &shift.joints[j];
+                let mut inner = vec![0.0; g];
+                own[j].iter().for_each(|p| inner[p.at] = measured(&shift.test, j, *p));
                 let mut change = 0.0;
-                for b in 0..g {
-                    let inner = measured[b]
-                        - dot(&beside[b * n..(b + 1) * n], &shift.beta)
-                        - dot(taken(b), &shift.gradient[j]);
-                    let quadratic = dot(&free[b * g..(b + 1) * g], &extension);
+                for (b, inner) in inner.iter().enumerate() {
+                    let at = b * of.beta.len()..(b + 1) * of.beta.len();
+                    let inner = inner
+                        - dot(&tested.beside[at.clone()], &of.beta)
+                        - dot(&tested.taken[at], &of.gradient);
+                    let quadratic = dot(&tested.free[b * g..(b + 1) * g], &extension);
                     change += extension[b] * (quadratic - 2.0 * inner);
                 }
-                sum[j] += (shift.squared[j] + change).max(0.0);
+                sum[j] += (of.squared + change).max(0.0);
             }
         }
     }
     sums
+}
+
+impl Tested {
+    fn new(
+        fold: &Fold<'_>,
+        joint: usize,
+        (nested, own): (&[Place], &[Place]),
+        absorbed: &[f64],
+        g: usize,
+    ) -> Self {
+        let (n, all) = (nested.len(), fold.fit.free());
+        let taken: Vec<f64> =
+            (0..g).flat_map(|b| nested.iter().map(move |p| absorbed[b * all + p.at])).collect();
+        let mut beside = vec![0.0; n * g];
+        let mut free = vec![0.0; g * g];
+        for column in own {
+            let with = Products::of(fold.test, joint, *column);
+            let out = beside[column.at * n..].iter_mut();
+            out.zip(nested).for_each(|(o, p)| *o = with.column(*p));
+            own.iter().for_each(|p| free[column.at * g + p.at] = with.column(*p));
+        }
+        let of = |k: usize| k * n..(k + 1) * n;
+        for b in 0..g {
+            let mut left = fold.tests[joint].image(&taken[of(b)]);
+            left.iter_mut().zip(&beside[of(b)]).for_each(|(l, o)| *l -= o);
+            for a in 0..g {
+                free[b * g + a] += dot(&taken[of(a)], &left) - dot(&taken[of(b)], &beside[of(a)]);
+            }
+        }
+        Self { taken, beside, free }
+    }
 }
 
 #[cfg(test)]

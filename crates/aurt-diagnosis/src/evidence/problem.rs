@@ -1,7 +1,5 @@
-use rayon::prelude::*;
-
 use crate::evidence::gram::{BlockMoments, Moments, dot};
-use crate::evidence::linear::{Cholesky, solve_signed};
+use crate::evidence::linear::{Cholesky, solve_signed_from};
 use crate::hypotheses::group::Switch;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
@@ -10,25 +8,23 @@ use crate::recordings::rows::{Layout, RecordingRows};
 /// cross-validation and collinearity need.
 #[derive(Debug)]
 pub struct Problem {
-    moments: BlockMoments,
-    training: Vec<[Vec<Moments>; 2]>,
+    pub(super) moments: BlockMoments,
+    pub(super) training: Vec<[Vec<Moments>; 2]>,
     local: Vec<Vec<usize>>,
-    joints: usize,
+    pub(super) joints: usize,
+}
+
+/// A column of a model among those of a joint's rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// Place among the switches of the model.
+    pub(super) at: usize,
+    /// Place among the columns of the joint.
+    pub(super) local: usize,
+    pub(super) target_only: bool,
 }
 
 const ABSENT: usize = usize::MAX;
-
-/// A model fitted to every training part (all blocks but one), ready to be extended by further groups. Coefficients
-/// that may not be negative are not in any part of the fit.
-#[derive(Debug)]
-pub struct NestedFit {
-    /// Those of any sign, then those that may not be negative.
-    switches: Vec<Switch>,
-    /// Number of the former.
-    free: usize,
-    weights: Vec<f64>,
-    folds: Vec<PartFit>,
-}
 
 /// The least squares of a nested model over one part of the data: coefficients of any sign eliminated, the normal
 /// equations of the others left.
@@ -40,14 +36,19 @@ pub(crate) struct PartFit {
     /// L⁻¹XᵀZ for the signed columns Z.
     projected: Vec<f64>,
     /// ZᵀZ and Zᵀy after the elimination.
-    schur: Vec<f64>,
-    right: Vec<f64>,
+    pub(super) schur: Vec<f64>,
+    pub(super) right: Vec<f64>,
 }
 
 impl PartFit {
     /// Solves L x = b in place.
     pub(crate) fn forward(&self, b: &mut [f64]) {
         self.cholesky.forward(b);
+    }
+
+    /// Number of coefficients of any sign.
+    pub(super) const fn free(&self) -> usize {
+        self.forward.len()
     }
 
     /// Solves Lᵀx = b in place.
@@ -230,15 +231,6 @@ impl Problem {
         })
     }
 
-    /// Fits `switches` to every training part.
-    #[must_use]
-    pub fn nest(&self, switches: &[Switch], weights: &[f64]) -> NestedFit {
-        let (switches, free) = free_first(switches);
-        let fit = |train: &[Vec<Moments>; 2]| self.part_fit(train, &switches, free, weights);
-        let folds = self.training.par_iter().map(fit).collect();
-        NestedFit { free, weights: weights.to_vec(), folds, switches }
-    }
-
     /// The least squares of switches, the first `free` of any sign, over a part of the data.
     pub(crate) fn part_fit(
         &self,
@@ -252,49 +244,80 @@ impl Problem {
         let mut forward = self.right(part, any, weights);
         cholesky.forward(&mut forward);
         let empty = PartFit { cholesky, forward, projected: vec![], schur: vec![], right: vec![] };
-        let (projected, schur, right) = self.extended(part, &empty, any, &[], signed, weights);
+        let (projected, schur, right) =
+            self.extended(part, &empty, &self.places(any), (free, 0), signed, weights);
         PartFit { projected, schur, right, ..empty }
     }
 
-    /// (L⁻¹XᵀZ, ZᵀZ, Zᵀy) after the elimination, for the signed columns of a fit and those of a group.
-    fn extended(
+    /// Where columns stand in the rows of each joint.
+    pub(super) fn places(&self, switches: &[Switch]) -> Vec<Vec<Place>> {
+        let of_joint = |map: &Vec<usize>| {
+            let all = switches.iter().enumerate();
+            let places = all.map(|(at, s)| Place { at, local: map[s.column], target_only: s.target_only });
+            places.filter(|p| p.local != ABSENT).collect()
+        };
+        self.local.iter().map(of_joint).collect()
+    }
+
+    /// (L⁻¹XᵀZ, ZᵀZ, Zᵀy) after the elimination of the first `free` columns of a model at `nested`, for its `signed` others
+    /// and then those of a group; the first is of the group alone.
+    pub(super) fn extended(
         &self,
         part: &[Vec<Moments>; 2],
         fit: &PartFit,
-        any: &[Switch],
-        signed: &[Switch],
+        nested: &[Vec<Place>],
+        (free, signed): (usize, usize),
         group: &[Switch],
         weights: &[f64],
     ) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        let (n, s, g) = (any.len(), signed.len(), group.len());
-        let mut projected = self.cross(part, any, group, weights);
-        if n > 0 {
-            projected.chunks_exact_mut(n).for_each(|column| fit.cholesky.forward(column));
-        }
-        let all = [&fit.projected[..], &projected[..]].concat();
-        let of = |k: usize| &all[k * n..(k + 1) * n];
-        let beside = self.cross(part, signed, group, weights);
-        let own = self.cross(part, group, group, weights);
-        let m = s + g;
-        let mut schur = vec![0.0; m * m];
-        for k in 0..s {
-            schur[k * m..k * m + s].copy_from_slice(&fit.schur[k * s..(k + 1) * s]);
-        }
-        for b in 0..g {
-            for a in 0..m {
-                let product = if a < s { beside[b * s + a] } else { own[b * g + a - s] };
-                let mut value = product - dot(of(a), of(s + b));
-                if a == s + b && value <= ROUNDING * product {
-                    value = 0.0;
-                }
-                schur[(s + b) * m + a] = value;
-                schur[a * m + s + b] = value;
+        let g = group.len();
+        let n = free + signed;
+        let mut products = vec![0.0; n * g];
+        let mut own = vec![0.0; g * g];
+        let mut measured = vec![0.0; g];
+        for (j, (columns, nested)) in self.places(group).iter().zip(nested).enumerate() {
+            let weight = weights[j];
+            if weight == 0.0 {
+                continue;
+            }
+            for column in columns {
+                let with = Products::of(part, j, *column);
+                let out = &mut products[column.at * n..(column.at + 1) * n];
+                nested.iter().for_each(|p| out[p.at] += weight * with.column(*p));
+                let out = &mut own[column.at * g..(column.at + 1) * g];
+                columns.iter().for_each(|p| out[p.at] += weight * with.column(*p));
+                measured[column.at] += weight * with.measurement();
             }
         }
+        let mut projected = Vec::with_capacity(free * g);
+        for b in 0..g {
+            let column = &mut products[b * n..b * n + free];
+            fit.cholesky.forward(column);
+            projected.extend_from_slice(column);
+        }
+        let m = signed + g;
+        let mut schur = vec![0.0; m * m];
+        for k in 0..signed {
+            schur[k * m..k * m + signed].copy_from_slice(&fit.schur[k * signed..(k + 1) * signed]);
+        }
         let mut right = fit.right.clone();
-        let measured = self.right(part, group, weights);
-        right.extend(measured.iter().enumerate().map(|(b, y)| y - dot(of(s + b), &fit.forward)));
-        (all, schur, right)
+        for (b, measured) in measured.iter().enumerate() {
+            let of_b = &projected[b * free..(b + 1) * free];
+            for a in 0..m {
+                let (product, of_a) = match a.checked_sub(signed) {
+                    None => (products[b * n + free + a], &fit.projected[a * free..(a + 1) * free]),
+                    Some(a) => (own[b * g + a], &projected[a * free..(a + 1) * free]),
+                };
+                let mut value = product - dot(of_a, of_b);
+                if a == signed + b && value <= ROUNDING * product {
+                    value = 0.0;
+                }
+                schur[(signed + b) * m + a] = value;
+                schur[a * m + signed + b] = value;
+            }
+            right.push(measured - dot(of_b, &fit.forward));
+        }
+        (projected, schur, right)
     }
 
     /// Coefficients of the nested switches and then of a group that extends them.
@@ -306,34 +329,35 @@ impl Problem {
         group: &[Switch],
         weights: &[f64],
     ) -> Vec<f64> {
-        let (any, signed) = switches.split_at(free);
-        let (projected, schur, right) = self.extended(part, fit, any, signed, group, weights);
-        let nonnegative: Vec<bool> = signed.iter().chain(group).map(|s| s.nonnegative).collect();
-        let extension = solve_signed(&schur, &right, &nonnegative);
+        let passive = vec![true; switches.len() - free];
+        self.extend_from(part, (fit, &passive), &self.places(switches), group, weights)
+    }
+
+    /// The same, with the places of the nested switches, and those of its signed columns that are likely to be above zero.
+    pub(super) fn extend_from(
+        &self,
+        part: &[Vec<Moments>; 2],
+        (fit, likely): (&PartFit, &[bool]),
+        nested: &[Vec<Place>],
+        group: &[Switch],
+        weights: &[f64],
+    ) -> Vec<f64> {
+        let (free, signed) = (fit.forward.len(), likely.len());
+        let (projected, schur, right) = self.extended(part, fit, nested, (free, signed), group, weights);
+        let mut nonnegative = vec![true; signed];
+        nonnegative.extend(group.iter().map(|s| s.nonnegative));
+        let mut passive = likely.to_vec();
+        passive.resize(signed + group.len(), true);
+        let extension = solve_signed_from(&schur, &right, &nonnegative, passive);
         let mut beta = fit.forward.clone();
-        for (k, value) in extension.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-            for (x, p) in beta.iter_mut().zip(&projected[k * free..(k + 1) * free]) {
-                *x -= value * p;
-            }
+        let columns = fit.projected.chunks_exact(free.max(1)).take(signed);
+        let columns = columns.chain(projected.chunks_exact(free.max(1)));
+        for (value, column) in extension.iter().zip(columns).filter(|(v, _)| **v != 0.0) {
+            beta.iter_mut().zip(column).for_each(|(x, p)| *x -= value * p);
         }
         fit.cholesky.backward(&mut beta);
         beta.extend(extension);
         beta
-    }
-
-    /// Cross-validated squared error of each joint, `[kind][joint]`, of the nested model extended by `group`.
-    #[must_use]
-    pub fn held_out(&self, fit: &NestedFit, group: &[Switch]) -> [Vec<f64>; 2] {
-        let all: Vec<Switch> = fit.switches.iter().chain(group).copied().collect();
-        let mut sums = [vec![0.0; self.joints], vec![0.0; self.joints]];
-        for ((train, test), fold) in self.training.iter().zip(&self.moments.parts).zip(&fit.folds) {
-            let beta = self.extend(train, fold, (&fit.switches, fit.free), group, &fit.weights);
-            let errors = self.squared_errors(test, &all, &beta);
-            for (sum, error) in sums.iter_mut().flatten().zip(errors.iter().flatten()) {
-                *sum += error;
-            }
-        }
-        sums
     }
 
     /// Takes the moments of some columns of a joint anew, after its rows have changed; `columns` count among the
@@ -386,19 +410,9 @@ impl Problem {
     /// Least squares over all blocks: coefficients and their covariance (unit weights mean unit variance).
     #[must_use]
     pub fn fit(&self, switches: &[Switch], weights: &[f64]) -> TotalFit {
-        let total = &self.moments.total;
         let n = switches.len();
-        let matrix = self.cross(total, switches, switches, weights);
-        let (ordered, free) = free_first(switches);
-        let fit = self.part_fit(total, &ordered, free, weights);
-        let mut values = self.extend(total, &fit, (&ordered, free), &[], weights).into_iter();
-        let mut coefficients = vec![0.0; n];
-        for signed in [false, true] {
-            for k in (0..n).filter(|k| switches[*k].nonnegative == signed) {
-                coefficients[k] = values.next().unwrap_or(0.0);
-            }
-        }
-        let cholesky = Cholesky::new(&matrix, n);
+        let (coefficients, squared_errors) = self.least_squares(switches, weights);
+        let cholesky = Cholesky::new(&self.cross(&self.moments.total, switches, switches, weights), n);
         let variance = (0..n)
             .map(|k| {
                 let mut unit = vec![0.0; n];
@@ -407,8 +421,52 @@ impl Problem {
                 if cholesky.used()[k] { dot(&unit, &unit) } else { f64::INFINITY }
             })
             .collect();
-        let squared_errors = self.squared_errors(total, switches, &coefficients);
         TotalFit { coefficients, variance, squared_errors }
+    }
+
+    /// Coefficients of the least squares over all blocks, and their squared errors, `[kind][joint]`.
+    #[must_use]
+    pub fn least_squares(&self, switches: &[Switch], weights: &[f64]) -> (Vec<f64>, [Vec<f64>; 2]) {
+        let total = &self.moments.total;
+        let (ordered, free) = free_first(switches);
+        let fit = self.part_fit(total, &ordered, free, weights);
+        let mut values = self.extend(total, &fit, (&ordered, free), &[], weights).into_iter();
+        let mut coefficients = vec![0.0; switches.len()];
+        for signed in [false, true] {
+            for (value, _) in coefficients.iter_mut().zip(switches).filter(|(_, s)| s.nonnegative == signed) {
+                *value = values.next().unwrap_or(0.0);
+            }
+        }
+        let squared_errors = self.squared_errors(total, switches, &coefficients);
+        (coefficients, squared_errors)
+    }
+}
+
+/// Products of one column of a joint's rows with the others, over a part of the data.
+#[derive(Clone, Copy)]
+pub(super) struct Products<'a> {
+    /// Of calibration recordings, where the column counts in them, and of targets: its part of the Gram matrix, and
+    /// its product with the measurement.
+    calibration: Option<(&'a [f64], f64)>,
+    target: (&'a [f64], f64),
+}
+
+impl<'a> Products<'a> {
+    pub(super) fn of(part: &'a [Vec<Moments>; 2], joint: usize, column: Place) -> Self {
+        let of_kind = |kind: usize| {
+            let m: &Moments = &part[kind][joint];
+            (&m.gram[column.local * m.columns..(column.local + 1) * m.columns], m.right[column.local])
+        };
+        Self { calibration: (!column.target_only).then(|| of_kind(0)), target: of_kind(1) }
+    }
+
+    pub(super) fn column(&self, other: Place) -> f64 {
+        let calibration = self.calibration.filter(|_| !other.target_only).map_or(0.0, |c| c.0[other.local]);
+        calibration + self.target.0[other.local]
+    }
+
+    pub(super) fn measurement(&self) -> f64 {
+        self.calibration.map_or(0.0, |c| c.1) + self.target.1
     }
 }
 

@@ -115,7 +115,8 @@ impl Parts<'_> {
             if recording.role == Role::Validation || recording.simulated.is_some() {
                 continue;
             }
-            let rows = RecordingRows::evaluate_standing(name, recording.role, data, model, &load, &own)?;
+            let standing = RecordingRows::evaluate_standing(name, recording.role, data, model, &load, &own)?;
+            let Some(rows) = standing else { continue };
             let end = self.partition.end_of_fit[r];
             let rows = rows.part(0..end.min(rows.rows()));
             let stands = |k: usize| rows.joints.iter().all(|j| j.counts[k]);

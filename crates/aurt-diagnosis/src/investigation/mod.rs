@@ -18,6 +18,7 @@ pub use late::{Delay, Late};
 
 use aurt_plugins::Registry;
 use aurt_traits::RobotModel;
+use rayon::prelude::*;
 
 use crate::contact::Contact;
 use crate::error::DiagnosisError;
@@ -248,15 +249,16 @@ fn investigate_as_it_is(
 
     progress("evaluating candidates");
     let load = extended_load(&baseline, question.model, &model);
-    let mut rows = Vec::new();
-    for recording in question.recordings {
-        let own = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let own = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let of_recording = |recording: &QuestionedRecording| {
         let (name, data) = (&recording.data.name, &recording.data.data);
         let mut own_and_candidates =
             RecordingRows::evaluate(name, recording.role, data, &model, &load, &own)?;
         recording.mask(&mut own_and_candidates);
-        rows.push(own_and_candidates);
-    }
+        Ok(own_and_candidates)
+    };
+    let mut rows =
+        question.recordings.par_iter().map(of_recording).collect::<Result<Vec<_>, DiagnosisError>>()?;
     prepare(question, &baseline, &model, &mut rows);
     let partition = partition(question, &rows);
     let (mut rows, mut confirm) = FitRows::divide(rows, &partition);

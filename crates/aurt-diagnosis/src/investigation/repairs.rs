@@ -22,7 +22,7 @@ pub(crate) fn repair_helps(
 fn mean_squares(question: &Question<'_>) -> Result<Vec<f64>, DiagnosisError> {
     let baseline = Baseline::new(question)?;
     let fit = Fit { model: question.model, load: &baseline.load, coefficients: &baseline.coefficients };
-    let mut rows = evaluate_all(question, question.model, &fit)?;
+    let mut rows = evaluate_all(question, &fit)?;
     prepare(question, &baseline, question.model, &mut rows);
     let asked: Vec<&RecordingRows> = rows.iter().filter(|r| r.role != Role::Validation).collect();
     let joints = question.model.joints();

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use aurt_calibration::{for_each_row_block, for_each_tile};
 use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
 use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
@@ -128,16 +130,24 @@ impl RecordingRows {
         load: &LoadTorque,
         baseline: &Fit<'_>,
     ) -> Result<Self, DiagnosisError> {
-        let mut rows = Self::evaluate_all(name, role, data, model, load, baseline)?;
-        let stands = rows.stands();
-        for (joint, stands) in rows.joints.iter_mut().zip(stands) {
-            joint.counts = stands.iter().map(|stands| !stands).collect();
-            joint.silence();
-        }
-        Ok(rows)
+        Ok(Self::evaluate_all(name, role, data, model, load, Some(baseline))?.of_motion())
     }
 
-    /// The same of the rows in which a joint stands: these count, and no others do.
+    /// The rows of a fitted model itself, whose instrument columns are left at zero.
+    ///
+    /// # Errors
+    /// If a segment has no measurement, or a model fails.
+    pub fn of_model(
+        name: &str,
+        role: Role,
+        data: &Preprocessed,
+        fit: &Fit<'_>,
+    ) -> Result<Self, DiagnosisError> {
+        Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion())
+    }
+
+    /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. `None` where
+    /// the joints never all stand.
     ///
     /// # Errors
     /// If a segment has no measurement, or a model fails.
@@ -148,13 +158,28 @@ impl RecordingRows {
         model: &RobotModel,
         load: &LoadTorque,
         baseline: &Fit<'_>,
-    ) -> Result<Self, DiagnosisError> {
-        let mut rows = Self::evaluate_all(name, role, data, model, load, baseline)?;
-        let stands = rows.stands();
+    ) -> Result<Option<Self>, DiagnosisError> {
+        let stands: Vec<Vec<bool>> =
+            (0..model.joints()).map(|j| stands(&velocity(data, j), row_rate_hz(data))).collect();
+        let count = stands.first().map_or(0, Vec::len);
+        if !(0..count).any(|k| stands.iter().all(|joint| joint[k])) {
+            return Ok(None);
+        }
+        let mut rows = Self::evaluate_all(name, role, data, model, load, Some(baseline))?;
         for (joint, stands) in rows.joints.iter_mut().zip(stands) {
             joint.counts = stands;
         }
-        Ok(rows)
+        Ok(Some(rows))
+    }
+
+    /// Rows of a joint that stands do not count.
+    fn of_motion(mut self) -> Self {
+        for joint in &mut self.joints {
+            let stands = stands(&joint.velocity_rad_s, self.rate_hz);
+            joint.counts = stands.iter().map(|stands| !stands).collect();
+            joint.silence();
+        }
+        self
     }
 
     fn evaluate_all(
@@ -163,7 +188,7 @@ impl RecordingRows {
         data: &Preprocessed,
         model: &RobotModel,
         load: &LoadTorque,
-        baseline: &Fit<'_>,
+        baseline: Option<&Fit<'_>>,
     ) -> Result<Self, DiagnosisError> {
         let rows: usize = data.segments.iter().map(Segment::rows).sum();
         let mut joints: Vec<JointRows> = (0..model.joints())
@@ -174,7 +199,6 @@ impl RecordingRows {
             .collect();
         let mut time_s = Vec::with_capacity(rows);
         let mut segment_starts = vec![0];
-        let mut rate_hz = 1.0;
         for segment in &data.segments {
             let first = time_s.len();
             let count = segment.rows();
@@ -182,7 +206,6 @@ impl RecordingRows {
             let picked = |series: &[f64]| {
                 series.iter().step_by(segment.decimation).take(count).copied().collect::<Vec<_>>()
             };
-            rate_hz = segment.rate_hz / segment.decimation as f64;
             time_s.extend(picked(motion.time_s()));
             let measurement = segment
                 .measurement
@@ -203,32 +226,18 @@ impl RecordingRows {
                     }
                 }
             })?;
-            for (j, joint) in joints.iter_mut().enumerate() {
-                let start = model.row_columns(j).len() * rows;
-                instrument_rows(segment, j, baseline, &mut joint.data[start..], rows, first, count)?;
+            if let Some(baseline) = baseline {
+                let mut columns: Vec<&mut [f64]> = joints
+                    .iter_mut()
+                    .enumerate()
+                    .map(|(j, joint)| &mut joint.data[model.row_columns(j).len() * rows..])
+                    .collect();
+                instrument_rows(segment, baseline, &mut columns, rows, first..first + count)?;
             }
             segment_starts.push(time_s.len());
         }
+        let rate_hz = row_rate_hz(data);
         Ok(Self { name: name.to_owned(), role, rate_hz, time_s, segment_starts, joints })
-    }
-
-    /// Where each joint stays below the rest velocity for some time, `[joint][row]`.
-    fn stands(&self) -> Vec<Vec<bool>> {
-        let shortest = (STANDING_S * self.rate_hz).ceil().max(2.0) as usize;
-        let of_joint = |joint: &JointRows| {
-            let slow: Vec<bool> = joint.velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
-            let mut stands = vec![false; slow.len()];
-            let mut start = 0;
-            while start < slow.len() {
-                let length = slow[start..].iter().take_while(|s| **s).count();
-                if length >= shortest {
-                    stands[start..start + length].fill(true);
-                }
-                start += length.max(1);
-            }
-            stands
-        };
-        self.joints.iter().map(of_joint).collect()
     }
 
     /// Number of rows per joint.
@@ -249,50 +258,87 @@ pub struct Fit<'a> {
     pub coefficients: &'a [f64],
 }
 
-/// Writes the instrument columns of one joint: the prediction and its time derivatives, taken at the
-/// recording's own rate and then filtered and decimated like every other column.
+/// Rows per second.
+fn row_rate_hz(data: &Preprocessed) -> f64 {
+    data.segments.last().map_or(1.0, |s| s.rate_hz / s.decimation as f64)
+}
+
+/// A joint's velocity at each row, rad/s.
+fn velocity(data: &Preprocessed, joint: usize) -> Vec<f64> {
+    let of_segment = |s: &Segment| {
+        let series = s.motion.view().velocity_rad_s(joint).to_vec();
+        series.into_iter().step_by(s.decimation).take(s.rows())
+    };
+    data.segments.iter().flat_map(of_segment).collect()
+}
+
+/// Where a joint stays below the rest velocity for some time.
+fn stands(velocity_rad_s: &[f64], rate_hz: f64) -> Vec<bool> {
+    let shortest = (STANDING_S * rate_hz).ceil().max(2.0) as usize;
+    let slow: Vec<bool> = velocity_rad_s.iter().map(|v| v.abs() < STANDING_RAD_S).collect();
+    let mut stands = vec![false; slow.len()];
+    let mut start = 0;
+    while start < slow.len() {
+        let length = slow[start..].iter().take_while(|s| **s).count();
+        if length >= shortest {
+            stands[start..start + length].fill(true);
+        }
+        start += length.max(1);
+    }
+    stands
+}
+
+/// Writes the instrument columns of all joints: the prediction and its time derivatives, taken at the
+/// recording's own rate and then filtered and decimated like every other column. A joint's columns are `rows` long; the
+/// segment's are `span`.
 fn instrument_rows(
     segment: &Segment,
-    joint: usize,
     fit: &Fit<'_>,
-    data: &mut [f64],
+    columns: &mut [&mut [f64]],
     rows: usize,
-    first: usize,
-    count: usize,
+    span: Range<usize>,
 ) -> Result<(), DiagnosisError> {
+    const EACH: usize = Instrument::ALL.len();
     let samples = segment.motion.samples();
+    let joints = columns.len();
     let rigid = fit.model.group(ColumnGroup::RigidBody);
-    let mut series = vec![0.0; Instrument::ALL.len() * samples];
-    let mut load = vec![0.0; samples];
+    let mut series = vec![0.0; EACH * joints * samples];
+    let mut load = vec![0.0; joints * samples];
     for_each_tile(fit.model, segment, fit.load, |start, tile| {
-        let span = start..start + tile.samples();
-        for (slot, column) in fit.model.row_slots(joint).zip(fit.model.row_columns(joint)) {
-            let coefficient = fit.coefficients[*column];
-            if coefficient == 0.0 {
-                continue;
-            }
-            for (o, value) in series[span.clone()].iter_mut().zip(tile.slot(slot)) {
-                *o += coefficient * value;
-            }
-            if rigid.contains(column) {
-                for (o, value) in load[span.clone()].iter_mut().zip(tile.slot(slot)) {
+        for joint in 0..joints {
+            let at = |series: usize| series * samples + start..series * samples + start + tile.samples();
+            for (slot, column) in fit.model.row_slots(joint).zip(fit.model.row_columns(joint)) {
+                let coefficient = fit.coefficients[*column];
+                if coefficient == 0.0 {
+                    continue;
+                }
+                for (o, value) in series[at(EACH * joint)].iter_mut().zip(tile.slot(slot)) {
                     *o += coefficient * value;
+                }
+                if rigid.contains(column) {
+                    for (o, value) in load[at(joint)].iter_mut().zip(tile.slot(slot)) {
+                        *o += coefficient * value;
+                    }
                 }
             }
         }
     })?;
-    let (prediction, delays) = series.split_at_mut(samples);
-    let (delay, delay_of_all) = delays.split_at_mut(samples);
-    for k in 1..samples.saturating_sub(1) {
-        delay_of_all[k] = -(prediction[k + 1] - prediction[k - 1]) * 0.5 * segment.rate_hz;
-        delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
+    for (series, load) in
+        series.chunks_exact_mut(EACH * samples.max(1)).zip(load.chunks_exact(samples.max(1)))
+    {
+        let (prediction, delays) = series.split_at_mut(samples);
+        let (delay, delay_of_all) = delays.split_at_mut(samples);
+        for k in 1..samples.saturating_sub(1) {
+            delay_of_all[k] = -(prediction[k + 1] - prediction[k - 1]) * 0.5 * segment.rate_hz;
+            delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
+        }
     }
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, Instrument::ALL.len(), segment.decimation);
+    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, EACH * joints, segment.decimation);
     let mut write = |tile: DecimatedTile<'_>| {
-        let take = tile.rows().min(count.saturating_sub(tile.first_row()));
-        for k in 0..Instrument::ALL.len() {
-            let to = k * rows + first + tile.first_row();
-            data[to..to + take].copy_from_slice(&tile.column(k)[..take]);
+        let take = tile.rows().min(span.len().saturating_sub(tile.first_row()));
+        for k in 0..EACH * joints {
+            let to = k % EACH * rows + span.start + tile.first_row();
+            columns[k / EACH][to..to + take].copy_from_slice(&tile.column(k)[..take]);
         }
     };
     bank.push(&series, samples, samples, &mut write);

@@ -135,8 +135,8 @@ impl Selector<'_> {
         let mut all = switches.clone();
         all.extend(&self.groups[group].switches);
         let problem = self.ground.problem();
-        let fit = problem.fit(&all, &vec![1.0; problem.joints()]);
-        let shares = self.ground.independent_shares(&all, &fit.coefficients);
+        let (coefficients, _) = problem.least_squares(&all, &vec![1.0; problem.joints()]);
+        let shares = self.ground.independent_shares(&all, &coefficients);
         let beside = Beside { switches: &switches, floor: self.floor, shares: &shares, deviations };
         self.ground.estimate(&self.groups[group], &beside)
     }

@@ -83,6 +83,12 @@ pub(super) struct JointRows<'a> {
     top_hz: f64,
 }
 
+/// Starts, and how their torques go with the residual, segment by segment.
+pub(super) struct Scan<'a> {
+    starts: &'a [Shape],
+    moments: Vec<Vec<Moments>>,
+}
+
 /// (segment, part of a block).
 type Block = (usize, usize);
 
@@ -136,12 +142,17 @@ impl<'a> JointRows<'a> {
             .collect()
     }
 
+    /// How the torques of starts go with the residual of the joint's own rows.
+    pub fn scan<'s>(&self, starts: &'s [Shape]) -> Scan<'s> {
+        Scan { starts, moments: starts.iter().map(|s| self.moments(&self.own, *s)).collect() }
+    }
+
     /// Looks for a gear among starts; `None` if nothing is worth a test. Also what starts of amplitude 1 would gain.
-    pub fn search(&self, starts: &[Shape], among: Among) -> (Option<Found>, Vec<f64>) {
+    pub fn search(&self, scan: &Scan<'_>, among: Among) -> (Option<Found>, Vec<f64>) {
+        let Scan { starts, moments: scanned } = scan;
         let blocks = self.blocks(among);
         let halves: [Vec<Block>; 2] =
             [0, 1].map(|half| blocks.iter().copied().filter(|(s, b)| (s + b / PARTS) % 2 == half).collect());
-        let scanned: Vec<Vec<Moments>> = starts.iter().map(|s| self.moments(&self.own, *s)).collect();
         let visible = scanned.iter().map(|m| 0.5 * sums(m, &blocks)[0]).collect();
         if halves.iter().any(|h| 2 * h.len() < FEWEST_PARTS) {
             return (None, visible);

@@ -65,6 +65,10 @@ impl Gear {
             let (inertia, gradient) = (drive.inertia_kg_m2[row], drive.gradient_nm_rad[row]);
             let (from, to) = (drive.load_nm[row.saturating_sub(1)], drive.load_nm[row]);
             let count = if row == 0 { 1 } else { steps };
+            let free = (inertia + 0.25 * h * h * gradient).recip();
+            let touching =
+                (inertia + 0.5 * h * self.damping_nm_s + 0.25 * h * h * (self.stiffness_nm_rad + gradient))
+                    .recip();
             for step in 1..=count {
                 let load = if row == 0 { to } else { from + (to - from) * step as f64 / steps as f64 };
                 if row > 0 {
@@ -76,17 +80,17 @@ impl Gear {
                         let push = self.stiffness_nm_rad * pressed + self.damping_nm_s * (v + h * a);
                         touches = push * pressed > 0.0;
                     }
-                    let (k, d, rest) = if touches {
+                    let (k, d, rest, mobility) = if touches {
                         let rest =
                             if self.half_gap_rad > 0.0 { self.half_gap_rad * pressed.signum() } else { 0.0 };
-                        (self.stiffness_nm_rad, self.damping_nm_s, rest)
+                        (self.stiffness_nm_rad, self.damping_nm_s, rest, touching)
                     } else {
-                        (0.0, 0.0, 0.0)
+                        (0.0, 0.0, 0.0, free)
                     };
                     let next = (-load + k * rest
                         - d * (v + 0.5 * h * a)
                         - (k + gradient) * (x + h * v + 0.25 * h * h * a))
-                        / (inertia + 0.5 * h * d + 0.25 * h * h * (k + gradient));
+                        * mobility;
                     x += h * v + 0.25 * h * h * (a + next);
                     v += 0.5 * h * (a + next);
                     a = next;

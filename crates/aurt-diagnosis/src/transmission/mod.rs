@@ -209,9 +209,10 @@ fn of_joint(
 ) -> Result<OfJoint, DiagnosisError> {
     let kinds = [elastic_rows.iter().any(|f| !f.target), elastic_rows.iter().any(|f| f.target)];
     let search = |rows: &JointRows<'_>, starts: &[Shape]| {
-        let (found, visible) = rows.search(starts, Among::All);
+        let scan = rows.scan(starts);
+        let (found, visible) = rows.search(&scan, Among::All);
         let found =
-            if kinds == [true; 2] { changed(found, rows.search(starts, Among::Targets).0) } else { found };
+            if kinds == [true; 2] { changed(found, rows.search(&scan, Among::Targets).0) } else { found };
         let shows: Vec<Shape> =
             starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN).map(|(s, _)| *s).collect();
         // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.

@@ -110,7 +110,7 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
     let freed = [OwnFreed::new(rows.unwrap(), false)];
     let rows = JointRows::new(&freed, 0).unwrap().unwrap();
     let [elastic, _]: [Vec<Shape>; 2] = rows.starts();
-    rows.search(&elastic, Among::All).0
+    rows.search(&rows.scan(&elastic), Among::All).0
 }
 
 #[test]
