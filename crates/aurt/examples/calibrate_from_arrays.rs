@@ -16,7 +16,7 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
         .named("tuesday");
 
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    let model = robot.model().coulomb("none").viscous("polynomial").arm_term("rotor_inertia").build()?;
+    let model = robot.model().coulomb("absolute").arm_term("rotor_inertia").build()?;
     let outcome = Calibrator::new(model).calibration(&calibration).validation(&validation).calibrate()?;
 
     for result in &outcome.recordings {

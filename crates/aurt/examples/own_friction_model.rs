@@ -28,7 +28,7 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
     let motion = Motion::MultiSine { duration_s: 15.0, harmonics: 8, top_hz: 1.0, share: 0.6 };
     let recording = simulate(&Scenario::new(machine.clone(), motion.plan(&machine, 1)?, 1))?;
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    for viscous in ["polynomial", Drag::NAME] {
+    for viscous in [r#"{ model = "polynomial", powers = [1] }"#, Drag::NAME] {
         let model = robot.model().viscous(viscous).build()?;
         let outcome = Calibrator::new(model).calibration(&recording).calibrate()?;
         println!(

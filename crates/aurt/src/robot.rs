@@ -73,7 +73,7 @@ impl Robot {
             dynamics: self.dynamics.clone(),
             coulomb: "none".into(),
             hysteresis: "sign".into(),
-            viscous: "polynomial".into(),
+            viscous: r#"{ model = "polynomial", powers = [1] }"#.into(),
             arm_terms: Vec::new(),
         }
     }
