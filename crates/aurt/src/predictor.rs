@@ -15,8 +15,9 @@ use crate::failure::Failure;
 /// algorithm with the standard parameters that stand for the base parameters at their values and all others at zero, which
 /// gives the torques of the regressor.
 ///
-/// From the second sample on [`Self::torque`] takes no memory from the heap with the friction models that come with AURT
-/// and those of its arm terms that do not evaluate the rigid bodies themselves (`payload` and `base_tilt` do).
+/// From the second sample on, [`Self::torque`] takes no memory from the heap for rigid bodies and the friction models that
+/// come with AURT, but for `maxwell_slip` and `gms`, which list their thresholds anew. Arm terms may take some: each lists
+/// its joints anew, and `payload` and `base_tilt` evaluate the rigid bodies.
 #[derive(Debug, Clone)]
 pub struct Predictor {
     model: RobotModel,
