@@ -6,11 +6,16 @@ mod arguments;
 mod commands;
 mod rendering;
 
+/// The library's error, under the name that commands use.
+mod failure {
+    pub use aurt::Error as Failure;
+}
+
 use std::process::ExitCode;
 
 use aurt::{
-    calibrated_file, data, demo, failure, fitting, glossary, injected, inspection, output, progress, proof,
-    reports, results, sensitivity, simulated, streaming, sweeping,
+    calibrated_file, data, demo, diagnosing, fitting, glossary, injected, inspection, output, proof, reports,
+    results, sensitivity, streaming, sweeping,
 };
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;

@@ -15,7 +15,7 @@ use crate::{
 pub enum Error {
     /// Models, libraries or plugins.
     #[error(transparent)]
-    Plugins(#[from] aurt_plugins::Error),
+    Plugins(Box<aurt_plugins::Error>),
     /// An experiment is wrong in one or more places.
     #[error(transparent)]
     Experiment(#[from] Box<ExperimentErrors>),
@@ -77,6 +77,12 @@ pub enum Error {
 
 fn and_help(help: &Option<String>) -> String {
     help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
+}
+
+impl From<aurt_plugins::Error> for Error {
+    fn from(error: aurt_plugins::Error) -> Self {
+        Self::Plugins(Box::new(error))
+    }
 }
 
 impl From<aurt_output::WriteError> for Error {

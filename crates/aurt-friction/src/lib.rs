@@ -9,59 +9,35 @@
 //! `typetag`, so that experiments and saved models find it by its name. Each file's documentation holds equation,
 //! parameters, columns, use, source and invariants.
 //!
-//! Adding a model is one file and its `mod` line below; the tests find it by its registration.
+//! Adding a model is one file in the folder of its slot: every file there is a module, and the tests find its model by
+//! the registration.
 
 pub mod conformance;
 mod path_step;
 mod shape;
 mod stribeck_curve;
+mod thresholds;
 
 pub mod coulomb {
     //! Coulomb levels f_C(τ_J): even in the load torque, strictly positive.
 
-    pub mod absent;
-    pub mod absolute;
-    pub mod none;
-    pub mod square;
-    pub mod stribeck;
+    automod::dir!(pub "src/coulomb");
 }
 
 pub mod hysteresis {
     //! Generalised hysteresis H(z, q̇): bounded by one in magnitude, with or without memory.
 
-    pub mod bouc_wen;
-    pub mod dahl;
-    pub mod gms;
-    pub mod lugre;
-    pub mod maxwell_slip;
-    pub mod sign;
-    pub mod tanh;
-    mod thresholds;
+    automod::dir!(pub "src/hysteresis");
 }
 
 pub mod viscous {
     //! Viscous friction f_v(q̇): odd, continuous and of the sign of velocity.
 
-    pub mod polynomial;
-    pub mod saturating;
+    automod::dir!(pub "src/viscous");
 }
 
 pub mod arm_terms {
     //! Physics outside equation (6): several joints' rows, loads, and friction that lacks a slot's invariants.
 
-    pub mod base_tilt;
-    pub mod coulomb_asymmetric;
-    pub mod counterbalance;
-    pub mod coupling;
-    pub mod current_offset;
-    pub mod drive_efficiency;
-    pub mod joint_friction;
-    pub mod joint_selection;
-    pub mod lugre_damped;
-    pub mod payload;
-    pub mod rotor_inertia;
-    pub mod spring;
-    pub mod temperature;
-    pub mod torque_ripple;
-    pub mod viscous_asymmetric;
+    automod::dir!(pub "src/arm_terms");
 }

@@ -36,13 +36,15 @@
 
 mod csv;
 mod error;
+mod format;
 mod long;
 mod noise;
 mod preprocess;
 mod recording;
 
-pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, read_recording};
+pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
+pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,

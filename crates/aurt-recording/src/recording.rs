@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
@@ -81,6 +81,67 @@ impl ReadReport {
 }
 
 impl Recording {
+    /// Reads a recording whose columns have their usual names.
+    ///
+    /// # Errors
+    /// As [`read_recording`](crate::read_recording).
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
+        crate::read_recording(path.as_ref(), &crate::ReadOptions::default())
+    }
+
+    /// A recording from arrays: stamps in s, angles in rad as `[joint][sample]`.
+    ///
+    /// # Errors
+    /// As [`Self::validate`]; [`RecordingError::Count`] without joints.
+    pub fn from_arrays(time_s: Vec<f64>, position_rad: Vec<Vec<f64>>) -> Result<Self, RecordingError> {
+        if position_rad.is_empty() {
+            return Err(RecordingError::Count { what: "joints".into(), expected: 1, found: 0 });
+        }
+        let rows = time_s.len();
+        let report = ReadReport { format: "arrays".into(), rows, ..ReadReport::default() };
+        let recording = Self {
+            file: PathBuf::from("arrays"),
+            time_s,
+            position_rad,
+            velocity_rad_s: None,
+            measurement: None,
+            unit: MeasurementUnit::default(),
+            report,
+        };
+        recording.validate()?;
+        Ok(recording)
+    }
+
+    /// The same with measured velocities in rad/s, as `[joint][sample]`.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn with_velocity(self, velocity_rad_s: Vec<Vec<f64>>) -> Result<Self, RecordingError> {
+        let recording = Self { velocity_rad_s: Some(velocity_rad_s), ..self };
+        recording.validate()?;
+        Ok(recording)
+    }
+
+    /// The same with measured joint torques in Nm or motor currents in A, as `[joint][sample]`.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn with_measurement(
+        self,
+        measurement: Vec<Vec<f64>>,
+        unit: MeasurementUnit,
+    ) -> Result<Self, RecordingError> {
+        let recording = Self { measurement: Some(measurement), unit, ..self };
+        recording.validate()?;
+        Ok(recording)
+    }
+
+    /// The same under another name, for messages and reports.
+    #[must_use]
+    pub fn named(self, name: impl Into<PathBuf>) -> Self {
+        Self { file: name.into(), ..self }
+    }
+
     /// Number of joints.
     #[must_use]
     pub fn joints(&self) -> usize {

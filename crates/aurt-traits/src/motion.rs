@@ -81,6 +81,24 @@ pub struct MotionView<'a> {
 }
 
 impl<'a> MotionView<'a> {
+    /// One sample, of as many joints as there are positions.
+    ///
+    /// # Panics
+    /// If velocities or accelerations are not as many as positions.
+    #[must_use]
+    pub fn of_sample(
+        time_s: &'a f64,
+        position_rad: &'a [f64],
+        velocity_rad_s: &'a [f64],
+        acceleration_rad_s2: &'a [f64],
+    ) -> Self {
+        let joints = position_rad.len();
+        assert_eq!(velocity_rad_s.len(), joints, "velocities");
+        assert_eq!(acceleration_rad_s2.len(), joints, "accelerations");
+        let series = [position_rad, velocity_rad_s, acceleration_rad_s2];
+        Self::from_strided(joints, 1, std::slice::from_ref(time_s), series)
+    }
+
     /// Number of joints.
     #[must_use]
     pub const fn joints(&self) -> usize {

@@ -1,4 +1,4 @@
-use std::fmt::Debug;
+use std::{any::Any, fmt::Debug};
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::{MotionView, Parameter};
 ///
 /// Evaluation is batched: one call writes many samples, each (joint, parameter) entry as a contiguous column.
 #[typetag::serde(tag = "kind")]
-pub trait RigidBodyRegressor: Debug + Send + Sync {
+pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
     /// Number of joints N.
     fn joints(&self) -> usize;
 

@@ -88,6 +88,14 @@ impl From<&RecordingSource> for Source {
     }
 }
 
+impl From<Recording> for Loaded {
+    /// A recording in memory, under the name that it has.
+    fn from(recording: Recording) -> Self {
+        let (file, label) = (recording.file.clone(), recording.file.display().to_string());
+        Self { source: Source { file, label, window_s: None, unit: None, columns: None }, recording }
+    }
+}
+
 impl Source {
     /// How it is read, for a robot with that many joints or, without, with as many as it has positions.
     pub fn read_options(&self, joints: Option<usize>, purpose: Purpose) -> ReadOptions {

@@ -32,10 +32,10 @@ pub enum Failure {
     Rbd(RbdError),
     /// A recording.
     #[error(transparent)]
-    Recording(RecordingError),
+    Recording(Box<RecordingError>),
     /// Calibration, validation or prediction.
     #[error(transparent)]
-    Calibration(CalibrationError),
+    Calibration(Box<CalibrationError>),
     /// A simulation.
     #[error(transparent)]
     Simulation(Box<SimulationError>),
@@ -113,7 +113,7 @@ pub enum Failure {
     },
     /// A sweep.
     #[error(transparent)]
-    Sweep(SweepError),
+    Sweep(Box<SweepError>),
     /// An argument does not go with the rest.
     #[error("{option}: {reason}; {remedy}")]
     Argument {
@@ -139,7 +139,16 @@ impl From<aurt_experiment::Error> for Failure {
 
 impl From<aurt_plugins::Error> for Failure {
     fn from(error: aurt_plugins::Error) -> Self {
-        Self::Plugins(error.into())
+        match error {
+            aurt_plugins::Error::Write { path, source } => Self::Write { path, source },
+            other => Self::Plugins(other.into()),
+        }
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Self::Models(vec![error])
     }
 }
 
@@ -157,7 +166,7 @@ impl From<SweepError> for Failure {
         match error {
             SweepError::Definition(errors) => Self::Experiment(errors),
             SweepError::Plugins(error) => error.into(),
-            other => Self::Sweep(other),
+            other => Self::Sweep(Box::new(other)),
         }
     }
 }
@@ -176,15 +185,15 @@ impl From<SimulationError> for Failure {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        Self::Recording(error)
+        Self::Recording(Box::new(error))
     }
 }
 
 impl From<CalibrationError> for Failure {
     fn from(error: CalibrationError) -> Self {
         match error {
-            CalibrationError::Recording(error) => Self::Recording(error),
-            other => Self::Calibration(other),
+            CalibrationError::Recording(error) => error.into(),
+            other => Self::Calibration(Box::new(other)),
         }
     }
 }

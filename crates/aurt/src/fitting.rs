@@ -173,7 +173,7 @@ impl Job {
             if detail == Detail::RowByRow {
                 let (name, is_new) = names.name(&loaded.source.file);
                 if is_new {
-                    predictions.push((name.clone(), here.predict(loaded)?));
+                    predictions.push((name.clone(), here.predict_file(loaded)?));
                 }
                 prediction = Some(name);
                 comparison = compare(&here.model, &here.calibration, prepared, rows)?;
@@ -223,7 +223,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// What makes the recording unfit.
-    pub fn predict(&self, loaded: &Loaded) -> Result<Vec<u8>, Failure> {
+    pub fn predict_file(&self, loaded: &Loaded) -> Result<Vec<u8>, Failure> {
         let prepared = self.pipeline().preprocess(loaded, Purpose::Prediction)?;
         let predictions = predict(&self.model, &self.calibration, &prepared)?;
         Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))

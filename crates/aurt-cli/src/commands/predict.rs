@@ -50,7 +50,7 @@ impl Predict {
         let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
-        let contents = calibrated.predict(&loaded)?;
+        let contents = calibrated.predict_file(&loaded)?;
         let prepared = pipeline.preprocess(&loaded, Purpose::Prediction)?;
         let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
         out.write(&contents)?;

@@ -14,18 +14,12 @@
 //! # Invariants
 //! Every invariant of a column holds, since there is none.
 
-use aurt_traits::{
-    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
-use serde::{Deserialize, Serialize};
+use aurt_traits::friction_model;
 
-/// No dry friction: zero columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Absent {}
+friction_model! {
+    /// No dry friction: zero columns.
+    pub struct Absent {}
 
-register_model! {
     slot: Coulomb,
     name: "absent",
     summary: "no dry friction at all (no column)",
@@ -34,38 +28,18 @@ register_model! {
                that does not depend on the load use `none`",
     source: "trivial",
     example: r#"{ model = "absent" }"#,
-}
-
-impl JointModel for Absent {
-    fn name(&self) -> &str {
-        "absent"
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        Vec::new()
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&Invariant::ALL)
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn evaluate(
-        &self,
-        _series: &JointSeries<'_>,
-        _state: &mut [f64],
-        _out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
-        Ok(())
-    }
-}
-
-#[typetag::serde(name = "absent")]
-impl CoulombModel for Absent {
-    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
-        Box::new(*self)
-    }
+    columns: [],
+    invariants: [
+        EvenInLoad,
+        Positive,
+        BoundedByOne,
+        OddInVelocity,
+        ContinuousInVelocity,
+        SignOfVelocity,
+        Passive,
+        RateIndependent,
+        Memoryless,
+    ],
+    reads_load: false,
+    evaluate: |_series, _out| {},
 }

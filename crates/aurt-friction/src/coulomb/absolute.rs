@@ -21,18 +21,12 @@
 //! # Invariants
 //! Even in load, strictly positive, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{
-    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
-use serde::{Deserialize, Serialize};
+use aurt_traits::friction_model;
 
-/// A Coulomb level with proportional load dependence, f_C = F_C0 + F_C1 |τ_J|.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Absolute {}
+friction_model! {
+    /// A Coulomb level with proportional load dependence, f_C = F_C0 + F_C1 |τ_J|.
+    pub struct Absolute {}
 
-register_model! {
     slot: Coulomb,
     name: "absolute",
     summary: "Coulomb level with load dependence in proportion to |τ_J|",
@@ -40,44 +34,13 @@ register_model! {
     use_when: "geared joints that carry gravity; the usual choice",
     source: "Madsen et al. (2022), figure 2 (c); Hamon, Gautier, Garrec (2010)",
     example: r#"{ model = "absolute" }"#,
-}
-
-impl JointModel for Absolute {
-    fn name(&self) -> &str {
-        "absolute"
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("F_C0", "Nm"), Parameter::new("F_C1", "1")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::Positive,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    columns: ["F_C0" in "Nm", "F_C1" in "1"],
+    invariants: [EvenInLoad, Positive, ContinuousInVelocity, RateIndependent, Memoryless],
+    reads_load: true,
+    evaluate: |series, out| {
         out.column_mut(0).fill(1.0);
         for (o, load) in out.column_mut(1).iter_mut().zip(series.load_torque) {
             *o = load.abs();
         }
-        Ok(())
-    }
-}
-
-#[typetag::serde(name = "absolute")]
-impl CoulombModel for Absolute {
-    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
-        Box::new(*self)
-    }
+    },
 }

@@ -17,18 +17,12 @@
 //! # Invariants
 //! Even in load, strictly positive, bounded by one, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{
-    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
-use serde::{Deserialize, Serialize};
+use aurt_traits::friction_model;
 
-/// A constant Coulomb level, f_C = F_C0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Constant {}
+friction_model! {
+    /// A constant Coulomb level, f_C = F_C0.
+    pub struct Constant {}
 
-register_model! {
     slot: Coulomb,
     name: "none",
     summary: "Coulomb level without load dependence",
@@ -36,46 +30,10 @@ register_model! {
     use_when: "a first guess, and joints whose load hardly changes",
     source: "Madsen et al. (2022), figure 2 (a); Coulomb (1785)",
     example: r#"{ model = "none" }"#,
-}
-
-impl JointModel for Constant {
-    fn name(&self) -> &str {
-        "none"
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("F_C0", "Nm")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::Positive,
-            Invariant::BoundedByOne,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn evaluate(
-        &self,
-        _series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    columns: ["F_C0" in "Nm"],
+    invariants: [EvenInLoad, Positive, BoundedByOne, ContinuousInVelocity, RateIndependent, Memoryless],
+    reads_load: false,
+    evaluate: |_series, out| {
         out.column_mut(0).fill(1.0);
-        Ok(())
-    }
-}
-
-#[typetag::serde(name = "none")]
-impl CoulombModel for Constant {
-    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
-        Box::new(*self)
-    }
+    },
 }

@@ -19,18 +19,12 @@
 //! # Invariants
 //! Even in load, strictly positive, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{
-    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
-use serde::{Deserialize, Serialize};
+use aurt_traits::friction_model;
 
-/// A Coulomb level with square load dependence, f_C = F_C0 + F_C1 τ_J².
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Square {}
+friction_model! {
+    /// A Coulomb level with square load dependence, f_C = F_C0 + F_C1 τ_J².
+    pub struct Square {}
 
-register_model! {
     slot: Coulomb,
     name: "square",
     summary: "Coulomb level with square load dependence",
@@ -39,44 +33,13 @@ register_model! {
                more safely",
     source: "Madsen et al. (2022), figure 2 (b) and equation (7)",
     example: r#"{ model = "square" }"#,
-}
-
-impl JointModel for Square {
-    fn name(&self) -> &str {
-        "square"
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("F_C0", "Nm"), Parameter::new("F_C1", "1/Nm")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::Positive,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    columns: ["F_C0" in "Nm", "F_C1" in "1/Nm"],
+    invariants: [EvenInLoad, Positive, ContinuousInVelocity, RateIndependent, Memoryless],
+    reads_load: true,
+    evaluate: |series, out| {
         out.column_mut(0).fill(1.0);
         for (o, load) in out.column_mut(1).iter_mut().zip(series.load_torque) {
             *o = load * load;
         }
-        Ok(())
-    }
-}
-
-#[typetag::serde(name = "square")]
-impl CoulombModel for Square {
-    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
-        Box::new(*self)
-    }
+    },
 }

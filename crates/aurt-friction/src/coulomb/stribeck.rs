@@ -32,7 +32,7 @@
 //! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
-    Columns, CoulombModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -75,6 +75,7 @@ impl Default for Stribeck {
 
 register_model! {
     slot: Coulomb,
+    model: Stribeck,
     name: "stribeck",
     summary: "Coulomb level that is higher near rest, optionally with load dependence",
     equation: "f_C = Σ_l (F_C,l + dF_S,l exp(−|q̇/v_S|^δ)) |τ_J|^l, l = 0 and that of `load`",
@@ -85,7 +86,7 @@ register_model! {
 
 impl JointModel for Stribeck {
     fn name(&self) -> &str {
-        "stribeck"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -118,7 +119,7 @@ impl JointModel for Stribeck {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity, exponent] = accepted("stribeck", &self.shape_parameters(), values)?[..] {
+        if let [velocity, exponent] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.stribeck_velocity_rad_s = velocity;
             self.stribeck_exponent = exponent;
         }
@@ -126,7 +127,7 @@ impl JointModel for Stribeck {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds("stribeck", &self.shape_parameters()))
+        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
     }
 
     fn evaluate(
@@ -153,12 +154,5 @@ impl JointModel for Stribeck {
             excess[n] = level[n] * near[stride + n];
         }
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "stribeck")]
-impl CoulombModel for Stribeck {
-    fn boxed_clone(&self) -> Box<dyn CoulombModel> {
-        Box::new(*self)
     }
 }

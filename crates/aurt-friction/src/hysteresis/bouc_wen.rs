@@ -33,7 +33,7 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -118,6 +118,7 @@ impl BoucWen {
 
 register_model! {
     slot: Hysteresis,
+    model: BoucWen,
     name: "bouc_wen",
     summary: "smooth hysteresis with adjustable sharpness and unloading",
     equation: "dH/dq = (1 − |H|^n (1 − β + β sgn(H q̇)))/presliding_rad, n = exponent, β = beta",
@@ -128,7 +129,7 @@ register_model! {
 
 impl JointModel for BoucWen {
     fn name(&self) -> &str {
-        "bouc_wen"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -154,7 +155,7 @@ impl JointModel for BoucWen {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance, exponent, beta] = accepted("bouc_wen", &self.shape_parameters(), values)?[..] {
+        if let [distance, exponent, beta] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.presliding_rad = distance;
             self.exponent = exponent;
             self.beta = beta;
@@ -163,7 +164,7 @@ impl JointModel for BoucWen {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds("bouc_wen", &self.shape_parameters()))
+        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
     }
 
     fn state_len(&self) -> usize {
@@ -190,13 +191,6 @@ impl JointModel for BoucWen {
         }
         (state[0], state[1]) = (h, position);
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "bouc_wen")]
-impl HysteresisModel for BoucWen {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(*self)
     }
 }
 

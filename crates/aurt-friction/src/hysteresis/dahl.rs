@@ -26,7 +26,7 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -52,6 +52,7 @@ impl Default for Dahl {
 
 register_model! {
     slot: Hysteresis,
+    model: Dahl,
     name: "dahl",
     summary: "presliding as an exponential approach over one distance",
     equation: "dH/dq = (1 − H sgn q̇)/presliding_rad, exact along the sampled path",
@@ -62,7 +63,7 @@ register_model! {
 
 impl JointModel for Dahl {
     fn name(&self) -> &str {
-        "dahl"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -88,14 +89,14 @@ impl JointModel for Dahl {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance] = accepted("dahl", &self.shape_parameters(), values)?[..] {
+        if let [distance] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.presliding_rad = distance;
         }
         Ok(())
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds("dahl", &self.shape_parameters()))
+        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
     }
 
     fn state_len(&self) -> usize {
@@ -129,11 +130,4 @@ pub(crate) fn relax(h: f64, dq: f64, presliding: f64, level: f64) -> f64 {
     // `exp_m1` keeps the digits of the small steps that a high sampling rate makes.
     let share = -libm::expm1(-dq.abs() / (presliding * level));
     (h + (level.copysign(dq) - h) * share).clamp(-1.0, 1.0)
-}
-
-#[typetag::serde(name = "dahl")]
-impl HysteresisModel for Dahl {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(*self)
-    }
 }

@@ -49,13 +49,13 @@
 //! without a displacement that would pay for it.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    hysteresis::thresholds::Thresholds,
+    thresholds::Thresholds,
     path_step::PathStep,
     shape::{Shape, accepted, out_of_bounds, verdict},
     stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
@@ -155,6 +155,7 @@ impl Gms {
 
 register_model! {
     slot: Hysteresis,
+    model: Gms,
     name: "gms",
     summary: "generalised Maxwell-slip: elements whose level falls with velocity while they slip",
     equation: "stick: dξ_i/dt = q̇/Δ_i until s ξ_i ≥ g(q̇); slip: dξ_i/dt = s C (1 − s ξ_i/g(q̇)); s = sgn q̇, \
@@ -166,7 +167,7 @@ register_model! {
 
 impl JointModel for Gms {
     fn name(&self) -> &str {
-        "gms"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -190,7 +191,7 @@ impl JointModel for Gms {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity, ratio, attraction] = accepted("gms", &self.shape_parameters(), values)?[..] {
+        if let [velocity, ratio, attraction] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.stribeck_velocity_rad_s = velocity;
             self.coulomb_ratio = ratio;
             self.attraction_per_s = attraction;
@@ -199,10 +200,10 @@ impl JointModel for Gms {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        let mut complaints = self.thresholds().complaints("gms", false);
+        let mut complaints = self.thresholds().complaints(Self::NAME, false);
         let mut bounded = self.shape_parameters();
         bounded.push(STRIBECK_EXPONENT.at(self.stribeck_exponent));
-        complaints.extend(out_of_bounds("gms", &bounded));
+        complaints.extend(out_of_bounds(Self::NAME, &bounded));
         verdict(complaints)
     }
 
@@ -239,12 +240,5 @@ impl JointModel for Gms {
         }
         (state[0], state[1]) = (time, position);
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "gms")]
-impl HysteresisModel for Gms {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(self.clone())
     }
 }

@@ -34,7 +34,7 @@
 //! Bounded by one, odd, continuous; passive, for H q̇ − d/dt (p H²/2) = |q̇| H²/g ≥ 0.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -103,6 +103,7 @@ impl LuGre {
 
 register_model! {
     slot: Hysteresis,
+    model: LuGre,
     name: "lugre",
     summary: "elastic bristles under a Stribeck level, without bristle damping",
     equation: "dH/dt = (q̇ − |q̇| H/g(q̇))/presliding_rad, g = r + (1 − r) exp(−|q̇/v_S|^δ), r = coulomb_ratio",
@@ -113,7 +114,7 @@ register_model! {
 
 impl JointModel for LuGre {
     fn name(&self) -> &str {
-        "lugre"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -142,7 +143,7 @@ impl JointModel for LuGre {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance, velocity, ratio] = accepted("lugre", &self.shape_parameters(), values)?[..] {
+        if let [distance, velocity, ratio] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.presliding_rad = distance;
             self.stribeck_velocity_rad_s = velocity;
             self.coulomb_ratio = ratio;
@@ -151,7 +152,7 @@ impl JointModel for LuGre {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(self.complaints("lugre"))
+        verdict(self.complaints(Self::NAME))
     }
 
     fn state_len(&self) -> usize {
@@ -175,12 +176,5 @@ impl JointModel for LuGre {
         }
         state.copy_from_slice(&now);
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "lugre")]
-impl HysteresisModel for LuGre {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(*self)
     }
 }

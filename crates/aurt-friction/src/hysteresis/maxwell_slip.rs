@@ -41,13 +41,13 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    hysteresis::thresholds::Thresholds,
+    thresholds::Thresholds,
     shape::{accepted, verdict},
 };
 
@@ -84,6 +84,7 @@ impl MaxwellSlip {
 
 register_model! {
     slot: Hysteresis,
+    model: MaxwellSlip,
     name: "maxwell_slip",
     summary: "parallel elements that slip at thresholds on a grid; linear in their levels",
     equation: "H_i = clamp((q − a_i)/Δ_i, −1, 1), the anchor a_i dragged along when the element slips",
@@ -94,7 +95,7 @@ register_model! {
 
 impl JointModel for MaxwellSlip {
     fn name(&self) -> &str {
-        "maxwell_slip"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -120,7 +121,7 @@ impl JointModel for MaxwellSlip {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [smallest, largest] = accepted("maxwell_slip", &self.shape_parameters(), values)?[..] {
+        if let [smallest, largest] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.smallest_rad = Some(smallest);
             self.largest_rad = Some(largest);
         }
@@ -128,7 +129,7 @@ impl JointModel for MaxwellSlip {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(self.thresholds().complaints("maxwell_slip", self.fit_thresholds))
+        verdict(self.thresholds().complaints(Self::NAME, self.fit_thresholds))
     }
 
     fn state_len(&self) -> usize {
@@ -155,12 +156,5 @@ impl JointModel for MaxwellSlip {
             *anchor = a;
         }
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "maxwell_slip")]
-impl HysteresisModel for MaxwellSlip {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(self.clone())
     }
 }

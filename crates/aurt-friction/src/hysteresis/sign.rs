@@ -22,7 +22,7 @@
 //! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -40,6 +40,7 @@ pub struct Sign {
 
 register_model! {
     slot: Hysteresis,
+    model: Sign,
     name: "sign",
     summary: "the sign of velocity, zero at rest",
     equation: "H = sgn(q̇) for |q̇| > rest_velocity_rad_s (default 0), else 0",
@@ -50,7 +51,7 @@ register_model! {
 
 impl JointModel for Sign {
     fn name(&self) -> &str {
-        "sign"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -78,7 +79,7 @@ impl JointModel for Sign {
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(rest_complaint("sign", self.rest_velocity_rad_s).into_iter().collect())
+        verdict(rest_complaint(Self::NAME, self.rest_velocity_rad_s).into_iter().collect())
     }
 
     fn evaluate(
@@ -108,13 +109,6 @@ pub(crate) fn rest_complaint(model: &str, rest_velocity_rad_s: f64) -> Option<Mo
         parameter: "rest_velocity_rad_s".into(),
         reason: format!("must be zero or positive, is {rest_velocity_rad_s}"),
     })
-}
-
-#[typetag::serde(name = "sign")]
-impl HysteresisModel for Sign {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(*self)
-    }
 }
 
 #[cfg(test)]

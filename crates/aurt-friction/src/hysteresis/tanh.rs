@@ -20,7 +20,7 @@
 //! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{
-    Columns, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
     ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,7 @@ impl Default for Tanh {
 
 register_model! {
     slot: Hysteresis,
+    model: Tanh,
     name: "tanh",
     summary: "the sign of velocity, smoothed over a transition velocity",
     equation: "H = tanh(q̇/velocity_rad_s)",
@@ -55,7 +56,7 @@ register_model! {
 
 impl JointModel for Tanh {
     fn name(&self) -> &str {
-        "tanh"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -82,14 +83,14 @@ impl JointModel for Tanh {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity] = accepted("tanh", &self.shape_parameters(), values)?[..] {
+        if let [velocity] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.velocity_rad_s = velocity;
         }
         Ok(())
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds("tanh", &self.shape_parameters()))
+        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
     }
 
     fn evaluate(
@@ -102,12 +103,5 @@ impl JointModel for Tanh {
             *o = libm::tanh(v / self.velocity_rad_s);
         }
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "tanh")]
-impl HysteresisModel for Tanh {
-    fn boxed_clone(&self) -> Box<dyn HysteresisModel> {
-        Box::new(*self)
     }
 }

@@ -26,8 +26,7 @@
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ViscousBasis,
-    register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,     register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +43,7 @@ const LARGEST_POWER: u32 = 20;
 
 register_model! {
     slot: Viscous,
+    model: Polynomial,
     name: "polynomial",
     summary: "odd powers of velocity",
     equation: "f_v = Σ_{i ∈ powers} F_v,i q̇ |q̇|^(i−1)",
@@ -55,7 +55,7 @@ register_model! {
 
 impl JointModel for Polynomial {
     fn name(&self) -> &str {
-        "polynomial"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -81,7 +81,7 @@ impl JointModel for Polynomial {
         let mut complaints = Vec::new();
         let mut complain = |reason: String| {
             complaints.push(ModelError::InvalidParameter {
-                model: "polynomial".into(),
+                model: Self::NAME.into(),
                 parameter: "powers".into(),
                 reason,
             });
@@ -119,13 +119,6 @@ impl JointModel for Polynomial {
             }
         }
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "polynomial")]
-impl ViscousBasis for Polynomial {
-    fn boxed_clone(&self) -> Box<dyn ViscousBasis> {
-        Box::new(self.clone())
     }
 }
 

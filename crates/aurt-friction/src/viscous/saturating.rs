@@ -31,7 +31,7 @@
 
 use aurt_traits::{
     Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    ViscousBasis, register_model,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +57,7 @@ impl Default for Saturating {
 
 register_model! {
     slot: Viscous,
+    model: Saturating,
     name: "saturating",
     summary: "viscous friction that levels off, as on harmonic drives",
     equation: "f_v = F_vs tanh(q̇/saturation_velocity_rad_s), with `linear` + F_v1 q̇",
@@ -67,7 +68,7 @@ register_model! {
 
 impl JointModel for Saturating {
     fn name(&self) -> &str {
-        "saturating"
+        Self::NAME
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -97,14 +98,14 @@ impl JointModel for Saturating {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity] = accepted("saturating", &self.shape_parameters(), values)?[..] {
+        if let [velocity] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
             self.saturation_velocity_rad_s = velocity;
         }
         Ok(())
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds("saturating", &self.shape_parameters()))
+        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
     }
 
     fn evaluate(
@@ -120,12 +121,5 @@ impl JointModel for Saturating {
             out.column_mut(1).copy_from_slice(series.velocity_rad_s);
         }
         Ok(())
-    }
-}
-
-#[typetag::serde(name = "saturating")]
-impl ViscousBasis for Saturating {
-    fn boxed_clone(&self) -> Box<dyn ViscousBasis> {
-        Box::new(*self)
     }
 }

@@ -11,8 +11,7 @@ mod number;
 mod plausibility;
 mod rows;
 
-use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 use aurt_traits::MeasurementUnit;
@@ -25,10 +24,8 @@ use crate::csv::dialect::Dialect;
 use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
-use crate::{ReadReport, Recording, RecordingError};
-
-/// Bytes of a file that are looked at to find out how it is written.
-const SAMPLE_BYTES: usize = 1 << 16;
+use crate::format::{BEGINNING_BYTES, unreadable};
+use crate::{ReadReport, Recording, RecordingError, RecordingFormat, RecordingInput};
 
 /// What to read, and what to put up with.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +65,7 @@ impl Default for ReadOptions {
 }
 
 impl ReadOptions {
-    fn validate(&self) -> Result<(), RecordingError> {
+    pub(crate) fn validate(&self) -> Result<(), RecordingError> {
         let value = self.max_corrupt_share;
         if !(0.0..=1.0).contains(&value) {
             let remedy = "it is a share between 0 and 1";
@@ -89,62 +86,49 @@ impl ReadOptions {
     }
 }
 
-/// Reads a recording from a text file with one row per sample.
+/// Text files with one row per sample.
 ///
 /// Positions that jump by whole turns between two rows are unwrapped. Rows with absurd values, single rows in which a
 /// position leaps away and back, and stamps that go backwards are dropped and reported, up to a share of all rows.
 ///
 /// Cells are separated by commas, semicolons, tabs or runs of spaces; which, whether decimals have commas, and
 /// whether there is a header is found out. Blank lines and lines that start with `#` are skipped. Columns are known
-/// by their usual names (`actual_q_0`, `q1`, `tau[3]`, …; numbered from 0 or 1) or selected in `options`. Columns
+/// by their usual names (`actual_q_0`, `q1`, `tau[3]`, …; numbered from 0 or 1) or selected in the options. Columns
 /// that are not read may hold anything.
 ///
-/// If the file has both motor currents and joint torques, `options.unit` decides; without it that is an error
+/// If the file has both motor currents and joint torques, the unit in the options decides; without it that is an error
 /// where a measurement is needed, and otherwise neither is read.
 ///
-/// # Errors
-/// A file that cannot be read; columns that are missing or ambiguous; a cell that is needed and no finite number, a
-/// line with too few or too many cells, a last line that breaks off; more corrupt rows than
-/// `options.max_corrupt_share`. Each names file, line, column and remedy.
-pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    read(path, options, usize::MAX, &mut |_| Ok(()))
-}
+/// Errors are columns that are missing or ambiguous; a cell that is needed and no finite number, a line with too few or
+/// too many cells, a last line that breaks off; more corrupt rows than `max_corrupt_share`. Each names file, line, column
+/// and remedy.
+#[derive(Debug, Clone, Copy)]
+pub struct Csv;
 
-/// Rows of a piece of a recording that is read piece by piece.
-const PIECE_ROWS: usize = 1 << 16;
-
-/// Reads a recording as [`read_recording`] does and hands it over in consecutive pieces.
-///
-/// # Errors
-/// As [`read_recording`], and what `visit` returns.
-pub(crate) fn read_pieces(
-    path: &Path,
-    options: &ReadOptions,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
-) -> Result<ReadReport, RecordingError> {
-    let last = read(path, options, PIECE_ROWS, visit)?;
-    visit(&last)?;
-    Ok(last.report)
-}
-
-/// Reads a recording; pieces but the last go to `visit`, the last, with the report, is returned.
-fn read(
-    path: &Path,
-    options: &ReadOptions,
-    piece_rows: usize,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
-) -> Result<Recording, RecordingError> {
-    options.validate()?;
-    if path.is_dir() {
-        return Err(RecordingError::Directory { path: path.to_owned() });
+impl RecordingFormat for Csv {
+    fn name(&self) -> &'static str {
+        "CSV"
     }
-    let reader = Reader { path, options, piece_rows };
-    let unreadable = |source| reader.unreadable(source);
-    let mut file = File::open(path).map_err(unreadable)?;
-    let bytes = file.metadata().map_or(0, |m| m.len());
-    let mut sample = Vec::with_capacity(SAMPLE_BYTES);
-    file.by_ref().take(SAMPLE_BYTES as u64).read_to_end(&mut sample).map_err(unreadable)?;
-    reader.read(Cursor::new(sample.as_slice()).chain(file), &sample, bytes, visit)
+
+    fn endings(&self) -> &'static [&'static str] {
+        &["csv", "tsv", "txt", "dat"]
+    }
+
+    fn recognises(&self, _beginning: &[u8]) -> bool {
+        // Text has no mark of its own; it is what is read when nothing else claims a file.
+        false
+    }
+
+    fn read(
+        &self,
+        input: RecordingInput<'_>,
+        options: &ReadOptions,
+        piece_rows: usize,
+        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    ) -> Result<Recording, RecordingError> {
+        let reader = Reader { path: input.path, options, piece_rows };
+        reader.read(input.reader(), &input.beginning, input.bytes, visit)
+    }
 }
 
 /// The reading of one file.
@@ -312,14 +296,7 @@ impl Reader<'_> {
     }
 
     fn unreadable(&self, source: std::io::Error) -> RecordingError {
-        let remedy = match source.kind() {
-            std::io::ErrorKind::NotFound => "no such file; check the path",
-            std::io::ErrorKind::PermissionDenied => {
-                "reading it is not permitted; check the file's permissions"
-            }
-            _ => "it cannot be read",
-        };
-        RecordingError::Unreadable { path: self.path.to_owned(), remedy, source }
+        unreadable(self.path, source)
     }
 
     fn no_rows(&self, found: &str) -> RecordingError {
@@ -364,7 +341,7 @@ fn content_lines(sample: &[u8]) -> Vec<&[u8]> {
         .map(|(k, line)| without_mark(line.strip_suffix(b"\r").unwrap_or(line), k + 1))
         .filter(|line| is_content(line))
         .collect();
-    if lines.len() > 1 && sample.len() == SAMPLE_BYTES {
+    if lines.len() > 1 && sample.len() == BEGINNING_BYTES {
         lines.pop();
     }
     lines

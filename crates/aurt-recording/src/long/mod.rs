@@ -10,7 +10,8 @@ use aurt_traits::MeasurementUnit;
 
 pub use prepared::{LongPrepared, LongSegment, Stretch};
 
-use crate::csv::{ReadOptions, read_pieces};
+use crate::csv::ReadOptions;
+use crate::format::read_pieces;
 use crate::{ReadReport, Recording, RecordingError};
 use spill::Spill;
 

@@ -1,6 +1,9 @@
 //! What is kept, what is found again, and who may work in a folder.
 
-use std::fs;
+use std::{
+    fs,
+    time::{Duration, SystemTime},
+};
 
 use aurt_sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
 
@@ -24,7 +27,10 @@ fn nothing_is_computed_twice_and_what_is_lost_is_made_again() {
         }
     }
     // What a killed process was writing is no result and goes.
-    fs::write(bench.path("out/results/.unfinished-abc"), "{").unwrap();
+    let left = bench.path("out/results/.aurt-abc.part");
+    fs::write(&left, "{").unwrap();
+    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
+    fs::File::options().write(true).open(&left).unwrap().set_modified(a_minute_ago).unwrap();
     assert_eq!(bench.run("out").1.run, 2);
     assert_eq!(contents(&bench.path("out")), whole);
 }

@@ -1,0 +1,159 @@
+//! The formats that recordings are read from: one a file, and a line in [`FORMATS`].
+
+use std::{
+    fmt::Debug,
+    fs::File,
+    io::{Cursor, Read},
+    path::Path,
+};
+
+use crate::{ReadOptions, ReadReport, Recording, RecordingError, csv::Csv};
+
+/// Every format, in the order in which their claims to a file are heard.
+pub const FORMATS: &[&dyn RecordingFormat] = &[&Csv];
+
+/// Bytes of a file that are looked at to find out what it is.
+pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
+
+/// A format that recordings are read from.
+///
+/// A file belongs to the first format that [recognises](Self::recognises) its beginning, else to the first that has the
+/// [ending](Self::endings) of its name, else it is read as text ([`Csv`]).
+pub trait RecordingFormat: Debug + Send + Sync {
+    /// The format's name, as reports write it.
+    fn name(&self) -> &'static str;
+
+    /// Endings of file names, lower case and without the dot.
+    fn endings(&self) -> &'static [&'static str];
+
+    /// Whether the first 64 KiB of a file (fewer, if it is shorter) can only be this format's.
+    fn recognises(&self, beginning: &[u8]) -> bool;
+
+    /// Reads a recording. Pieces of `piece_rows` rows go to `visit` as soon as they are complete, each a recording by
+    /// itself; the last, with the report on all of them, is returned.
+    ///
+    /// # Errors
+    /// What is wrong with the file, with its place and what to do; whatever `visit` returns.
+    fn read(
+        &self,
+        input: RecordingInput<'_>,
+        options: &ReadOptions,
+        piece_rows: usize,
+        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    ) -> Result<Recording, RecordingError>;
+}
+
+/// An open file whose beginning has been read.
+#[derive(Debug)]
+pub struct RecordingInput<'a> {
+    /// Its path.
+    pub path: &'a Path,
+    /// Its first bytes.
+    pub beginning: Vec<u8>,
+    /// Its length in bytes; 0 for a pipe.
+    pub bytes: u64,
+    /// The file, after the beginning. Formats that read from several places seek in it.
+    pub file: File,
+}
+
+impl<'a> RecordingInput<'a> {
+    fn open(path: &'a Path) -> Result<Self, RecordingError> {
+        if path.is_dir() {
+            return Err(RecordingError::Directory { path: path.to_owned() });
+        }
+        let unreadable = |source| unreadable(path, source);
+        let mut file = File::open(path).map_err(unreadable)?;
+        let bytes = file.metadata().map_or(0, |m| m.len());
+        let mut beginning = Vec::new();
+        file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning).map_err(unreadable)?;
+        Ok(Self { path, beginning, bytes, file })
+    }
+
+    /// All of it, from the first byte on.
+    pub fn reader(&self) -> impl Read {
+        Cursor::new(self.beginning.as_slice()).chain(&self.file)
+    }
+
+    fn format(&self) -> &'static dyn RecordingFormat {
+        let ending = self.path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let by_content = FORMATS.iter().find(|format| format.recognises(&self.beginning));
+        let by_name = || FORMATS.iter().find(|f| ending.as_deref().is_some_and(|e| f.endings().contains(&e)));
+        *by_content.or_else(by_name).unwrap_or(&(&Csv as &dyn RecordingFormat))
+    }
+}
+
+/// Reads a recording from a file of any of the [`FORMATS`].
+///
+/// # Errors
+/// A file that cannot be read, and what its format reports (for text: [`Csv`]). Each error names the file, the place and
+/// what to do.
+pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
+    read(path, options, usize::MAX, &mut |_| Ok(()))
+}
+
+/// Rows of a piece of a recording that is read piece by piece.
+const PIECE_ROWS: usize = 1 << 16;
+
+/// Reads a recording as [`read_recording`] does and hands it over in consecutive pieces.
+///
+/// # Errors
+/// As [`read_recording`], and what `visit` returns.
+pub(crate) fn read_pieces(
+    path: &Path,
+    options: &ReadOptions,
+    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+) -> Result<ReadReport, RecordingError> {
+    let last = read(path, options, PIECE_ROWS, visit)?;
+    visit(&last)?;
+    Ok(last.report)
+}
+
+fn read(
+    path: &Path,
+    options: &ReadOptions,
+    piece_rows: usize,
+    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+) -> Result<Recording, RecordingError> {
+    options.validate()?;
+    let input = RecordingInput::open(path)?;
+    input.format().read(input, options, piece_rows, visit)
+}
+
+/// Why a file cannot be read, with what to do.
+pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError {
+    let remedy = match source.kind() {
+        std::io::ErrorKind::NotFound => "no such file; check the path",
+        std::io::ErrorKind::PermissionDenied => "reading it is not permitted; check the file's permissions",
+        _ => "it cannot be read",
+    };
+    RecordingError::Unreadable { path: path.to_owned(), remedy, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_endings_are_told_apart() {
+        let mut endings: Vec<&str> = FORMATS.iter().flat_map(|f| f.endings().iter().copied()).collect();
+        let count = endings.len();
+        endings.sort_unstable();
+        endings.dedup();
+        assert_eq!(endings.len(), count, "two formats have one ending");
+        assert!(endings.iter().all(|e| e.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit())));
+    }
+
+    #[test]
+    fn a_file_without_mark_or_known_ending_is_text() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.csv", "a.CSV", "a", "a.unknown"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "time,q_0\n0,1\n").unwrap();
+            let input = RecordingInput::open(&path).unwrap();
+            assert_eq!(input.format().name(), "CSV");
+            let mut text = String::new();
+            input.reader().read_to_string(&mut text).unwrap();
+            assert_eq!(text, "time,q_0\n0,1\n");
+        }
+    }
+}

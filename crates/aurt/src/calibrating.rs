@@ -1,0 +1,156 @@
+//! Calibrating recordings in memory.
+
+use aurt_calibration::{CalibrationOptions, Prediction, TermScopes, predict};
+use aurt_experiment::Registry;
+use aurt_output::write_file;
+use aurt_recording::{PreprocessOptions, Recording};
+use aurt_traits::{LoadTorque, MotionView, RobotModel, RobotState, RobotTile};
+use std::path::Path;
+
+use crate::{
+    calibrated_file::CalibratedModel,
+    data::{Instrument, Loaded, Purpose},
+    failure::Failure,
+    fitting::{Assigned, Detail, Job, Outcome},
+    predictor::Predictor,
+    progress::Progress,
+    results::metrics::Role,
+};
+
+/// How recordings are preprocessed and coefficients found.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// Clock, filters, decimation.
+    pub preprocessing: PreprocessOptions,
+    /// What measuring does to the quantity that the model is about; it is undone.
+    pub instrument: Instrument,
+    /// How coefficients are found.
+    pub calibration: CalibrationOptions,
+}
+
+/// A calibration of recordings in memory.
+///
+/// ```no_run
+/// use aurt::prelude::*;
+///
+/// # fn main() -> Result<(), aurt::Error> {
+/// let robot = Robot::read_mdh("mdh.csv", [0.0, 0.0, -9.81])?;
+/// let outcome = Calibrator::new(robot.model().coulomb("absolute").build()?)
+///     .calibration(&Recording::read("monday.csv")?)
+///     .validation(&Recording::read("tuesday.csv")?)
+///     .calibrate()?;
+/// outcome.calibrated.save("rd_calibrated.json")?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Calibrator {
+    model: RobotModel,
+    settings: Settings,
+    recordings: Vec<Assigned>,
+}
+
+impl Calibrator {
+    /// A calibration of a model.
+    #[must_use]
+    pub fn new(model: RobotModel) -> Self {
+        Self { model, settings: Settings::default(), recordings: Vec::new() }
+    }
+
+    /// How recordings are preprocessed and coefficients found.
+    #[must_use]
+    pub fn settings(self, settings: Settings) -> Self {
+        Self { settings, ..self }
+    }
+
+    /// Adds a recording that the model is fitted to.
+    #[must_use]
+    pub fn calibration(mut self, recording: &Recording) -> Self {
+        self.recordings.push(Assigned { loaded: Loaded::from(recording.clone()), role: Role::Calibration });
+        self
+    }
+
+    /// Adds a recording that is held out, for judging the model.
+    #[must_use]
+    pub fn validation(mut self, recording: &Recording) -> Self {
+        self.recordings.push(Assigned { loaded: Loaded::from(recording.clone()), role: Role::Validation });
+        self
+    }
+
+    /// Fits the model and judges it on every recording.
+    ///
+    /// # Errors
+    /// What makes a recording unfit or the fit impossible.
+    pub fn calibrate(self) -> Result<Outcome, Failure> {
+        let job = Job {
+            model: self.model,
+            preprocessing: self.settings.preprocessing,
+            instrument: self.settings.instrument,
+            options: self.settings.calibration,
+            scopes: TermScopes::default(),
+        };
+        job.fit(&self.recordings, Detail::Errors, &Progress::silent())
+    }
+}
+
+impl CalibratedModel {
+    /// Reads a file that [`Self::save`], `aurt calibrate` or `aurt run` wrote, of linked models.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Failure> {
+        Self::read(path.as_ref(), &Registry::linked()?)
+    }
+
+    /// Writes the model into a file, which appears whole or not at all.
+    ///
+    /// # Errors
+    /// If a model cannot be expressed in JSON, or the file not be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Failure> {
+        Ok(write_file(path.as_ref(), &self.to_file()?)?)
+    }
+
+    /// Torques (or currents) for a motion, as `[joint][sample]`, in [`Calibration::unit`](aurt_calibration::Calibration).
+    /// Friction with memory starts at the first sample.
+    ///
+    /// # Errors
+    /// [`ModelError::Count`] for another number of joints; whatever a model reports.
+    pub fn torque(&self, motion: MotionView<'_>) -> Result<Vec<Vec<f64>>, Failure> {
+        const AT_ONCE: usize = 256;
+        let load: &LoadTorque = &self.calibration.load;
+        let coefficients = self.calibration.coefficients();
+        let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
+        let mut torque = vec![Vec::with_capacity(motion.samples()); self.model.joints()];
+        for first in (0..motion.samples()).step_by(AT_ONCE) {
+            let part = motion.slice(first..(first + AT_ONCE).min(motion.samples()));
+            self.model.evaluate(part, load, &mut state, &mut tile)?;
+            for (joint, series) in torque.iter_mut().enumerate() {
+                let begin = series.len();
+                series.resize(begin + part.samples(), 0.0);
+                for (slot, column) in self.model.row_slots(joint).zip(self.model.row_columns(joint)) {
+                    let sum = series[begin..].iter_mut().zip(tile.slot(slot));
+                    sum.for_each(|(sum, value)| *sum += coefficients[*column] * value);
+                }
+            }
+        }
+        Ok(torque)
+    }
+
+    /// Predictions for a recording, preprocessed as the model's own were, one for each stretch without gaps.
+    ///
+    /// # Errors
+    /// What makes the recording unfit.
+    pub fn predict(&self, recording: &Recording) -> Result<Vec<Prediction>, Failure> {
+        let loaded = Loaded::from(recording.clone());
+        let prepared = self.pipeline().preprocess(&loaded, Purpose::Prediction)?;
+        Ok(predict(&self.model, &self.calibration, &prepared)?)
+    }
+
+    /// A predictor for single samples, in a control loop.
+    ///
+    /// # Errors
+    /// As [`Predictor::new`].
+    pub fn predictor(&self) -> Result<Predictor, Failure> {
+        Predictor::new(&self.model, &self.calibration)
+    }
+}

@@ -1,0 +1,402 @@
+//! Diagnosing: where a model and recordings differ, what physics is missing, and the model that has it.
+
+use std::path::{Path, PathBuf};
+
+use aurt_diagnosis::{
+    Answer, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
+    improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
+};
+use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
+use aurt_recording::Recording;
+use aurt_report::Page;
+use aurt_traits::{MeasurementUnit, RobotModel};
+use serde_json::{Map, Value, json};
+
+use crate::{
+    calibrated_file::CalibratedModel,
+    calibrating::Settings,
+    data::{Instrument, Loaded, Pipeline, Purpose, Source},
+    failure::Failure,
+    fitting::{calibration_options, fit_experiment},
+    progress::Progress,
+    rendering::style::Style,
+    reports::diagnosis::{Diagnosed, words::Asked},
+    results::verdict::Shown,
+    simulated,
+};
+
+/// How an experiment is diagnosed.
+#[derive(Debug, Clone, Default)]
+pub struct DiagnosisOptions {
+    /// A calibrated model to be taken as given, instead of fitting the experiment's structure anew.
+    pub frozen: Option<CalibratedModel>,
+    /// Effects that are treated as unknown.
+    pub without: Vec<String>,
+    /// Where confidence comes from, if not from the program's own proof.
+    pub learnt: Option<Learnt>,
+    /// Whether simpler methods answer, too.
+    pub compare: bool,
+    /// The folder that the improved experiment is for (its file names lead from there); none for the verdict alone.
+    pub improve_for: Option<PathBuf>,
+}
+
+/// What a diagnosis of an experiment found.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The same as `verdict.json` has it.
+    pub document: Value,
+    /// What was asked.
+    pub asked: Asked,
+    /// Unit of the measurement.
+    pub unit: MeasurementUnit,
+    /// What was held out, with its part of the recording.
+    pub held_out: Vec<String>,
+    /// The answers of simpler methods, by their names.
+    pub comparison: Option<Value>,
+    /// The model that has what was found.
+    pub improved: Option<Improved>,
+}
+
+/// The model that has what a diagnosis found.
+#[derive(Debug, Clone)]
+pub struct Improved {
+    /// The experiment.
+    pub experiment_toml: String,
+    /// The lines that it has and the diagnosed one has not.
+    pub added: Vec<String>,
+    /// The model, calibrated.
+    pub model: CalibratedModel,
+    /// What a person should know about it.
+    pub notes: Vec<String>,
+    /// The report.
+    pub report: Page,
+}
+
+impl Diagnosis {
+    /// Whether something has changed or is missing.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        is_found(&self.verdict)
+    }
+
+    /// The verdict in a dozen lines.
+    #[must_use]
+    pub fn to_text(&self, style: Style) -> String {
+        let warnings = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings);
+        let Self { verdict, asked, held_out, .. } = self;
+        Shown { verdict, asked: *asked, unit: self.unit.symbol(), held_out, warnings }.to_text(style)
+    }
+}
+
+/// Whether something has changed or is missing, as a verdict says.
+#[must_use]
+pub fn is_found(verdict: &Verdict) -> bool {
+    [Some(verdict.verdict), verdict.structure]
+        .into_iter()
+        .flatten()
+        .any(|answer| answer != Answer::NoMismatch)
+}
+
+/// Diagnoses an experiment.
+///
+/// # Errors
+/// What makes a recording unfit, and what the diagnosis reports.
+pub fn diagnose_experiment(
+    experiment: &Experiment,
+    registry: &mut Registry,
+    options: &DiagnosisOptions,
+    progress: &Progress,
+) -> Result<Diagnosis, Failure> {
+    let structure = match &options.frozen {
+        Some(calibrated) => calibrated.model.clone(),
+        None => experiment.robot_model()?,
+    };
+    let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
+    let pipeline =
+        Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let (recordings, unit) = read(experiment, &pipeline, |what| progress.step(what))?;
+    let question = Question {
+        model: &structure,
+        frozen: options.frozen.as_ref().map(|f| &f.calibration),
+        recordings: &recordings,
+        unit,
+        f_dyn_hz: preprocessing.f_dyn_hz,
+        calibration: calibration_options(experiment),
+        selection: SelectionOptions::default(),
+        without: &options.without,
+    };
+    let investigation = investigate(&question, registry, |what| progress.step(what))?;
+    let mut verdict = write_verdict(&question, &investigation).checked()?;
+    if let Some(learnt) = &options.learnt {
+        learnt.apply(&mut verdict);
+    }
+    let asked = Asked::of(&question);
+    let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
+    let document = json!(verdict);
+    let comparison = options.compare.then(|| {
+        let answer = |method: Method| json!(method.answer(&question, &investigation));
+        let methods = Method::ALL.into_iter().map(|method| (method.name().to_owned(), answer(method)));
+        Value::Object(methods.collect::<Map<_, _>>())
+    });
+    let improved = match &options.improve_for {
+        None => None,
+        Some(folder) => {
+            let mut improvement = improvement(&question, &investigation);
+            // A given model is improved by what is added to its own experiment's structure, fitted anew.
+            improvement.calibrate_on_target |= question.recordings.iter().any(|r| r.role == Role::Target);
+            improvement.libraries.retain(|library| !is_named(library, experiment));
+            let here = improved_experiment(&experiment.source_text, &improvement)?;
+            let moved = Moved::new(&experiment.path, folder);
+            let text = with_file_names(&here, &|p| moved.seen_from_results(p))?;
+            progress.step("calibrating the improved model");
+
+            // The folder of the results may not be there yet.
+            let anywhere = with_file_names(&here, &|p| moved.file(p))?;
+            let model = improved_model(&anywhere, &experiment.path, registry)?;
+            // Paths that changed are no addition.
+            let unchanged = with_file_names(&experiment.source_text, &|p| moved.seen_from_results(p))?;
+            let added: Vec<String> = added_lines(&unchanged, &text).into_iter().map(str::to_owned).collect();
+            let report = Diagnosed {
+                verdict: &verdict,
+                asked,
+                held_out: &held_out,
+                series: &series(&question, &investigation),
+                unit,
+                improved: (&model.model, &model.calibration),
+                added: added.clone(),
+                notes: &improvement.notes,
+                recording_notes: recordings.iter().map(notes_of).collect(),
+                document: &document,
+            }
+            .page();
+            Some(Improved { experiment_toml: text, added, model, notes: improvement.notes, report })
+        }
+    };
+    Ok(Diagnosis { verdict, document, asked, unit, held_out, comparison, improved })
+}
+
+/// A diagnosis of recordings in memory.
+///
+/// With recordings of a [target](Self::target), the question is what these show beyond the model; without, what the model
+/// lacks in the recordings that it is calibrated on.
+#[derive(Debug, Clone)]
+pub struct Diagnoser {
+    model: RobotModel,
+    settings: Settings,
+    recordings: Vec<(Recording, Role)>,
+}
+
+impl Diagnoser {
+    /// A diagnosis of a model, which is fitted to the recordings.
+    #[must_use]
+    pub fn new(model: RobotModel) -> Self {
+        Self { model, settings: Settings::default(), recordings: Vec::new() }
+    }
+
+    /// How recordings are preprocessed and coefficients found.
+    #[must_use]
+    pub fn settings(self, settings: Settings) -> Self {
+        Self { settings, ..self }
+    }
+
+    fn recording(mut self, recording: &Recording, role: Role) -> Self {
+        self.recordings.push((recording.clone(), role));
+        self
+    }
+
+    /// Adds a recording that the model is calibrated on.
+    #[must_use]
+    pub fn calibration(self, recording: &Recording) -> Self {
+        self.recording(recording, Role::Calibration)
+    }
+
+    /// Adds a recording whose mismatch with the model is to be explained.
+    #[must_use]
+    pub fn target(self, recording: &Recording) -> Self {
+        self.recording(recording, Role::Target)
+    }
+
+    /// Adds a recording that is held out, for judging what was found.
+    #[must_use]
+    pub fn validation(self, recording: &Recording) -> Self {
+        self.recording(recording, Role::Validation)
+    }
+
+    /// Finds what is missing.
+    ///
+    /// # Errors
+    /// What makes a recording unfit, and what the diagnosis reports.
+    pub fn diagnose(&self) -> Result<Verdict, Failure> {
+        let registry = Registry::linked()?;
+        let Settings { preprocessing, instrument, calibration } = &self.settings;
+        let pipeline = Pipeline { joints: self.model.joints(), preprocessing, instrument };
+        let loaded: Vec<(Loaded, Role)> =
+            self.recordings.iter().map(|(r, role)| (Loaded::from(r.clone()), *role)).collect();
+        let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
+        let is_target = |(_, role): &(Loaded, Role)| *role == Role::Target;
+        let questioned = if loaded.iter().any(is_target) { Role::Target } else { Role::Calibration };
+        let recordings = questioned_recordings(loaded, &pipeline, &mut std::iter::empty(), questioned)?;
+        let question = Question {
+            model: &self.model,
+            frozen: None,
+            recordings: &recordings,
+            unit,
+            f_dyn_hz: preprocessing.f_dyn_hz,
+            calibration: *calibration,
+            selection: SelectionOptions::default(),
+            without: &[],
+        };
+        let investigation = investigate(&question, &registry, |_| {})?;
+        Ok(write_verdict(&question, &investigation).checked()?)
+    }
+}
+
+/// Reads and preprocesses the recordings of an experiment, each with its part.
+fn read(
+    experiment: &Experiment,
+    pipeline: &Pipeline<'_>,
+    mut progress: impl FnMut(String),
+) -> Result<(Vec<QuestionedRecording>, MeasurementUnit), Failure> {
+    let sections = &experiment.recordings;
+    let questioned = if sections.target.is_empty() { Role::Calibration } else { Role::Target };
+    let listed: Vec<(&RecordingSource, Role)> = sections
+        .calibration
+        .iter()
+        .map(|s| (s, Role::Calibration))
+        .chain(sections.target.iter().map(|s| (s, Role::Target)))
+        .chain(sections.validation.iter().map(|s| (s, Role::Validation)))
+        // Only recordings with a prediction can be compared with a simulator.
+        .filter(|(_, role)| sections.simulated.is_empty() || *role == questioned)
+        .collect();
+    let count = listed.iter().filter(|(_, role)| *role == questioned).count();
+    let simulated = &sections.simulated;
+    if !simulated.is_empty() && simulated.len() != count {
+        return Err(Failure::Simulated {
+            path: simulated[0].file.clone(),
+            reason: format!("`simulated` lists {} files for {count} recordings", simulated.len()),
+            remedy: "list one prediction for each target recording (each calibration recording where there \
+                     is no target), in their order"
+                .into(),
+        });
+    }
+    let predictions = simulated.iter();
+    let mut loaded = Vec::new();
+    for (source, role) in listed {
+        progress(format!("reading {}", source.written));
+        loaded.push((pipeline.read(Source::from(source), Purpose::Validation)?, role));
+    }
+    let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
+    Ok((
+        questioned_recordings(loaded, pipeline, &mut predictions.map(|p| p.file.as_path()), questioned)?,
+        unit,
+    ))
+}
+
+/// Preprocesses recordings, each with its part; those of the part that is `questioned` take the next file of
+/// `predictions`, if there is one.
+fn questioned_recordings(
+    loaded: Vec<(Loaded, Role)>,
+    pipeline: &Pipeline<'_>,
+    predictions: &mut dyn Iterator<Item = &Path>,
+    questioned: Role,
+) -> Result<Vec<QuestionedRecording>, Failure> {
+    let mut recordings = Vec::new();
+    for (loaded, role) in loaded {
+        let simulated = match if role == questioned { predictions.next() } else { None } {
+            Some(source) => Some(simulated::read(source, pipeline.joints, loaded.recording.time_s.len())?),
+            None => None,
+        };
+        let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {
+            Some(window) => loaded.recording.window(window)?,
+            None => loaded.recording.clone(),
+        };
+        // A target in which the arm stands has no motion to be trimmed to; it can show a contact all the same.
+        let trimmed = pipeline.preprocess(&loaded, Purpose::Calibration);
+        let (data, purpose) = match trimmed {
+            Err(_) if role == Role::Target => {
+                (pipeline.preprocess(&loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
+            }
+            trimmed => (trimmed?, Purpose::Calibration),
+        };
+        recordings.push(QuestionedRecording {
+            role,
+            raw,
+            data,
+            options: pipeline.options(loaded.recording.unit, purpose),
+            simulated,
+            spoilt: None,
+        });
+    }
+    Ok(recordings)
+}
+
+/// What was held out, with its windows: two parts of one file are two recordings.
+fn with_windows(held_out: &[String], validation: &[RecordingSource]) -> Vec<String> {
+    let mut sources = validation.iter();
+    held_out
+        .iter()
+        .map(|name| match sources.find(|s| s.written == *name).and_then(|s| s.window_s) {
+            Some([from, to]) => format!("{name} from {from} to {to} s"),
+            None => name.clone(),
+        })
+        .collect()
+}
+
+/// Runs the improved experiment and gives its calibrated model.
+fn improved_model(text: &str, path: &Path, registry: &mut Registry) -> Result<CalibratedModel, Failure> {
+    let experiment = Experiment::parse(text, path, registry).map_err(Failure::Experiment)?;
+    Ok(fit_experiment(&experiment, &Progress::silent())?.calibrated)
+}
+
+/// Whether the experiment itself loads a library; if not, it came with `--plugin`.
+fn is_named(library: &Path, experiment: &Experiment) -> bool {
+    experiment.libraries.iter().any(|named| std::fs::canonicalize(named).is_ok_and(|file| file == library))
+}
+
+/// What was found and done while a recording was read and preprocessed.
+fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
+    let mut notes = recording.raw.report.notes();
+    notes.extend(recording.data.data.report.notes());
+    notes
+}
+
+/// Where an experiment's relative file names lead from the folder of the results, and where from anywhere.
+struct Moved {
+    /// The folder of the experiment.
+    from: PathBuf,
+    /// The folder of the results.
+    to: PathBuf,
+}
+
+impl Moved {
+    fn new(experiment: &Path, out: &Path) -> Self {
+        // The folder of a bare file name is the empty path, which has no canonical form.
+        let folder = experiment.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let from = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        // A folder that is yet to be made lies in one that is there.
+        let to = out.canonicalize().unwrap_or_else(|_| {
+            let parent = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let parent = parent.canonicalize().unwrap_or_else(|_| parent.to_owned());
+            out.file_name().map_or_else(|| parent.clone(), |name| parent.join(name))
+        });
+        Self { from, to }
+    }
+
+    fn file(&self, written: &Path) -> PathBuf {
+        let file = self.from.join(written);
+        file.canonicalize().unwrap_or(file)
+    }
+
+    /// As the results' folder writes it.
+    fn seen_from_results(&self, written: &Path) -> PathBuf {
+        from_folder(&self.to, &self.file(written))
+    }
+}
+
+/// The lines that one text has and another has not.
+fn added_lines<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
+    let old: Vec<&str> = before.lines().collect();
+    after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect()
+}
