@@ -83,19 +83,20 @@ fn evaluate_lanes<T: Lanes>(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
         &mut many[..]
     };
     let mut links = [LinkMotion::zero(); GROUP];
-    if samples < T::LANES {
-        let padded = plan.padded_series(T::LANES);
-        let (plan, targets) = plan.on_padded(&padded, T::LANES);
-        let mut values = vec![0.0; targets.len() * T::LANES];
-        evaluate_group(&plan, &[0], joints, &mut links, &mut values);
-        for (target, lanes) in targets.iter().zip(values.chunks_exact(T::LANES)) {
-            data[*target..target + samples].copy_from_slice(&lanes[..samples]);
-        }
-        return;
-    }
-    let mut groups = Groups::new(samples, T::LANES, samples_to_alignment::<T>(stride, data));
+    // Too few samples for the lanes are filled up, worked on beside the tile and copied into it. One loop serves both
+    // cases: everything in it is compiled for each place that it stands at.
+    let few_samples = samples < T::LANES;
+    let padded = if few_samples { plan.padded_series(T::LANES) } else { Vec::new() };
+    let (plan, targets) = if few_samples { plan.on_padded(&padded, T::LANES) } else { (plan, Vec::new()) };
+    let mut values = vec![0.0; targets.len() * T::LANES];
+    let aligned = if few_samples { 0 } else { samples_to_alignment::<T>(stride, data) };
+    let columns = if few_samples { &mut values[..] } else { &mut *data };
+    let mut groups = Groups::new(plan.samples, T::LANES, aligned);
     while let Some(group) = groups.next() {
-        evaluate_group(&plan, group, joints, &mut links, data);
+        evaluate_group(&plan, group, joints, &mut links, columns);
+    }
+    for (target, lanes) in targets.iter().zip(values.chunks_exact(T::LANES)) {
+        data[*target..target + samples].copy_from_slice(&lanes[..samples]);
     }
 }
 
