@@ -10,19 +10,22 @@ mod motion;
 mod operations;
 mod plan;
 mod sine_cosine;
+mod slide;
 mod torque;
 mod turn;
 
 use aurt_traits::{Dispatch, MotionView, RegressorTile};
 
-use crate::SerialChain;
-use block::{other_blocks, own_block};
+use crate::{JointKind, SerialChain};
+use block::{other_blocks, own_block, own_slide_block};
 use lanes::{Lanes, Plain2};
 use motion::{
     GROUP, JointLanes, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,
 };
 use plan::Plan;
+use slide::{slide_carry, slide_carry_previous, slide_first_link, slide_next_link};
 
+pub(crate) use block::possible_entries;
 pub(crate) use motion::Place;
 pub(crate) use operations::count;
 
@@ -182,7 +185,10 @@ fn evaluate_group<T: Lanes>(
         // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
         unsafe {
             other_blocks(links, &joints[..i], others, group, to);
-            own_block(links, joint.sign, *own, group, to);
+            match joint.kind {
+                JointKind::Revolute => own_block(links, joint.sign, *own, group, to),
+                JointKind::Prismatic => own_slide_block(links, joint.sign, *own, group, to),
+            }
         }
     }
 }
@@ -199,8 +205,19 @@ fn advance<T: Lanes>(
     let place = &plan.places[i];
     let (before, here) = joints.split_at_mut(i);
     let angles = &here[0].angles[..group.len()];
-    let [_, velocity, acceleration] = plan.series[i];
-    let rates = Rates { sign: plan.joints[i].sign, velocity, acceleration };
+    let [position, velocity, acceleration] = plan.series[i];
+    let rates = Rates { sign: plan.joints[i].sign, position, velocity, acceleration };
+    if place.kind == JointKind::Prismatic {
+        match before.split_last_mut() {
+            None => slide_first_link(plan.gravity_m_s2, place, &rates, group, links),
+            Some((previous, earlier)) => {
+                slide_next_link(place, &rates, group, links);
+                slide_carry(earlier, place, &rates, group);
+                slide_carry_previous(previous, place, &rates, group);
+            }
+        }
+        return;
+    }
     match before.split_last_mut() {
         None => first_link(plan.gravity_m_s2, place, &rates, group, angles, links),
         Some((previous, earlier)) => {

@@ -5,7 +5,7 @@ use super::motion::{GROUP, JointLanes, LinkMotion, Twist, joint_angles};
 use super::plan::Plan;
 use super::turn::{Vector, dot};
 use super::{FEW_JOINTS, Groups, advance};
-use crate::{INERTIAL_PARAMETERS, SerialChain};
+use crate::{INERTIAL_PARAMETERS, JointKind, SerialChain};
 
 /// Where torques go: joint after joint, and the distance between two joints' first samples.
 type Output<'a> = (&'a mut [f64], usize);
@@ -108,7 +108,10 @@ fn torque_group<T: Lanes>(
         let (torques_before, own) = torques.split_at_mut(i);
         for (member, link) in links.iter().enumerate().take(group.len()) {
             let wrench = wrench(link, &standard[i]);
-            own[0][member] = wrench.moment[2] * sign;
+            own[0][member] = match joint.kind {
+                JointKind::Revolute => wrench.moment[2] * sign,
+                JointKind::Prismatic => wrench.force[2] * sign,
+            };
             for (torque, joint) in torques_before.iter_mut().zip(&joints[..i]) {
                 torque[member] = wrench.along(&joint.twists[member], torque[member]);
             }
