@@ -123,6 +123,19 @@ impl Joint {
 }
 
 impl Placement {
+    /// A translation and then a turn by roll, pitch and yaw about fixed axes, Rot_z(yaw) Rot_y(pitch) Rot_x(roll): the
+    /// `origin` of robot description files. Multiples of π/2 give entries that are exactly 0 and ±1.
+    #[must_use]
+    pub fn from_roll_pitch_yaw(translation_m: [f64; 3], roll_pitch_yaw_rad: [f64; 3]) -> Self {
+        let [(sr, cr), (sp, cp), (sy, cy)] = roll_pitch_yaw_rad.map(exact_sin_cos);
+        let rotation = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self::Fixed { rotation, translation_m }
+    }
+
     fn frame(&self) -> JointFrame {
         match *self {
             Self::Mdh { alpha_rad, a_m, d_m } => {

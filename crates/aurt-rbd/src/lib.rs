@@ -33,6 +33,7 @@
 mod angle;
 mod base_parameters;
 mod chain;
+mod description;
 mod dynamics;
 mod energy;
 mod error;
@@ -49,6 +50,7 @@ mod rnea;
 pub use aurt_traits::Dispatch;
 pub use base_parameters::base_parameters;
 pub use chain::{Joint, JointKind, Placement, SerialChain};
+pub use description::RobotDescription;
 pub use dynamics::ChainDynamics;
 pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
