@@ -9,9 +9,9 @@ Prints one row per file: chains read and refused, the largest number of joints, 
 torque and regressor over the states of all chains (of each state relative to its largest entry), and chains whose
 number of base parameters differs. Exit status 1 if a difference exceeds 1e-9 or a number differs.
 
-Pinocchio reads the same file; joints beside the chain are locked at zero in its model as they are in ours. Its
-regressor is in the parameters of its own link frames: ours is turned into these by the constant rotation between the
-two frames of each joint.
+Pinocchio reads the same file; joints beside the chain rest at zero in its model as they do in ours. Its regressor
+is in the parameters of its own link frames: ours is turned into these by the constant rotation between the two frames
+of each joint.
 """
 
 import collections
@@ -21,6 +21,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import xml.etree.ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -60,29 +61,43 @@ def rank(matrix):
     return int((values > 1e-9).sum())
 
 
-def compare_chain(model, chain, folder):
-    """Largest relative differences of torque and regressor, and Pinocchio's number of base parameters."""
+def rest(model, file):
+    """The posture of joints beside a chain: zero, and the offset of joints that follow another."""
+    posture = pin.neutral(model)
+    for element in xml.etree.ElementTree.parse(file).getroot().findall("joint"):
+        mimic = element.find("mimic")
+        if mimic is not None and model.existJointName(element.get("name")):
+            joint = model.joints[model.getJointId(element.get("name"))]
+            posture[joint.idx_q] = float(mimic.get("offset", 0.0))
+    return posture
+
+
+def compare_chain(model, posture, chain, folder):
+    """Largest relative differences of torque and regressor, and Pinocchio's number of base parameters.
+
+    The model is that of the whole robot, in which nothing but the chain moves: the chain's joints carry the same torques
+    as if the others were fixed, and the columns of its links are the same.
+    """
     n = len(chain["joints"])
-    locked = [k for k, name in enumerate(model.names) if k > 0 and name not in chain["joints"]]
-    reduced = pin.buildReducedModel(model, locked, pin.neutral(model))
-    data = reduced.createData()
-    joints = [reduced.joints[reduced.getJointId(name)] for name in chain["joints"]]
+    data = model.createData()
+    joints = [model.joints[model.getJointId(name)] for name in chain["joints"]]
     velocities = [joint.idx_v for joint in joints]
+    links = [model.getJointId(name) - 1 for name in chain["joints"]]
     into = [to_ours(np.array(frame)) for frame in chain["frames"]]
     numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 10 * n * n)
     differences, stacked = [0.0, 0.0], []
     for row in numbers:
         q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
         ours = row[4 * n :].reshape(n, n, 10)
-        configuration, v, a = np.zeros(reduced.nq), np.zeros(n), np.zeros(n)
+        configuration, v, a = posture.copy(), np.zeros(model.nv), np.zeros(model.nv)
         for k, joint in enumerate(joints):
             value = [q[k]] if joint.nq == 1 else [np.cos(q[k]), np.sin(q[k])]
             configuration[joint.idx_q : joint.idx_q + joint.nq] = value
             v[joint.idx_v], a[joint.idx_v] = qd[k], qdd[k]
-        theirs = pin.rnea(reduced, data, configuration, v, a)[velocities]
+        theirs = pin.rnea(model, data, configuration, v, a)[velocities]
         differences[0] = max(differences[0], relative(torque, theirs))
-        theirs = pin.computeJointTorqueRegressor(reduced, data, configuration, v, a)
-        theirs = theirs.reshape(n, n, 10)[velocities][:, velocities]
+        theirs = pin.computeJointTorqueRegressor(model, data, configuration, v, a)
+        theirs = theirs.reshape(model.nv, model.njoints - 1, 10)[velocities][:, links]
         ours = np.stack([ours[:, link] @ into[link] for link in range(n)], axis=1)
         differences[1] = max(differences[1], relative(ours, theirs))
         stacked.append(theirs.reshape(n, 10 * n))
@@ -94,15 +109,25 @@ def kind(reason):
     return re.sub(r"^[^ ]*: (joint [^:]*: )?", "", reason).split("(")[0].split(";")[0].split("joint ")[0].strip()
 
 
+def written(program, file, folder):
+    """What the program writes about a file, and where its numbers are."""
+    if sys.argv[1] == "--written":
+        folder = pathlib.Path(program)
+        return json.loads((folder / "chains.json").read_text()), folder
+    run = subprocess.run([program, folder, file], capture_output=True, text=True, check=True)
+    return json.loads(run.stdout), pathlib.Path(folder)
+
+
 def main():
-    program, files = sys.argv[1], [pathlib.Path(f) for f in sys.argv[2:]] or robot_files()
+    # `--written FOLDER FILE`: what the program has written about the file already, as the test of aurt-robots does.
+    program, *files = sys.argv[2:] if sys.argv[1] == "--written" else sys.argv[1:]
+    files = [pathlib.Path(f) for f in files] or robot_files()
     failures, total, refusals = 0, collections.Counter(), collections.Counter()
     print("| file | chains | refused | joints | torque | regressor | base parameters |")
     print("|---|---|---|---|---|---|---|")
     for file in files:
         with tempfile.TemporaryDirectory() as folder:
-            run = subprocess.run([program, folder, file], capture_output=True, text=True, check=True)
-            found = json.loads(run.stdout)
+            found, numbers = written(program, file, folder)
             name = file.name
             if "refused" in found:
                 print(f"| {name} | – | all | | | | {found['refused']} |", flush=True)
@@ -112,10 +137,12 @@ def main():
             refused = [chain["refused"] for chain in found["chains"] if "refused" in chain]
             refusals.update(kind(reason) for reason in refused)
             total.update(files=1, chains=len(read), refused=len(refused))
-            model = pin.buildModelFromUrdf(str(file)) if read else None
+            if read:
+                model = pin.buildModelFromUrdf(str(file))
+                posture = rest(model, file)
             worst, other = [0.0, 0.0], []
             for chain in read:
-                *differences, rank_there = compare_chain(model, chain, pathlib.Path(folder))
+                *differences, rank_there = compare_chain(model, posture, chain, numbers)
                 worst = np.maximum(worst, differences)
                 if chain["base_parameters"] != rank_there:
                     here = chain["base_parameters"] or chain["base_parameters_error"]

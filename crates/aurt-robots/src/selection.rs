@@ -85,28 +85,33 @@ fn find(tree: &Tree, which: &'static str, name: &str) -> Result<usize, RobotErro
     })
 }
 
-/// The links at which the moving chains end: of every chain the link behind its last moving joint's fixed followers, in
-/// the file's order.
+/// The links at which the moving chains end, in the file's order: the leaves, and the links that carry a joint that
+/// follows another. Chains that differ by fixed joints alone count once.
 pub(crate) fn tips(tree: &Tree, base: usize) -> Vec<usize> {
-    let mut tips = Vec::new();
-    let mut last_joints = Vec::new();
+    // Of each chain its tip, its last moving joint, and whether it ends before a joint that follows another.
+    let mut chains: Vec<(usize, usize, bool)> = Vec::new();
     for leaf in (0..tree.links.len()).filter(|l| tree.links[*l].children.is_empty()) {
-        let Some(path) = tree.path_between(base, leaf) else { continue };
-        let moving = |j: &usize| !matches!(tree.joints[*j].freedom, Freedom::Fixed);
+        let Some(mut path) = tree.path_between(base, leaf) else { continue };
+        let follows = |j: &usize| tree.joints[*j].mimic.is_some() && tree.joints[*j].moves();
+        let cut = path.iter().position(follows);
+        let tip = cut.map_or(leaf, |at| tree.joints[path[at]].parent);
+        path.truncate(cut.unwrap_or(path.len()));
+        let moving = |j: &usize| tree.joints[*j].freedom != Freedom::Fixed;
         let Some(last) = path.into_iter().rfind(moving) else { continue };
-        if !last_joints.contains(&last) {
-            last_joints.push(last);
-            tips.push(leaf);
+        match chains.iter_mut().find(|(_, other, _)| *other == last) {
+            // The longer of two, so that a hand on the wrist is the chain's end and not a label on the wrist.
+            Some(known) if cut.is_some() && !known.2 => *known = (tip, last, true),
+            Some(_) => (),
+            None => chains.push((tip, last, cut.is_some())),
         }
     }
     // A leaf on fixed joints half-way along a chain ends none.
-    let passed = |last: usize, of: usize| {
-        of != last && tree.path_between(tree.joints[last].child, tree.joints[of].child).is_some()
+    let passed = |last: usize| {
+        chains.iter().any(|(_, other, _)| {
+            *other != last && tree.path_between(tree.joints[last].child, tree.joints[*other].child).is_some()
+        })
     };
-    (0..tips.len())
-        .filter(|k| !last_joints.iter().any(|other| passed(last_joints[*k], *other)))
-        .map(|k| tips[k])
-        .collect()
+    chains.iter().filter(|(_, last, cut)| *cut || !passed(*last)).map(|(tip, ..)| *tip).collect()
 }
 
 fn only_tip(tree: &Tree, base: usize) -> Result<usize, RobotError> {
