@@ -77,7 +77,7 @@ fn every_key_of_the_contract_is_read() {
     let folder = folder();
     let e = read(folder.path(), WHOLE).unwrap();
     assert_eq!(e.joints(), 2);
-    assert_eq!(e.robot.mdh, folder.path().join("mdh.csv"));
+    assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("mdh.csv"));
     assert_eq!(e.robot.gravity_m_s2, [0.0, 0.0, -9.81]);
     assert_eq!(e.robot.torque_constants_nm_per_a.as_deref(), Some(&[11.976, 9.839][..]));
     let stacks = e.joint_dynamics.stacks(2).unwrap();

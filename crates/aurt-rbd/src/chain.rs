@@ -35,7 +35,8 @@ pub enum JointKind {
 
 impl JointKind {
     /// Every kind by the name that tables and files call it.
-    pub const NAMES: [(&'static str, Self); 2] = [("revolute", Self::Revolute), ("prismatic", Self::Prismatic)];
+    pub const NAMES: [(&'static str, Self); 2] =
+        [("revolute", Self::Revolute), ("prismatic", Self::Prismatic)];
 
     const fn is_revolute(&self) -> bool {
         matches!(self, Self::Revolute)

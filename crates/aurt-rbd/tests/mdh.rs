@@ -123,7 +123,10 @@ fn headers_are_explained() {
         ("alhpa,a,d\n0,0,0\n", "column 1 is called `alhpa`, did you mean `alpha`?"),
         ("alpha_rad,a,d\n0,0,0\n", "did you mean `alpha`?"),
         ("alpha,a,d,offset\n0,0,0,0\n", "did you mean `d`?"),
-        ("alpha,a,d,colour\n0,0,0,0\n", "column 4 is called `colour`; known are alpha, a, d, theta, sign, type"),
+        (
+            "alpha,a,d,colour\n0,0,0,0\n",
+            "column 4 is called `colour`; known are alpha, a, d, theta, sign, type",
+        ),
         ("alpha,a,d,a\n0,0,0,0\n", "column 4 is called `a` as an earlier one"),
         ("alpha;a;d\n0;0,1;0\n", "write the decimal point as `.`"),
         ("alpha,a,d\n90deg,0,0\n", "90 degrees is pi/2"),

@@ -51,7 +51,8 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
             }
         };
         let chain = robot.chain(GRAVITY_M_S2)?;
-        let standard = robot.standard_parameters.clone().unwrap_or_else(|| vec![0.0; 10 * robot.joints.len()]);
+        let standard =
+            robot.standard_parameters.clone().unwrap_or_else(|| vec![0.0; 10 * robot.joints.len()]);
         let base = base_parameters(&chain, 0);
         let mut dynamics = ChainDynamics::new(chain.clone(), &standard)?;
         let n = robot.joints.len();

@@ -1,7 +1,7 @@
 //! Which chain of a tree is meant.
 
-use crate::tree::{Freedom, Tree};
 use crate::RobotError;
+use crate::tree::{Freedom, Tree};
 
 /// How many names a message lists.
 const MOST_NAMES: usize = 40;
@@ -25,7 +25,9 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Resu
     let (base_name, tip_name) = (&tree.links[base].name, &tree.links[tip].name);
     let no_chain = |reason: String| RobotError::NoChain { path: tree.path.clone(), reason };
     let joints = tree.path_between(base, tip).ok_or_else(|| {
-        no_chain(format!("the tip `{tip_name}` does not hang on the base `{base_name}`; choose a base above it"))
+        no_chain(format!(
+            "the tip `{tip_name}` does not hang on the base `{base_name}`; choose a base above it"
+        ))
     })?;
     for joint in joints.iter().map(|j| &tree.joints[*j]) {
         let reason = match (&joint.freedom, &joint.mimic) {
@@ -59,7 +61,8 @@ pub(crate) fn base_of(tree: &Tree, base: Option<&str>) -> Result<usize, RobotErr
         [root] => Ok(root),
         _ => {
             let names: Vec<&str> = roots.iter().map(|l| tree.links[*l].name.as_str()).collect();
-            let reason = format!("several links hang on no joint; choose one as the base: {}", listed(&names));
+            let reason =
+                format!("several links hang on no joint; choose one as the base: {}", listed(&names));
             Err(RobotError::NoTree { path: tree.path.clone(), reason })
         }
     }

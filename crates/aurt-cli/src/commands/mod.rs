@@ -17,6 +17,7 @@ mod models;
 mod new_plugin;
 mod predict;
 mod prove;
+mod robots;
 pub mod run;
 mod score;
 mod sensitivity;
@@ -51,6 +52,7 @@ pub enum Command {
     Score(score::Score),
     Prove(prove::Prove),
     Models(models::Models),
+    Robots(robots::Robots),
     Explain(explain::Explain),
     NewPlugin(new_plugin::NewPlugin),
     Completions(completions::Completions),
@@ -67,7 +69,7 @@ pub const GROUPS: [(&str, &[&str]); 7] = [
         "Step by step, as in the paper",
         &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
     ),
-    ("Models and words", &["models", "explain", "new-plugin"]),
+    ("Models and words", &["models", "robots", "explain", "new-plugin"]),
     ("Shell", &["completions", "man", "help"]),
 ];
 
@@ -104,6 +106,7 @@ impl Command {
             Self::Score(command) => command.run(session),
             Self::Prove(command) => command.run(session),
             Self::Models(command) => command.run(session),
+            Self::Robots(command) => command.run(session),
             Self::Explain(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
             Self::Completions(command) => command.run(),

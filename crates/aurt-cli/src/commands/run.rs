@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
 use aurt_plugins::{Experiment, experiment};
+use aurt_rbd::RobotDescription;
 use clap::Args;
 use serde_json::json;
 
@@ -86,7 +87,7 @@ pub fn write_results(
     terminal: &Terminal,
 ) -> Result<Report, Failure> {
     let calibrated = &outcome.calibrated;
-    let notes = experiment.robot.table.notes();
+    let notes = experiment.robot.geometry.notes();
     let results = Results {
         model: &calibrated.model,
         calibration: &calibrated.calibration,

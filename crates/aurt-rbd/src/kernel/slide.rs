@@ -54,11 +54,8 @@ pub(super) fn slide_next_link<T: Lanes>(
         };
         let b = next.derived().b;
         let [ax, ay, az] = slide(&next.omega, &next.accel, rate + rate);
-        next.accel = [
-            b[0][2].mul_add(slid, ax),
-            b[1][2].mul_add(slid, ay),
-            b[2][2].mul_add(slid, az + acceleration),
-        ];
+        next.accel =
+            [b[0][2].mul_add(slid, ax), b[1][2].mul_add(slid, ay), b[2][2].mul_add(slid, az + acceleration)];
         *link = next;
     }
 }

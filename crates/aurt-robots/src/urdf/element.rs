@@ -46,12 +46,9 @@ impl<'a, 'x> Element<'a, 'x> {
         let numbers: Option<[f64; N]> = numbers.and_then(|numbers| numbers.try_into().ok());
         match numbers {
             Some(numbers) => Ok(Some(numbers)),
-            None if N == 1 => {
-                Err(self.error(format!("`{attribute}` must be a finite number, is `{text}`")))
-            }
-            None => {
-                Err(self.error(format!("`{attribute}` must be {N} finite numbers with spaces between, is `{text}`")))
-            }
+            None if N == 1 => Err(self.error(format!("`{attribute}` must be a finite number, is `{text}`"))),
+            None => Err(self
+                .error(format!("`{attribute}` must be {N} finite numbers with spaces between, is `{text}`"))),
         }
     }
 

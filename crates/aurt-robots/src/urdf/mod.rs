@@ -26,8 +26,9 @@ pub(crate) fn parse(text: &str, path: &Path) -> Result<Tree, RobotErrors> {
     let line = line_of(root);
     if root.tag_name().name() != "robot" {
         let found = root.tag_name().name();
-        let reason =
-            format!("the outermost element is <{found}>; a URDF file describes the robot in an element <robot>");
+        let reason = format!(
+            "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>"
+        );
         return Err(RobotError::Xml { path: path.into(), line, reason }.into());
     }
     let is_macro = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|n| n.contains("xacro"));
@@ -42,7 +43,10 @@ pub(crate) fn parse(text: &str, path: &Path) -> Result<Tree, RobotErrors> {
     let name = root.attribute("name").unwrap_or_default().to_owned();
     let Reader { mut errors, mut notes, without_inertia, .. } = reader;
     if !without_inertia.is_empty() {
-        notes.push(format!("no inertia is stated, and so none is assumed, for: {}", without_inertia.join(", ")));
+        notes.push(format!(
+            "no inertia is stated, and so none is assumed, for: {}",
+            without_inertia.join(", ")
+        ));
     }
     let mut tree = Tree { path: path.into(), name, links, joints, notes };
     if errors.is_empty() {
@@ -60,9 +64,10 @@ fn not_xml(error: &roxmltree::Error, path: &Path) -> RobotError {
         roxmltree::Error::DtdDetected => RobotError::Xml {
             path: path.into(),
             line,
-            reason: "the file declares a document type (<!DOCTYPE>), which could define entities without bound; \
+            reason:
+                "the file declares a document type (<!DOCTYPE>), which could define entities without bound; \
                      remove the declaration"
-                .into(),
+                    .into(),
         },
         roxmltree::Error::NodesLimitReached => RobotError::Xml {
             path: path.into(),
@@ -94,7 +99,8 @@ impl<'a> Reader<'a> {
                 Ok(name) => {
                     element.what = format!("{tag} {name}");
                     if let Some(first) = known.insert(name, line) {
-                        self.errors.push(element.error(format!("the name is taken by line {first}; rename one")));
+                        self.errors
+                            .push(element.error(format!("the name is taken by line {first}; rename one")));
                     }
                     elements.push((name.to_owned(), element));
                 }
@@ -127,8 +133,9 @@ impl<'a> Reader<'a> {
         let pose = self.origin(inertial)?;
         let mass = inertial.child("mass").ok_or_else(|| inertial.error("lacks <mass value=\"…\"/> in kg"))?;
         let mass_kg = mass.required("value")?;
-        let inertia =
-            inertial.child("inertia").ok_or_else(|| inertial.error("lacks <inertia ixx=\"…\" …/> in kg m^2"))?;
+        let inertia = inertial
+            .child("inertia")
+            .ok_or_else(|| inertial.error("lacks <inertia ixx=\"…\" …/> in kg m^2"))?;
         let [xx, yy, zz] = [inertia.required("ixx")?, inertia.required("iyy")?, inertia.required("izz")?];
         let product = |name| Ok(inertia.number(name)?.unwrap_or(0.0));
         let [xy, xz, yz] = [product("ixy")?, product("ixz")?, product("iyz")?];
@@ -167,9 +174,8 @@ impl<'a> Reader<'a> {
         links: &HashMap<&str, usize>,
     ) -> Result<TreeJoint, RobotError> {
         let link = |tag: &str| -> Result<usize, RobotError> {
-            let end = element
-                .child(tag)
-                .ok_or_else(|| element.error(format!("lacks <{tag} link=\"…\"/>")))?;
+            let end =
+                element.child(tag).ok_or_else(|| element.error(format!("lacks <{tag} link=\"…\"/>")))?;
             let name = end.text("link")?;
             links.get(name).copied().ok_or_else(|| end.error(format!("there is no link `{name}`")))
         };
@@ -195,7 +201,8 @@ impl<'a> Reader<'a> {
         };
         let mut limits = JointLimits::default();
         if let Some(limit) = element.child("limit") {
-            let (lower, upper) = (limit.number("lower")?.unwrap_or(0.0), limit.number("upper")?.unwrap_or(0.0));
+            let (lower, upper) =
+                (limit.number("lower")?.unwrap_or(0.0), limit.number("upper")?.unwrap_or(0.0));
             limits.position_rad = (kind != "continuous" && lower < upper).then_some([lower, upper]);
             limits.velocity_rad_s = limit.number("velocity")?.filter(|v| *v > 0.0);
             limits.torque_nm = limit.number("effort")?.filter(|v| *v > 0.0);
@@ -212,7 +219,8 @@ impl<'a> Reader<'a> {
     /// Notes angles that look like rounded multiples of π/4, as tables of modified Denavit–Hartenberg parameters do.
     fn note_rounding(&mut self, element: &Element<'_, '_>) {
         const STEP: f64 = std::f64::consts::FRAC_PI_4;
-        let angles = element.child("origin").and_then(|o| o.numbers::<3>("rpy").ok().flatten()).unwrap_or_default();
+        let angles =
+            element.child("origin").and_then(|o| o.numbers::<3>("rpy").ok().flatten()).unwrap_or_default();
         for (name, angle) in ["roll", "pitch", "yaw"].into_iter().zip(angles) {
             let quarters = (angle / STEP).round();
             let off = (angle - quarters * STEP).abs();
@@ -234,7 +242,9 @@ fn axis(joint: &Element<'_, '_>) -> Result<Vector3<f64>, RobotError> {
     let direction = Vector3::from(axis.numbers("xyz")?.unwrap_or([1.0, 0.0, 0.0]));
     if direction.norm() < 1e-6 {
         let reason = format!("the axis has no direction, is {:?}", direction.as_slice());
-        return Err(axis.error(format!("{reason}; give the direction in the joint's frame, such as xyz=\"0 0 1\"")));
+        return Err(
+            axis.error(format!("{reason}; give the direction in the joint's frame, such as xyz=\"0 0 1\""))
+        );
     }
     Ok(direction)
 }
