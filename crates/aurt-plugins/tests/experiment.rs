@@ -355,8 +355,8 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
     let e = read(folder.path(), &of_robot("urdf = \"rail.urdf\"\ntip = \"arm\"")).unwrap();
     assert_eq!(e.joints(), 2);
     assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("rail.urdf"));
-    // Of the cart on its level rail only the masses count; the arm has no heavier neighbour.
-    assert_eq!(e.robot_model().unwrap().base_parameters().len(), 4);
+    // Both masses together, and of the arm its inertia about the axis and two first moments.
+    assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 4);
     let e = read(folder.path(), &of_robot("name = \"UR10e\"")).unwrap();
     assert_eq!((e.joints(), e.robot.geometry.path()), (6, None));
     assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 36);

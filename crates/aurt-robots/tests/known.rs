@@ -1,5 +1,4 @@
 //! Robots known by name.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use aurt_rbd::{LinkFrame, MdhRows, MdhTable, RobotDescription, SerialChain, base_parameters};
 use aurt_robots::{KNOWN_ROBOTS, known_robot, probably_meant};

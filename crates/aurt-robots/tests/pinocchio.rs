@@ -1,5 +1,4 @@
 //! Chains against Pinocchio on the same file, where `AURT_PYTHON` names an interpreter that has it.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 #![expect(dead_code, reason = "the example's main function is not called")]
 
 #[path = "../examples/chains.rs"]
