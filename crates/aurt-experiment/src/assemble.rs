@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use aurt_rbd::{MdhTable, SerialChain, base_parameters};
+use aurt_rbd::{MdhTable, RobotDescription, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, BaseParameters, JointStack, RigidBodyRegressor, RobotModel};
 
 use crate::{Error, Experiment};
@@ -57,7 +57,8 @@ impl Experiment {
     /// # Errors
     /// As [`RigidBodyDynamics::from_mdh`].
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
-        RigidBodyDynamics::from_mdh(&self.robot.table, self.robot.gravity_m_s2, BASE_PARAMETER_SEED)
+        let chain = self.robot.geometry.chain(self.robot.gravity_m_s2)?;
+        RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED)
     }
 
     /// The robot model of `[robot]`, `[joint_dynamics]` and `[[arm_terms]]`.

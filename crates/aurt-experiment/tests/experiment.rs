@@ -77,7 +77,7 @@ fn every_key_of_the_contract_is_read() {
     let folder = folder();
     let e = read(folder.path(), WHOLE).unwrap();
     assert_eq!(e.joints(), 2);
-    assert_eq!(e.robot.mdh, folder.path().join("mdh.csv"));
+    assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("mdh.csv"));
     assert_eq!(e.robot.gravity_m_s2, [0.0, 0.0, -9.81]);
     assert_eq!(e.robot.torque_constants_nm_per_a.as_deref(), Some(&[11.976, 9.839][..]));
     let stacks = e.joint_dynamics.stacks(2).unwrap();
@@ -171,7 +171,7 @@ estimator = 3
 [plot]
 "#;
     let expected = r#"e.toml:4:12: `mdh_rows` cannot be "nxet"; did you mean `next`? known values: `next`, `previous`
-e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `gravity_m_s2`, `mdh`, `mdh_rows`, `torque_constants_nm_per_a`
+e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `mdh`, `mdh_rows`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
 e.toml:6:29: `torque_constants_nm_per_a` expects one entry per joint, so 2, found 3
 e.toml:8:21: there is no coulomb model `sqare`; did you mean `square`? known coulomb models: COULOMB
 e.toml:9:44: model `polynomial`, key `powers`: invalid type: string "1", expected a sequence; a working example: POLYNOMIAL
@@ -225,13 +225,13 @@ fn missing_sections_and_keys_are_named_with_an_example() {
     assert_eq!(
         problems("# nothing\n"),
         "e.toml:1:1: the experiment lacks the key `schema`; for example: schema = 1\n\
-         e.toml:1:1: the experiment lacks the key `robot`; for example: [robot] with `mdh` and `gravity_m_s2`\n\
+         e.toml:1:1: the experiment lacks the key `robot`; for example: [robot] with `mdh` (or `urdf`, or `name`) and `gravity_m_s2`\n\
          e.toml:1:1: the experiment lacks the key `recordings`; for example: [recordings] with `calibration`"
     );
     assert_eq!(
         problems("schema = 2\n[robot]\n[recordings]\ncalibration = []\n"),
         "e.toml:1:10: `schema` is 2, another version of the experiment file; this program reads schema 1\n\
-         e.toml:2:1: [robot] lacks the key `mdh`; for example: mdh = \"mdh.csv\"\n\
+         e.toml:2:1: [robot] lacks the key `mdh`; for example: mdh = \"mdh.csv\", urdf = \"robot.urdf\" or name = \"ur10e\"\n\
          e.toml:2:1: [robot] lacks the key `gravity_m_s2`; for example: gravity_m_s2 = [0.0, 0.0, -9.81]\n\
          e.toml:4:15: `calibration` needs at least one recording"
     );
@@ -332,4 +332,55 @@ validation  = ["${AURT_DATA}/ur10e/excitation_20s.csv", { file = "${AURT_DATA}/u
     assert_eq!(experiment.recordings.calibration[0].file, Path::new(&data).join("ur10e/unloaded_50s.csv"));
     let model = experiment.robot_model().unwrap();
     assert_eq!((model.base().len(), model.parameters().len()), (36, 66));
+}
+
+/// An experiment whose `[robot]` begins with these lines.
+fn of_robot(lines: &str) -> String {
+    SHORT.replacen("mdh = \"mdh.csv\"", lines, 1)
+}
+
+/// An arm on a rail whose hand has two fingers.
+const RAIL: &str = r#"<robot name="rail">
+<link name="floor"/><link name="cart"/><link name="arm"/><link name="left"/><link name="right"/>
+<joint name="x" type="prismatic"><parent link="floor"/><child link="cart"/><axis xyz="1 0 0"/></joint>
+<joint name="turn" type="revolute"><parent link="cart"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+<joint name="l" type="prismatic"><parent link="arm"/><child link="left"/><axis xyz="0 1 0"/></joint>
+<joint name="r" type="prismatic"><parent link="arm"/><child link="right"/><axis xyz="0 1 0"/></joint>
+</robot>"#;
+
+#[test]
+fn geometry_comes_from_a_urdf_or_a_name_as_well() {
+    let folder = folder();
+    fs::write(folder.path().join("rail.urdf"), RAIL).unwrap();
+    let e = read(folder.path(), &of_robot("urdf = \"rail.urdf\"\ntip = \"arm\"")).unwrap();
+    assert_eq!(e.joints(), 2);
+    assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("rail.urdf"));
+    // Both masses together, and of the arm its inertia about the axis and two first moments.
+    assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 4);
+    let e = read(folder.path(), &of_robot("name = \"UR10e\"")).unwrap();
+    assert_eq!((e.joints(), e.robot.geometry.path()), (6, None));
+    assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 36);
+
+    for (lines, parts) in [
+        (
+            "urdf = \"rail.urdf\"",
+            &[
+                "`urdf`: rail.urdf: several chains start at `floor`; choose one by its tip: left (3 joints), right",
+            ][..],
+        ),
+        ("urdf = \"rail.urdf\"\ntip = \"hand\"", &["there is no link `hand` for the tip"]),
+        ("urdf = \"no.urdf\"", &["`urdf` names the file no.urdf, which does not exist"]),
+        (
+            "name = \"ur11e\"",
+            &["`name` names no known robot, is \"ur11e\"", "`aurt robots` lists those that are known"],
+        ),
+        ("name = \"ur-10e\"", &["did you mean \"ur10e\"?"]),
+        ("mdh = \"mdh.csv\"\nname = \"ur10e\"", &["`name` is a second geometry beside `mdh`; remove one"]),
+        ("mdh = \"mdh.csv\"\ntip = \"arm\"", &["`tip` chooses a link of a `urdf`, which is not given"]),
+    ] {
+        let all = read(folder.path(), &of_robot(lines)).expect_err("this experiment is wrong");
+        for part in parts {
+            assert!(all.contains(part), "{part}\n---\n{all}");
+        }
+    }
 }

@@ -3,11 +3,16 @@ use serde::{Deserialize, Serialize};
 use crate::kernel::{Place, sine_cosine_of};
 use crate::{MdhTable, RbdError};
 
-/// A chain of N ≥ 1 links on a fixed base, joined by revolute joints.
+/// A chain of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints.
 ///
 /// Link frame j has its origin on the axis of joint j and its z axis along it. Frame j relative to frame
-/// j − 1 (the base for j = 0) is the joint's constant [`Placement`] followed by the rotation
-/// Rot_z(sign · q_j + offset).
+/// j − 1 (the base for j = 0) is the joint's constant [`Placement`] followed by
+///
+/// - Rot_z(sign · q_j + offset) for a revolute joint, q_j in rad;
+/// - Rot_z(offset) Trans_z(sign · q_j) for a prismatic joint, q_j in m.
+///
+/// Wherever an interface of this crate names positions in rad, velocities in rad/s, accelerations in rad/s² and torques
+/// in Nm, the entries of prismatic joints are in m, m/s, m/s² and N, and their rotor inertia is in kg.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ChainSpec", into = "ChainSpec")]
 pub struct SerialChain {
@@ -17,13 +22,37 @@ pub struct SerialChain {
     gravity_m_s2: [f64; 3],
 }
 
-/// A revolute joint and where it sits on the previous link.
+/// What a joint does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// It turns about its z axis; its coordinate is an angle in rad.
+    #[default]
+    Revolute,
+    /// It slides along its z axis; its coordinate is a length in m.
+    Prismatic,
+}
+
+impl JointKind {
+    /// Every kind by the name that tables and files call it.
+    pub const NAMES: [(&'static str, Self); 2] =
+        [("revolute", Self::Revolute), ("prismatic", Self::Prismatic)];
+
+    const fn is_revolute(&self) -> bool {
+        matches!(self, Self::Revolute)
+    }
+}
+
+/// A joint and where it sits on the previous link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
+    /// What the joint does. Files leave out `revolute`.
+    #[serde(default, skip_serializing_if = "JointKind::is_revolute")]
+    pub kind: JointKind,
     /// The constant transformation from the previous link frame to the joint.
     pub placement: Placement,
-    /// What is added to the joint's coordinate, in rad.
+    /// What is added to the joint's angle, in rad; the constant angle of a prismatic joint.
     #[serde(default)]
     pub theta_offset_rad: f64,
     /// Sense of the joint's coordinate, 1 or −1.
@@ -60,14 +89,55 @@ pub enum Placement {
 /// A [`Placement`] as numbers to calculate with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct JointFrame {
-    /// Maps coordinates in the joint's frame (at joint angle 0) to the previous link frame.
+    /// Maps coordinates in the joint's frame (at joint angle 0; of a prismatic joint at its constant angle) to the
+    /// previous link frame.
     pub rotation: [[f64; 3]; 3],
     /// Origin of the joint's frame in the previous link frame, in m.
     pub translation_m: [f64; 3],
 }
 
+impl Joint {
+    /// A revolute joint at `placement` whose angle is its coordinate.
+    #[must_use]
+    pub const fn revolute(placement: Placement) -> Self {
+        Self { kind: JointKind::Revolute, placement, theta_offset_rad: 0.0, sign: 1.0 }
+    }
+
+    /// A prismatic joint at `placement` that slides by its coordinate.
+    #[must_use]
+    pub const fn prismatic(placement: Placement) -> Self {
+        Self { kind: JointKind::Prismatic, placement, theta_offset_rad: 0.0, sign: 1.0 }
+    }
+
+    /// Where the joint sits, the constant angle of a prismatic joint included.
+    fn frame(&self) -> JointFrame {
+        let frame = self.placement.frame();
+        if self.kind.is_revolute() || self.theta_offset_rad == 0.0 {
+            return frame;
+        }
+        let (sin, cos) = exact_sin_cos(self.theta_offset_rad);
+        JointFrame {
+            rotation: frame.rotation.map(|[x, y, z]| [x * cos + y * sin, y * cos - x * sin, z]),
+            ..frame
+        }
+    }
+}
+
 impl Placement {
-    pub(crate) fn frame(&self) -> JointFrame {
+    /// A translation and then a turn by roll, pitch and yaw about fixed axes, Rot_z(yaw) Rot_y(pitch) Rot_x(roll): the
+    /// `origin` of robot description files. Multiples of π/2 give entries that are exactly 0 and ±1.
+    #[must_use]
+    pub fn from_roll_pitch_yaw(translation_m: [f64; 3], roll_pitch_yaw_rad: [f64; 3]) -> Self {
+        let [(sr, cr), (sp, cp), (sy, cy)] = roll_pitch_yaw_rad.map(exact_sin_cos);
+        let rotation = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self::Fixed { rotation, translation_m }
+    }
+
+    fn frame(&self) -> JointFrame {
         match *self {
             Self::Mdh { alpha_rad, a_m, d_m } => {
                 let (sin, cos) = exact_sin_cos(alpha_rad);
@@ -144,9 +214,9 @@ impl SerialChain {
         if !gravity_m_s2.iter().all(|g| g.is_finite()) {
             return Err(RbdError::Gravity { gravity_m_s2 });
         }
-        let frames: Vec<_> = joints.iter().map(|j| j.placement.frame()).collect();
+        let frames: Vec<_> = joints.iter().map(Joint::frame).collect();
         let places = (0..joints.len())
-            .map(|j| Place::new(&frames[j], if j == 0 { 1.0 } else { joints[j - 1].sign }))
+            .map(|j| Place::new(joints[j].kind, &frames[j], j.checked_sub(1).map(|before| &joints[before])))
             .collect();
         Ok(Self { joints, frames, places, gravity_m_s2 })
     }
@@ -233,8 +303,8 @@ mod tests {
             translation_m: [0.1, 0.2, 0.3],
         };
         let joints = vec![
-            Joint { placement, theta_offset_rad: 0.1, sign: -1.0 },
-            Joint { placement: turned, theta_offset_rad: 0.0, sign: 1.0 },
+            Joint { theta_offset_rad: 0.1, sign: -1.0, ..Joint::revolute(placement) },
+            Joint::revolute(turned),
         ];
         let chain = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
         let boxed: Box<dyn aurt_traits::RigidBodyRegressor> = Box::new(chain.clone());

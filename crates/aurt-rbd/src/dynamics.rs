@@ -1,7 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::chain::JointFrame;
-use crate::{INERTIAL_PARAMETERS, RbdError, SerialChain};
+use crate::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
 
 /// A chain with its inertial parameters: inverse and forward dynamics, mass matrix and energy, one sample
 /// at a time and without allocation.
@@ -22,6 +22,22 @@ pub(crate) struct LinkInertia {
     pub inertia: Matrix3<f64>,
     pub first_moment: Vector3<f64>,
     pub mass: f64,
+}
+
+/// What of a moment and a force at a link frame's origin its joint carries.
+pub(crate) fn on_axis(kind: JointKind, moment: &Vector3<f64>, force: &Vector3<f64>) -> f64 {
+    match kind {
+        JointKind::Revolute => moment.z,
+        JointKind::Prismatic => force.z,
+    }
+}
+
+/// A joint's rate about or along its axis z: the angular and the linear velocity that it adds to its link.
+pub(crate) fn joint_velocity(kind: JointKind, rate: f64) -> (Vector3<f64>, Vector3<f64>) {
+    match kind {
+        JointKind::Revolute => (Vector3::z() * rate, Vector3::zeros()),
+        JointKind::Prismatic => (Vector3::zeros(), Vector3::z() * rate),
+    }
 }
 
 /// What the recursions remember of a link, in the link's frame.
@@ -102,8 +118,7 @@ impl ChainDynamics {
         for ((link, frame), (joint, q)) in
             self.scratch.iter_mut().zip(self.chain.frames()).zip(self.chain.joints().iter().zip(q_rad))
         {
-            link.rotation = link_rotation(frame, joint.sign * q + joint.theta_offset_rad);
-            link.origin = Vector3::from(frame.translation_m);
+            (link.rotation, link.origin) = link_place(frame, joint, *q);
         }
     }
 }
@@ -115,15 +130,26 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), RbdError> {
     }
 }
 
-/// The rotation that maps coordinates in a link frame, at the joint angle θ, to the previous one.
-pub(crate) fn link_rotation(frame: &JointFrame, theta_rad: f64) -> Matrix3<f64> {
-    let (sin, cos) = libm::sincos(theta_rad);
+/// The rotation that maps coordinates in a link frame, at the joint coordinate q, to the previous one, and the link
+/// frame's origin in the previous one.
+pub(crate) fn link_place(frame: &JointFrame, joint: &Joint, q: f64) -> (Matrix3<f64>, Vector3<f64>) {
     let r = &frame.rotation;
-    Matrix3::from_fn(|row, column| match column {
-        0 => r[row][0] * cos + r[row][1] * sin,
-        1 => r[row][1] * cos - r[row][0] * sin,
-        _ => r[row][2],
-    })
+    let origin = Vector3::from(frame.translation_m);
+    match joint.kind {
+        JointKind::Revolute => {
+            let (sin, cos) = libm::sincos(joint.sign * q + joint.theta_offset_rad);
+            let rotation = Matrix3::from_fn(|row, column| match column {
+                0 => r[row][0] * cos + r[row][1] * sin,
+                1 => r[row][1] * cos - r[row][0] * sin,
+                _ => r[row][2],
+            });
+            (rotation, origin)
+        }
+        JointKind::Prismatic => {
+            let rotation = Matrix3::from_fn(|row, column| r[row][column]);
+            (rotation, origin + rotation.column(2) * (joint.sign * q))
+        }
+    }
 }
 
 impl LinkInertia {
@@ -166,6 +192,14 @@ impl LinkScratch {
 }
 
 impl Articulated {
+    /// Moment and force of a unit acceleration of a joint along its axis z.
+    pub fn along_axis(&self, kind: JointKind) -> (Vector3<f64>, Vector3<f64>) {
+        match kind {
+            JointKind::Revolute => (self.j.column(2).into_owned(), self.h.row(2).transpose()),
+            JointKind::Prismatic => (self.h.column(2).into_owned(), self.m.column(2).into_owned()),
+        }
+    }
+
     /// The same inertia seen from the previous link frame, whose coordinates `rotation` maps to and in
     /// which the link frame's origin is `origin`.
     pub fn in_previous(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {

@@ -1,6 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::ChainDynamics;
+use crate::dynamics::joint_velocity;
 
 /// Mechanical energy of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,8 +34,10 @@ impl ChainDynamics {
         let (mut omega, mut velocity) = (Vector3::zeros(), Vector3::zeros());
         for (i, (link, body)) in self.scratch.iter().zip(&self.links).enumerate() {
             let into = link.rotation.transpose();
-            velocity = into * (velocity + omega.cross(&link.origin));
-            omega = into * omega + Vector3::z() * (self.chain.joints()[i].sign * qd_rad_s[i]);
+            let joint = &self.chain.joints()[i];
+            let (turning, sliding) = joint_velocity(joint.kind, joint.sign * qd_rad_s[i]);
+            velocity = into * (velocity + omega.cross(&link.origin)) + sliding;
+            omega = into * omega + turning;
             origin += rotation * link.origin;
             rotation *= link.rotation;
             let h = &body.first_moment;

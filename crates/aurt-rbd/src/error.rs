@@ -124,7 +124,7 @@ pub enum MdhError {
     },
     /// A column of a name that means nothing here.
     #[error(
-        "{}:{line}: column {column_number} is called `{text}`{}; known are alpha, a, d, theta, sign",
+        "{}:{line}: column {column_number} is called `{text}`{}; known are alpha, a, d, theta, sign, type",
         path.display(), meant.map(|m| format!(", did you mean `{m}`?")).unwrap_or_default()
     )]
     UnknownColumn {

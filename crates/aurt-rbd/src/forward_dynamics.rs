@@ -1,7 +1,7 @@
 use nalgebra::Vector3;
 
 use crate::ChainDynamics;
-use crate::dynamics::Articulated;
+use crate::dynamics::{Articulated, joint_velocity, on_axis};
 
 impl ChainDynamics {
     /// Joint accelerations q̈ in rad/s² under the torques τ, by the articulated-body algorithm
@@ -28,7 +28,6 @@ impl ChainDynamics {
         self.velocities_and_bias_forces(qd_rad_s);
         self.articulate(torque_nm);
 
-        let axis = Vector3::z();
         let mut angular = Vector3::zeros();
         let mut linear = -Vector3::from(self.chain.gravity_m_s2());
         for (i, link) in self.scratch.iter().enumerate() {
@@ -36,9 +35,12 @@ impl ChainDynamics {
             linear = into * (linear + angular.cross(&link.origin)) + link.bias_linear;
             angular = into * angular + link.bias_angular;
             let carried = link.axis_moment.dot(&angular) + link.axis_force.dot(&linear);
-            let theta_dd = (link.axis_torque - carried) / link.axis_inertia;
-            angular += axis * theta_dd;
-            qdd_rad_s2[i] = self.chain.joints()[i].sign * theta_dd;
+            let rate_dot = (link.axis_torque - carried) / link.axis_inertia;
+            let joint = &self.chain.joints()[i];
+            let (turning, sliding) = joint_velocity(joint.kind, rate_dot);
+            angular += turning;
+            linear += sliding;
+            qdd_rad_s2[i] = joint.sign * rate_dot;
         }
     }
 
@@ -47,12 +49,13 @@ impl ChainDynamics {
         let mut angular = Vector3::zeros();
         let mut linear = Vector3::zeros();
         for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
-            let rate = Vector3::z() * (self.chain.joints()[i].sign * qd_rad_s[i]);
+            let joint = &self.chain.joints()[i];
+            let (turning, sliding) = joint_velocity(joint.kind, joint.sign * qd_rad_s[i]);
             let into = link.rotation.transpose();
-            linear = into * (linear + angular.cross(&link.origin));
-            angular = into * angular + rate;
-            link.bias_angular = angular.cross(&rate);
-            link.bias_linear = linear.cross(&rate);
+            linear = into * (linear + angular.cross(&link.origin)) + sliding;
+            angular = into * angular + turning;
+            link.bias_angular = angular.cross(&turning);
+            link.bias_linear = linear.cross(&turning) + angular.cross(&sliding);
             let h = &body.first_moment;
             let angular_momentum = body.inertia * angular + h.cross(&linear);
             let momentum = body.mass * linear - h.cross(&angular);
@@ -67,12 +70,12 @@ impl ChainDynamics {
         for i in (0..self.scratch.len()).rev() {
             let link = &mut self.scratch[i];
             let Articulated { j, h, m } = link.articulated;
-            let axis_moment = j.column(2).into_owned();
-            let axis_force = h.row(2).transpose();
+            let joint = &self.chain.joints()[i];
+            let (axis_moment, axis_force) = link.articulated.along_axis(joint.kind);
             link.axis_moment = axis_moment;
             link.axis_force = axis_force;
-            link.axis_inertia = axis_moment.z + self.rotor_inertia_kg_m2[i];
-            link.axis_torque = self.chain.joints()[i].sign * torque_nm[i] - link.moment.z;
+            link.axis_inertia = on_axis(joint.kind, &axis_moment, &axis_force) + self.rotor_inertia_kg_m2[i];
+            link.axis_torque = joint.sign * torque_nm[i] - on_axis(joint.kind, &link.moment, &link.force);
             if i == 0 {
                 break;
             }

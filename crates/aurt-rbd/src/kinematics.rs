@@ -1,7 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 
-use crate::SerialChain;
-use crate::dynamics::link_rotation;
+use crate::dynamics::link_place;
+use crate::{JointKind, SerialChain};
 
 /// Where a link frame is, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,8 +32,9 @@ impl SerialChain {
         frames.clear();
         let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
         for ((frame, joint), q) in self.frames().iter().zip(self.joints()).zip(q_rad) {
-            origin += rotation * Vector3::from(frame.translation_m);
-            rotation *= link_rotation(frame, joint.sign * q + joint.theta_offset_rad);
+            let (link_rotation, link_origin) = link_place(frame, joint, *q);
+            origin += rotation * link_origin;
+            rotation *= link_rotation;
             frames.push(LinkFrame {
                 rotation: std::array::from_fn(|r| std::array::from_fn(|c| rotation[(r, c)])),
                 origin_m: origin.into(),
@@ -58,10 +59,13 @@ impl SerialChain {
         jacobian.fill(0.0);
         for (j, (frame, joint)) in frames.iter().zip(self.joints()).enumerate().take(link + 1) {
             let axis = Vector3::from_fn(|r, _| joint.sign * frame.rotation[r][2]);
-            let velocity = axis.cross(&(point - Vector3::from(frame.origin_m)));
+            let (velocity, spin) = match joint.kind {
+                JointKind::Revolute => (axis.cross(&(point - Vector3::from(frame.origin_m))), axis),
+                JointKind::Prismatic => (axis, Vector3::zeros()),
+            };
             for r in 0..3 {
                 jacobian[r * joints + j] = velocity[r];
-                jacobian[(3 + r) * joints + j] = axis[r];
+                jacobian[(3 + r) * joints + j] = spin[r];
             }
         }
     }

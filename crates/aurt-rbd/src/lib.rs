@@ -1,4 +1,4 @@
-//! Rigid-body dynamics of serial manipulators with revolute joints.
+//! Rigid-body dynamics of serial manipulators with revolute and prismatic joints.
 //!
 //! - [`MdhTable`] reads modified Denavit–Hartenberg parameters, [`SerialChain`] is the robot's geometry under
 //!   gravity (of a table, or of general placements), with link frames and Jacobians.
@@ -49,7 +49,7 @@ mod rnea;
 
 pub use aurt_traits::Dispatch;
 pub use base_parameters::base_parameters;
-pub use chain::{Joint, Placement, SerialChain};
+pub use chain::{Joint, JointKind, Placement, SerialChain};
 pub use description::RobotDescription;
 pub use dynamics::ChainDynamics;
 pub use energy::Energy;

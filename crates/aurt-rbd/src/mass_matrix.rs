@@ -1,7 +1,9 @@
 use crate::ChainDynamics;
+use crate::dynamics::on_axis;
 
 impl ChainDynamics {
-    /// The joint-space mass matrix M(q) in kg m², N × N, row after row, rotor inertias on its diagonal, by
+    /// The joint-space mass matrix M(q), N × N, row after row, rotor inertias on its diagonal, in kg m² (kg m where a
+    /// revolute joint meets a prismatic one, kg among prismatic ones), by
     /// the composite-rigid-body algorithm (Featherstone, section 6.2).
     ///
     /// # Panics
@@ -15,16 +17,18 @@ impl ChainDynamics {
         }
         for i in (0..joints).rev() {
             let composite = self.scratch[i].articulated;
-            let sign = self.chain.joints()[i].sign;
-            let mut moment = composite.j.column(2) * sign;
-            let mut force = composite.h.row(2).transpose() * sign;
-            mass_matrix_kg_m2[i * joints + i] = composite.j.m33 + self.rotor_inertia_kg_m2[i];
+            let joint = &self.chain.joints()[i];
+            let (moment, force) = composite.along_axis(joint.kind);
+            let own = on_axis(joint.kind, &moment, &force);
+            mass_matrix_kg_m2[i * joints + i] = own + self.rotor_inertia_kg_m2[i];
+            let (mut moment, mut force) = (moment * joint.sign, force * joint.sign);
             // The force that accelerates the links from i on, as each earlier joint feels it.
             for j in (0..i).rev() {
                 let link = &self.scratch[j + 1];
                 force = link.rotation * force;
                 moment = link.rotation * moment + link.origin.cross(&force);
-                let entry = self.chain.joints()[j].sign * moment.z;
+                let joint = &self.chain.joints()[j];
+                let entry = joint.sign * on_axis(joint.kind, &moment, &force);
                 mass_matrix_kg_m2[i * joints + j] = entry;
                 mass_matrix_kg_m2[j * joints + i] = entry;
             }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};
-use crate::{Joint, Placement, angle};
+use crate::{Joint, JointKind, Placement, angle};
 
 /// Which joint the `alpha` and `a` of a row lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -14,27 +14,32 @@ pub enum MdhRows {
     /// joint has alpha = a = 0; alpha and a of the last row are without effect.
     #[default]
     Next,
-    /// Row j holds the alpha, a that lead from joint j − 1 to joint j, and the d, theta, sign of joint j
-    /// (Craig, *Introduction to Robotics*, section 3.4).
+    /// Row j holds the alpha, a that lead from joint j − 1 to joint j, and the d, theta, sign of joint j: the
+    /// convention of Craig (*Introduction to Robotics*, section 3.4, where they are written α_{j−1}, a_{j−1}, d_j,
+    /// θ_j) and that of Khalil and Kleinfinger (ICRA 1986), whose α_j, d_j, r_j, θ_j are the columns alpha, a, d and
+    /// theta, and whose σ_j = 1 is the type `prismatic`.
     Previous,
 }
 
 /// One row of a table of modified Denavit–Hartenberg parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MdhRow {
+    /// What the joint does.
+    pub kind: JointKind,
     /// Twist α in rad.
     pub alpha_rad: f64,
     /// Length a in m.
     pub a_m: f64,
-    /// Offset d in m.
+    /// Offset d in m; of a prismatic joint that at coordinate zero.
     pub d_m: f64,
-    /// What is added to the joint's coordinate, in rad.
+    /// What is added to a revolute joint's coordinate, in rad; the constant angle of a prismatic joint.
     pub theta_offset_rad: f64,
-    /// Sense of the joint's coordinate, 1 or −1: the joint angle is sign · q + offset.
+    /// Sense of the joint's coordinate, 1 or −1: the angle is sign · q + offset, the distance of a prismatic joint
+    /// sign · q + d.
     pub sign: f64,
 }
 
-/// A table of modified Denavit–Hartenberg parameters, one row per revolute joint.
+/// A table of modified Denavit–Hartenberg parameters, one row per joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MdhTable {
     /// The rows, from base to tip.
@@ -44,7 +49,7 @@ pub struct MdhTable {
 }
 
 /// The columns that a table may have.
-const COLUMNS: [&str; 5] = ["alpha", "a", "d", "theta", "sign"];
+const COLUMNS: [&str; 6] = ["alpha", "a", "d", "theta", "sign", "type"];
 /// How many of [`COLUMNS`], from the first, every table needs.
 const NEEDED: usize = 3;
 
@@ -63,7 +68,7 @@ impl MdhTable {
     /// Reads a table from text; `path` is what errors call it.
     ///
     /// The first line names the columns in any order: `alpha` (rad), `a` (m), `d` (m), optionally `theta`
-    /// (offset, rad) and `sign` (1 or −1). Cells are separated by comma, semicolon, tab or spaces and hold
+    /// (offset, rad), `sign` (1 or −1) and `type` (`revolute` or `prismatic`; all joints are revolute without it). Cells are separated by comma, semicolon, tab or spaces and hold
     /// numbers or expressions (`pi/2`, `-pi/4`, `2*pi/3`). Blank lines, comments from `#` on, a byte order
     /// mark and Windows line ends are fine.
     ///
@@ -99,7 +104,7 @@ impl MdhTable {
     }
 
     /// The joints that the table describes: each with the constant transformation from the previous link
-    /// frame, Rot_x(α) Trans_x(a) Trans_z(d), to which the joint adds its rotation about z.
+    /// frame, Rot_x(α) Trans_x(a) Trans_z(d), to which the joint adds its rotation about z or its shift along z.
     #[must_use]
     pub fn joints(&self) -> Vec<Joint> {
         self.rows
@@ -112,6 +117,7 @@ impl MdhTable {
                     (MdhRows::Next, _) => (self.rows[j - 1].alpha_rad, self.rows[j - 1].a_m),
                 };
                 Joint {
+                    kind: row.kind,
                     placement: Placement::Mdh { alpha_rad, a_m, d_m: row.d_m },
                     theta_offset_rad: row.theta_offset_rad,
                     sign: row.sign,
@@ -221,6 +227,7 @@ fn probably_meant(name: &str) -> Option<&'static str> {
         "offset" => Some("d"),
         "θ" | "q" => Some("theta"),
         "direction" | "sense" => Some("sign"),
+        "joint" | "kind" | "σ" | "sigma" => Some("type"),
         _ => None,
     };
     synonym.or_else(|| {
@@ -251,27 +258,40 @@ fn read_row(
         return None;
     }
     let mut values = [0.0, 0.0, 0.0, 0.0, 1.0];
+    let mut kind = JointKind::default();
     let before = errors.len();
     for (i, (cell, column)) in cells.iter().zip(columns).enumerate() {
         let name = COLUMNS[*column];
-        let value = angle::parse(cell).and_then(|value| {
-            if name == "sign" && value.abs() != 1.0 {
-                return Err("is no sense of rotation; write 1 or -1".into());
-            }
-            Ok(value)
-        });
-        match value {
-            Ok(value) => values[*column] = value,
-            Err(reason) => errors.push(MdhError::Cell {
+        let read = match values.get_mut(*column) {
+            None => joint_kind(cell).map(|read| kind = read),
+            Some(value) => angle::parse(cell).and_then(|read| {
+                if name == "sign" && read.abs() != 1.0 {
+                    return Err("is no sense of rotation; write 1 or -1".into());
+                }
+                *value = read;
+                Ok(())
+            }),
+        };
+        if let Err(reason) = read {
+            errors.push(MdhError::Cell {
                 path: path.into(),
                 line,
                 column_number: i + 1,
                 column: name,
                 text: (*cell).into(),
                 reason,
-            }),
+            });
         }
     }
     let [alpha_rad, a_m, d_m, theta_offset_rad, sign] = values;
-    (errors.len() == before).then_some(MdhRow { alpha_rad, a_m, d_m, theta_offset_rad, sign })
+    (errors.len() == before).then_some(MdhRow { kind, alpha_rad, a_m, d_m, theta_offset_rad, sign })
+}
+
+/// The kind of joint that a cell of the column `type` names; the error is the rest of a sentence about the cell.
+fn joint_kind(cell: &str) -> Result<JointKind, String> {
+    let name = cell.to_lowercase();
+    JointKind::NAMES
+        .into_iter()
+        .find_map(|(known, kind)| (known == name).then_some(kind))
+        .ok_or_else(|| "is no type of joint; write revolute or prismatic".into())
 }

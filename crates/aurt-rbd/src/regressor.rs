@@ -29,13 +29,15 @@ impl RigidBodyRegressor for SerialChain {
             .collect()
     }
 
-    /// A link loads its own joint and those before it. Its own joint feels neither the mass nor the first
-    /// moment along the axis, and the first joint, whose axis is fixed in space, feels of its own link's
-    /// inertia only ZZ.
+    /// A link loads its own joint and those before it. Its own revolute joint feels neither the mass nor the first
+    /// moment along the axis, and the first joint, whose axis is fixed in space, feels of its own link's inertia
+    /// only ZZ. A prismatic joint feels no inertias, and the first one of its own link only the mass.
     fn loads(&self, parameter: usize, joint: usize) -> bool {
         let (link, entry) = (parameter / INERTIAL_PARAMETERS, parameter % INERTIAL_PARAMETERS);
-        link < Self::joints(self).len()
-            && (link > joint || (link == joint && entry < 8 && (link > 0 || entry >= 5)))
+        let joints = Self::joints(self);
+        joint <= link
+            && link < joints.len()
+            && kernel::possible_entries(joints[joint].kind, joint, link) & (1 << entry) != 0
     }
 
     fn evaluate(&self, motion: MotionView<'_>, out: &mut RegressorTile<'_>) {

@@ -1,13 +1,16 @@
 use nalgebra::Vector3;
 
 use crate::ChainDynamics;
+use crate::JointKind;
+use crate::dynamics::on_axis;
 
 impl ChainDynamics {
     /// Joint torques τ(q, q̇, q̈) in Nm, by the recursive Newton–Euler algorithm (Luh, Walker, Paul, 1980).
     ///
     /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from the previous
     /// one's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
-    /// its origin. Inward, forces and moments add up, and the joint carries their moment about its axis.
+    /// its origin. Inward, forces and moments add up, and a revolute joint carries their moment about its axis, a
+    /// prismatic one their force along it.
     ///
     /// # Panics
     /// If a slice does not have N entries.
@@ -45,14 +48,23 @@ impl ChainDynamics {
         let mut omega_dot = Vector3::zeros();
         let mut accel = -Vector3::from(self.chain.gravity_m_s2());
         for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
-            let sign = self.chain.joints()[i].sign;
-            let (qd, qdd) = (sign * qd_rad_s[i], sign * qdd_rad_s2(i));
+            let joint = &self.chain.joints()[i];
+            let (qd, qdd) = (joint.sign * qd_rad_s[i], joint.sign * qdd_rad_s2(i));
             let into = link.rotation.transpose();
             let r = &link.origin;
             accel = into * (accel + omega_dot.cross(r) + omega.cross(&omega.cross(r)));
             let carried = into * omega;
-            omega_dot = into * omega_dot + carried.cross(&(axis * qd)) + axis * qdd;
-            omega = carried + axis * qd;
+            match joint.kind {
+                JointKind::Revolute => {
+                    omega_dot = into * omega_dot + carried.cross(&(axis * qd)) + axis * qdd;
+                    omega = carried + axis * qd;
+                }
+                JointKind::Prismatic => {
+                    omega_dot = into * omega_dot;
+                    omega = carried;
+                    accel += 2.0 * omega.cross(&(axis * qd)) + axis * qdd;
+                }
+            }
             let h = &body.first_moment;
             link.force = body.mass * accel + omega_dot.cross(h) + omega.cross(&omega.cross(h));
             link.moment = body.inertia * omega_dot + omega.cross(&(body.inertia * omega)) + h.cross(&accel);
@@ -60,7 +72,8 @@ impl ChainDynamics {
         for i in (0..self.scratch.len()).rev() {
             let link = self.scratch[i];
             let rotor = self.rotor_inertia_kg_m2[i] * qdd_rad_s2(i);
-            torque_nm[i] = self.chain.joints()[i].sign * link.moment.z + rotor;
+            let joint = &self.chain.joints()[i];
+            torque_nm[i] = joint.sign * on_axis(joint.kind, &link.moment, &link.force) + rotor;
             if i > 0 {
                 let force = link.rotation * link.force;
                 let previous = &mut self.scratch[i - 1];

@@ -5,7 +5,7 @@ mod robots;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use aurt_rbd::{MdhError, MdhRows, MdhTable, Placement, SerialChain};
+use aurt_rbd::{JointKind, MdhError, MdhRows, MdhTable, Placement, SerialChain};
 
 fn errors(text: &str) -> Vec<MdhError> {
     MdhTable::parse(text, "robot/mdh.csv", MdhRows::Next).unwrap_err().0
@@ -64,6 +64,31 @@ fn frames_of_a_known_arm() {
     assert_eq!(ours, theirs);
 }
 
+/// A SCARA: two vertical axes, a spindle that slides down along −z at a distance of 0.3 m and 0.2 m.
+#[test]
+fn joints_may_slide() {
+    let text = "alpha,a,d,type,theta,sign\n0,0,0.4,Revolute,0,1\n0,0.3,0,revolute,0,1\npi,0.2,0.1,prismatic,pi/2,-1\n";
+    let table = MdhTable::parse(text, "scara.csv", MdhRows::Previous).unwrap();
+    let kinds: Vec<JointKind> = table.rows.iter().map(|row| row.kind).collect();
+    assert_eq!(kinds, [JointKind::Revolute, JointKind::Revolute, JointKind::Prismatic]);
+    let chain = SerialChain::from_mdh(&table, robots::DOWN).unwrap();
+    let mut frames = Vec::new();
+    chain.link_frames(&[0.0, FRAC_PI_2, 0.25], &mut frames);
+    // The spindle's axis points down, so that the sense −1 lifts it.
+    let expected = [0.3, 0.2, 0.4 - 0.1 + 0.25];
+    for (ours, theirs) in frames[2].origin_m.iter().zip(expected) {
+        assert!((ours - theirs).abs() < 1e-15, "{:?}", frames[2]);
+    }
+    let all = messages("alpha,a,d,type\n0,0,0,revolute\n0,0,0,sliding\n0,0,0,\n");
+    for part in [
+        "robot/mdh.csv:3: `sliding` in column 4 (type) is no type of joint; write revolute or prismatic",
+        "robot/mdh.csv:4: `` in column 4 (type) is no type of joint",
+    ] {
+        assert!(all.contains(part), "{part}\n---\n{all}");
+    }
+    assert!(messages("alpha,a,d,kind\n0,0,0,revolute\n").contains("did you mean `type`?"));
+}
+
 #[test]
 fn a_missing_file_is_named() {
     let error = MdhTable::from_path("no/such/mdh.csv", MdhRows::Next).unwrap_err();
@@ -98,7 +123,10 @@ fn headers_are_explained() {
         ("alhpa,a,d\n0,0,0\n", "column 1 is called `alhpa`, did you mean `alpha`?"),
         ("alpha_rad,a,d\n0,0,0\n", "did you mean `alpha`?"),
         ("alpha,a,d,offset\n0,0,0,0\n", "did you mean `d`?"),
-        ("alpha,a,d,colour\n0,0,0,0\n", "column 4 is called `colour`; known are alpha, a, d, theta, sign"),
+        (
+            "alpha,a,d,colour\n0,0,0,0\n",
+            "column 4 is called `colour`; known are alpha, a, d, theta, sign, type",
+        ),
         ("alpha,a,d,a\n0,0,0,0\n", "column 4 is called `a` as an earlier one"),
         ("alpha;a;d\n0;0,1;0\n", "write the decimal point as `.`"),
         ("alpha,a,d\n90deg,0,0\n", "90 degrees is pi/2"),

@@ -3,7 +3,7 @@
 //! `reference/make_reference.py` wrote `reference/reference.json` and says how the robots are built there.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use aurt_rbd::{ChainDynamics, Dispatch, MdhRow, MdhRows, MdhTable, SerialChain};
+use aurt_rbd::{ChainDynamics, Dispatch, JointKind, MdhRow, MdhRows, MdhTable, SerialChain};
 use aurt_traits::{Motion, RegressorTile};
 use serde::Deserialize;
 
@@ -43,6 +43,7 @@ fn robots() -> Vec<(String, Robot, SerialChain)> {
     let document: Document = serde_json::from_str(include_str!("reference/reference.json")).unwrap();
     let with_chain = |(name, robot): (String, Robot)| {
         let row = |&[alpha_rad, a_m, d_m]: &[f64; 3]| MdhRow {
+            kind: JointKind::Revolute,
             alpha_rad,
             a_m,
             d_m,

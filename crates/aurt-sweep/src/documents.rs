@@ -31,6 +31,7 @@ pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
     };
     for (name, key) in [
         ("robot", "mdh"),
+        ("robot", "urdf"),
         ("plugins", "libraries"),
         ("recordings", "calibration"),
         ("recordings", "validation"),

@@ -73,7 +73,10 @@ pub fn key(
     }
     add(text.as_bytes());
     add(format!("{validate:?} {block_s:?}").as_bytes());
-    add(&digests.of(&experiment.robot.mdh)?);
+    // A robot known by name has no file; its name is part of the text, its geometry of the program.
+    if let Some(path) = experiment.robot.geometry.path() {
+        add(&digests.of(path)?);
+    }
     let recordings = &experiment.recordings;
     for source in recordings.calibration.iter().chain(&recordings.validation) {
         add(&digests.of(&source.file)?);

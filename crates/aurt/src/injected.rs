@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
-use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
-use aurt_rbd::SerialChain;
+use aurt_experiment::{
+    Experiment, Registry,
+    experiment::{Geometry, RecordingSource},
+};
+use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::{
     fit::{JointStructure, Structure},
@@ -78,13 +81,18 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     }
     let mut options = pipeline.options(unit, Purpose::Calibration);
     (options.gains, options.offsets) = (None, None);
-    let table = &experiment.robot.table;
-    let mdh = std::fs::read(&experiment.robot.mdh)
-        .map_err(|source| aurt_experiment::Error::Read { path: experiment.robot.mdh.clone(), source })?;
+    let Geometry::Mdh { path, .. } = &experiment.robot.geometry else {
+        return Err(refuse(
+            "has its geometry from `urdf` or `name`, and cases carry a table",
+            "write the geometry as a table and name it with `mdh`",
+        ));
+    };
+    let mdh =
+        std::fs::read(path).map_err(|source| aurt_experiment::Error::Read { path: path.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         mdh_csv: String::from_utf8_lossy(&mdh).into_owned(),
-        chain: SerialChain::from_mdh(table, experiment.robot.gravity_m_s2)?,
+        chain: experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?,
         unit,
         experiment_toml: without_recordings(experiment).map_err(|reason| refuse(&reason, "simplify it"))?,
         options,

@@ -18,6 +18,7 @@ mod new_plugin;
 pub mod plots;
 mod predict;
 mod prove;
+mod robots;
 pub mod run;
 mod score;
 mod sensitivity;
@@ -52,6 +53,7 @@ pub enum Command {
     Score(score::Score),
     Prove(prove::Prove),
     Models(models::Models),
+    Robots(robots::Robots),
     Explain(explain::Explain),
     NewPlugin(new_plugin::NewPlugin),
     Completions(completions::Completions),
@@ -68,7 +70,7 @@ pub const GROUPS: [(&str, &[&str]); 7] = [
         "Step by step, as in the paper",
         &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
     ),
-    ("Models and words", &["models", "explain", "new-plugin"]),
+    ("Models and words", &["models", "robots", "explain", "new-plugin"]),
     ("Shell", &["completions", "man", "help"]),
 ];
 
@@ -105,6 +107,7 @@ impl Command {
             Self::Score(command) => command.run(session),
             Self::Prove(command) => command.run(session),
             Self::Models(command) => command.run(session),
+            Self::Robots(command) => command.run(session),
             Self::Explain(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
             Self::Completions(command) => command.run(),

@@ -69,7 +69,7 @@ pub fn write_results(
     terminal: &Terminal,
 ) -> Result<Report, Failure> {
     let calibrated = &outcome.calibrated;
-    let notes = experiment.robot.table.notes();
+    let notes = experiment.robot.geometry.notes();
     let results = Results {
         model: &calibrated.model,
         calibration: &calibrated.calibration,

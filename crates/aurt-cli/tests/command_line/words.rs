@@ -23,6 +23,7 @@ fn help_names_every_command_and_each_has_an_example() {
         "calibrate-validate",
         "predict",
         "models",
+        "robots",
         "explain",
         "new-plugin",
     ] {

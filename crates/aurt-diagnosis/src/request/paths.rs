@@ -8,7 +8,7 @@ use crate::error::DiagnosisError;
 
 /// Keys whose strings, alone, in a list or under `file` in a table of a list, name files.
 const KEYS: [(&str, &[&str]); 4] = [
-    ("robot", &["mdh"]),
+    ("robot", &["mdh", "urdf"]),
     ("plugins", &["libraries"]),
     ("recordings", &["calibration", "validation", "target", "simulated"]),
     // The recordings in which a term acts, by the names that `[recordings]` gives them.

@@ -1,16 +1,14 @@
-use std::path::PathBuf;
+use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
+use aurt_robots::known_robot;
 
-use aurt_rbd::{MdhRows, MdhTable};
-
-use super::{errors::Complaint, joint_count::JointCheck, section::Section};
+use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, section::Section};
+use crate::Node;
 
 /// `[robot]`: the arm itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
-    /// `mdh`: the file of modified Denavit–Hartenberg parameters.
-    pub mdh: PathBuf,
-    /// What that file holds, read as `mdh_rows` says (`"next"`, the default, or `"previous"`).
-    pub table: MdhTable,
+    /// `mdh`, `urdf` or `name`: links and joints.
+    pub geometry: Geometry,
     /// `gravity_m_s2`: gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
     /// `torque_constants_nm_per_a`: torque per current of each joint's drive. With them currents become torques
@@ -22,16 +20,12 @@ impl Robot {
     /// Number of joints N.
     #[must_use]
     pub fn joints(&self) -> usize {
-        self.table.rows.len()
+        self.geometry.joints()
     }
 
     /// Reads `[robot]`; the number of joints is known even if other keys are wrong.
     pub(super) fn read(mut section: Section<'_, '_>) -> (Option<Self>, Option<usize>) {
-        let mdh_node = section.require("mdh", "mdh = \"mdh.csv\"");
-        let mdh = mdh_node.and_then(|node| section.file_of("mdh", node));
-        let rows = section
-            .choice("mdh_rows", &[("next", MdhRows::Next), ("previous", MdhRows::Previous)])
-            .unwrap_or_default();
+        let geometry = read_geometry(&mut section);
         let gravity_m_s2 =
             section.require("gravity_m_s2", "gravity_m_s2 = [0.0, 0.0, -9.81]").and_then(|node| {
                 section.numbers_exactly("gravity_m_s2", node, "x, y, z in m/s² in the base frame")
@@ -50,23 +44,78 @@ impl Robot {
             });
             Some(constants)
         });
-        let table = mdh_node.zip(mdh.as_ref()).and_then(|(node, path)| {
-            MdhTable::from_path(path, rows)
-                .map_err(|errors| {
-                    for error in errors.0 {
-                        section.reader.complain(Complaint::new(node.span.clone(), format!("`mdh`: {error}")));
-                    }
-                })
-                .ok()
-        });
         section.finish();
-        let joints = table.as_ref().map(|t| t.rows.len());
-        let robot = mdh.zip(table).zip(gravity_m_s2).map(|((mdh, table), gravity_m_s2)| Self {
-            mdh,
-            table,
+        let joints = geometry.as_ref().map(RobotDescription::joints);
+        let robot = geometry.zip(gravity_m_s2).map(|(geometry, gravity_m_s2)| Self {
+            geometry,
             gravity_m_s2,
             torque_constants_nm_per_a,
         });
         (robot, joints)
     }
+}
+
+/// The geometry by the one of `mdh`, `urdf` and `name` that is there.
+fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
+    let (urdf, name) = (section.take("urdf"), section.take("name"));
+    let (base, tip) = (section.take("base"), section.take("tip"));
+    let mdh = if urdf.is_some() || name.is_some() {
+        section.take("mdh")
+    } else {
+        section.require("mdh", "mdh = \"mdh.csv\", urdf = \"robot.urdf\" or name = \"ur10e\"")
+    };
+    let rows = section.choice("mdh_rows", &[("next", MdhRows::Next), ("previous", MdhRows::Previous)]);
+    let given = [("mdh", mdh), ("urdf", urdf), ("name", name)];
+    let given: Vec<(&str, &Node)> = given.into_iter().filter_map(|(key, node)| Some((key, node?))).collect();
+    if let [(first, _), (second, node), ..] = given[..] {
+        section.complain(second, node, &format!("is a second geometry beside `{first}`; remove one"), None);
+        return None;
+    }
+    for (key, node) in [("base", base), ("tip", tip)] {
+        if let Some(node) = node.filter(|_| urdf.is_none()) {
+            section.complain(key, node, "chooses a link of a `urdf`, which is not given", None);
+        }
+    }
+    match *given.first()? {
+        ("mdh", node) => read_mdh(section, node, rows.unwrap_or_default()),
+        ("urdf", node) => {
+            let path = section.file_of("urdf", node)?;
+            let base = base.and_then(|node| section.text_of("base", node));
+            let tip = tip.and_then(|node| section.text_of("tip", node));
+            let robot = aurt_robots::read(&path, base, tip)
+                .map_err(|errors| {
+                    for error in errors.0 {
+                        section
+                            .reader
+                            .complain(Complaint::new(node.span.clone(), format!("`urdf`: {error}")));
+                    }
+                })
+                .ok()?;
+            Some(Geometry::Urdf { path, robot: Box::new(robot) })
+        }
+        (_, node) => {
+            let name = section.text_of("name", node)?;
+            let known = known_robot(name);
+            if known.is_none() {
+                let meant = aurt_robots::probably_meant(name);
+                let meant = meant.map(|name| format!("did you mean \"{name}\"? ")).unwrap_or_default();
+                let help =
+                    format!("{meant}`aurt robots` lists those that are known; others need `mdh` or `urdf`");
+                section.complain("name", node, &format!("names no known robot, is \"{name}\""), Some(help));
+            }
+            Some(Geometry::Known(Box::new(known?.description())))
+        }
+    }
+}
+
+fn read_mdh(section: &Section<'_, '_>, node: &Node, rows: MdhRows) -> Option<Geometry> {
+    let path = section.file_of("mdh", node)?;
+    let table = MdhTable::from_path(&path, rows)
+        .map_err(|errors| {
+            for error in errors.0 {
+                section.reader.complain(Complaint::new(node.span.clone(), format!("`mdh`: {error}")));
+            }
+        })
+        .ok()?;
+    Some(Geometry::Mdh { path, table })
 }

@@ -3,7 +3,7 @@ use aurt_traits::RegressorTile;
 use super::lanes::Lanes;
 use super::motion::{Derived, JointLanes, LinkMotion, Twist};
 use super::turn::dot;
-use crate::INERTIAL_PARAMETERS;
+use crate::{INERTIAL_PARAMETERS, JointKind};
 
 /// Which entries of a (joint, link) block are wanted, and where their columns start in the tile.
 #[derive(Debug, Clone, Copy)]
@@ -15,18 +15,33 @@ pub(super) struct Block {
 }
 
 /// All ten entries.
-pub(super) const ALL: u16 = 0b11_1111_1111;
+const ALL: u16 = 0b11_1111_1111;
 /// The entries that most base parameter sets keep: all but YY, mZ and m.
 const USUAL_BASE: u16 = 0b00_1111_0111;
 /// Whatever the block's own mask says.
 const AS_WANTED: u16 = 0;
 
-/// The entries of a link's block that can load its own joint: its mass and its first moment along the axis
+/// The entries of a link's block that can load its own revolute joint: its mass and its first moment along the axis
 /// cannot.
-pub(crate) const OWN: u16 = 0b00_1111_1111;
-/// The entries of the first link's block that can load its joint, whose axis is fixed in space: of the
+const OWN: u16 = 0b00_1111_1111;
+/// The entries of the first link's block that can load its revolute joint, whose axis is fixed in space: of the
 /// inertias only ZZ.
-pub(crate) const OWN_ON_BASE: u16 = 0b00_1110_0000;
+const OWN_ON_BASE: u16 = 0b00_1110_0000;
+/// The entries of a link's block that can load a prismatic joint: inertias need no force.
+const SLIDE: u16 = 0b11_1100_0000;
+/// The entries of the first link's block that can load its prismatic joint: the link does not turn.
+const SLIDE_ON_BASE: u16 = 0b10_0000_0000;
+
+/// The entries of the block of a joint of this kind and a link, at or behind it, that can be other than zero.
+pub(crate) const fn possible_entries(kind: JointKind, joint: usize, link: usize) -> u16 {
+    match kind {
+        JointKind::Revolute if joint < link => ALL,
+        JointKind::Revolute if link == 0 => OWN_ON_BASE,
+        JointKind::Revolute => OWN,
+        JointKind::Prismatic if link == 0 => SLIDE_ON_BASE,
+        JointKind::Prismatic => SLIDE,
+    }
+}
 
 impl Block {
     /// The wanted ones of the entries in the mask `possible`, from their destinations in the tile.
@@ -84,16 +99,25 @@ pub(super) unsafe fn other_blocks<T: Lanes>(
     group: &[usize],
     to: *mut f64,
 ) {
-    let Some(wanted) = blocks.first().map(|block| block.wanted) else { return };
-    let alike = blocks.iter().all(|block| block.wanted == wanted);
-    // SAFETY: the caller's promise, and the masks are what the blocks say.
-    unsafe {
-        match wanted {
-            ALL if alike => masked_blocks::<T, ALL>(links, joints, blocks, group, to),
-            USUAL_BASE if alike => masked_blocks::<T, USUAL_BASE>(links, joints, blocks, group, to),
-            0 if alike => (),
-            _ => masked_blocks::<T, AS_WANTED>(links, joints, blocks, group, to),
+    let mut start = 0;
+    // Neighbours that want the same entries go together: on an arm of revolute joints all of them.
+    while let Some(first) = blocks.get(start) {
+        let wanted = first.wanted;
+        let mut end = start + 1;
+        while end < blocks.len() && blocks[end].wanted == wanted {
+            end += 1;
         }
+        let (joints, blocks) = (&joints[start..end], &blocks[start..end]);
+        // SAFETY: the caller's promise, and the masks are what the blocks say.
+        unsafe {
+            match wanted {
+                ALL => masked_blocks::<T, ALL>(links, joints, blocks, group, to),
+                USUAL_BASE => masked_blocks::<T, USUAL_BASE>(links, joints, blocks, group, to),
+                0 => (),
+                _ => masked_blocks::<T, AS_WANTED>(links, joints, blocks, group, to),
+            }
+        }
+        start = end;
     }
 }
 
@@ -196,5 +220,30 @@ unsafe fn masked_own_block<T: Lanes, const MASK: u16>(
         write_entry!(MASK, block, to, 5, (link.omega_dot[2] * plus));
         write_entry!(MASK, block, to, 6, (link.accel[1] * plus));
         write_entry!(MASK, block, to, 7, (link.accel[0] * minus));
+    }
+}
+
+/// The block of one link and its own prismatic joint: the z component of the force.
+///
+/// # Safety
+/// As for [`other_blocks`].
+#[inline(always)]
+pub(super) unsafe fn own_slide_block<T: Lanes>(
+    links: &[LinkMotion<T>],
+    sign: f64,
+    block: Block,
+    group: &[usize],
+    to: *mut f64,
+) {
+    const MASK: u16 = AS_WANTED;
+    let plus = T::splat(sign);
+    for (link, first) in links.iter().zip(group) {
+        let [_, _, [bx, by, bz]] = link.derived().b;
+        // SAFETY: the caller's promise.
+        let to = unsafe { to.add(*first) };
+        write_entry!(MASK, block, to, 6, (bx * plus));
+        write_entry!(MASK, block, to, 7, (by * plus));
+        write_entry!(MASK, block, to, 8, (bz * plus));
+        write_entry!(MASK, block, to, 9, (link.accel[2] * plus));
     }
 }

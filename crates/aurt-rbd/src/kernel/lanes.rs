@@ -33,19 +33,28 @@ pub(crate) trait Lanes:
     fn flip_by_bit_one(self, selector: Self, offset: u64) -> Self;
 }
 
-/// The array of an expression's values for every lane.
+/// The lanes of an expression's values, written out: a loop for each operation, thousands in one function, takes the
+/// compiler minutes.
 macro_rules! each_lane {
-    ($lanes:literal, $l:ident => $value:expr) => {{
-        let mut lanes = [0.0; $lanes];
-        for $l in 0..$lanes {
-            lanes[$l] = $value;
-        }
-        Self(lanes)
-    }};
+    (2, $l:ident => $value:expr) => {
+        each_lane!(@of $l => $value, 0 1)
+    };
+    (4, $l:ident => $value:expr) => {
+        each_lane!(@of $l => $value, 0 1 2 3)
+    };
+    (8, $l:ident => $value:expr) => {
+        each_lane!(@of $l => $value, 0 1 2 3 4 5 6 7)
+    };
+    (@of $l:ident => $value:expr, $($lane:literal)+) => {
+        Self([$({
+            const $l: usize = $lane;
+            $value
+        }),+])
+    };
 }
 
 macro_rules! lanes {
-    ($(#[$attribute:meta])* $name:ident, $lanes:literal, $bytes:literal, $mul_add:ident) => {
+    ($(#[$attribute:meta])* $name:ident, $lanes:tt, $bytes:literal, $mul_add:ident) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy)]
         #[repr(C, align($bytes))]
@@ -63,7 +72,7 @@ macro_rules! lanes {
             #[inline(always)]
             fn load(from: &[f64]) -> Self {
                 let from = &from[..$lanes];
-                each_lane!($lanes, l => from[l])
+                each_lane!($lanes, L => from[L])
             }
 
             #[inline(always)]
@@ -79,27 +88,27 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn mul_add(self, b: Self, c: Self) -> Self {
-                each_lane!($lanes, l => $mul_add(self.0[l], b.0[l], c.0[l]))
+                each_lane!($lanes, L => $mul_add(self.0[L], b.0[L], c.0[L]))
             }
 
             #[inline(always)]
             fn neg_mul_add(self, b: Self, c: Self) -> Self {
-                each_lane!($lanes, l => $mul_add(-self.0[l], b.0[l], c.0[l]))
+                each_lane!($lanes, L => $mul_add(-self.0[L], b.0[L], c.0[L]))
             }
 
             #[inline(always)]
             fn select_odd(self, other: Self, selector: Self) -> Self {
-                each_lane!($lanes, l => {
-                    let mask = (selector.0[l].to_bits() & 1).wrapping_neg();
-                    f64::from_bits((self.0[l].to_bits() & !mask) | (other.0[l].to_bits() & mask))
+                each_lane!($lanes, L => {
+                    let mask = (selector.0[L].to_bits() & 1).wrapping_neg();
+                    f64::from_bits((self.0[L].to_bits() & !mask) | (other.0[L].to_bits() & mask))
                 })
             }
 
             #[inline(always)]
             fn flip_by_bit_one(self, selector: Self, offset: u64) -> Self {
-                each_lane!($lanes, l => {
-                    let sign = (selector.0[l].to_bits().wrapping_add(offset) & 2) << 62;
-                    f64::from_bits(self.0[l].to_bits() ^ sign)
+                each_lane!($lanes, L => {
+                    let sign = (selector.0[L].to_bits().wrapping_add(offset) & 2) << 62;
+                    f64::from_bits(self.0[L].to_bits() ^ sign)
                 })
             }
         }
@@ -110,7 +119,7 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn add(self, other: Self) -> Self {
-                each_lane!($lanes, l => self.0[l] + other.0[l])
+                each_lane!($lanes, L => self.0[L] + other.0[L])
             }
         }
 
@@ -120,7 +129,7 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn sub(self, other: Self) -> Self {
-                each_lane!($lanes, l => self.0[l] - other.0[l])
+                each_lane!($lanes, L => self.0[L] - other.0[L])
             }
         }
 
@@ -130,7 +139,7 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn mul(self, other: Self) -> Self {
-                each_lane!($lanes, l => self.0[l] * other.0[l])
+                each_lane!($lanes, L => self.0[L] * other.0[L])
             }
         }
 
@@ -140,7 +149,7 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn neg(self) -> Self {
-                each_lane!($lanes, l => -self.0[l])
+                each_lane!($lanes, L => -self.0[L])
             }
         }
     };

@@ -10,19 +10,22 @@ mod motion;
 mod operations;
 mod plan;
 mod sine_cosine;
+mod slide;
 mod torque;
 mod turn;
 
 use aurt_traits::{Dispatch, MotionView, RegressorTile};
 
-use crate::SerialChain;
-use block::{other_blocks, own_block};
+use crate::{JointKind, SerialChain};
+use block::{other_blocks, own_block, own_slide_block};
 use lanes::{Lanes, Plain2};
 use motion::{
     GROUP, JointLanes, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,
 };
 use plan::Plan;
+use slide::{slide_carry, slide_carry_previous, slide_first_link, slide_next_link};
 
+pub(crate) use block::possible_entries;
 pub(crate) use motion::Place;
 pub(crate) use operations::count;
 
@@ -83,19 +86,20 @@ fn evaluate_lanes<T: Lanes>(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
         &mut many[..]
     };
     let mut links = [LinkMotion::zero(); GROUP];
-    if samples < T::LANES {
-        let padded = plan.padded_series(T::LANES);
-        let (plan, targets) = plan.on_padded(&padded, T::LANES);
-        let mut values = vec![0.0; targets.len() * T::LANES];
-        evaluate_group(&plan, &[0], joints, &mut links, &mut values);
-        for (target, lanes) in targets.iter().zip(values.chunks_exact(T::LANES)) {
-            data[*target..target + samples].copy_from_slice(&lanes[..samples]);
-        }
-        return;
-    }
-    let mut groups = Groups::new(samples, T::LANES, samples_to_alignment::<T>(stride, data));
+    // Too few samples for the lanes are filled up, worked on beside the tile and copied into it. One loop serves both
+    // cases: everything in it is compiled for each place that it stands at.
+    let few_samples = samples < T::LANES;
+    let padded = if few_samples { plan.padded_series(T::LANES) } else { Vec::new() };
+    let (plan, targets) = if few_samples { plan.on_padded(&padded, T::LANES) } else { (plan, Vec::new()) };
+    let mut values = vec![0.0; targets.len() * T::LANES];
+    let aligned = if few_samples { 0 } else { samples_to_alignment::<T>(stride, data) };
+    let columns = if few_samples { &mut values[..] } else { &mut *data };
+    let mut groups = Groups::new(plan.samples, T::LANES, aligned);
     while let Some(group) = groups.next() {
-        evaluate_group(&plan, group, joints, &mut links, data);
+        evaluate_group(&plan, group, joints, &mut links, columns);
+    }
+    for (target, lanes) in targets.iter().zip(values.chunks_exact(T::LANES)) {
+        data[*target..target + samples].copy_from_slice(&lanes[..samples]);
     }
 }
 
@@ -181,7 +185,10 @@ fn evaluate_group<T: Lanes>(
         // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
         unsafe {
             other_blocks(links, &joints[..i], others, group, to);
-            own_block(links, joint.sign, *own, group, to);
+            match joint.kind {
+                JointKind::Revolute => own_block(links, joint.sign, *own, group, to),
+                JointKind::Prismatic => own_slide_block(links, joint.sign, *own, group, to),
+            }
         }
     }
 }
@@ -198,8 +205,19 @@ fn advance<T: Lanes>(
     let place = &plan.places[i];
     let (before, here) = joints.split_at_mut(i);
     let angles = &here[0].angles[..group.len()];
-    let [_, velocity, acceleration] = plan.series[i];
-    let rates = Rates { sign: plan.joints[i].sign, velocity, acceleration };
+    let [position, velocity, acceleration] = plan.series[i];
+    let rates = Rates { sign: plan.joints[i].sign, position, velocity, acceleration };
+    if place.kind == JointKind::Prismatic {
+        match before.split_last_mut() {
+            None => slide_first_link(plan.gravity_m_s2, place, &rates, group, links),
+            Some((previous, earlier)) => {
+                slide_next_link(place, &rates, group, links);
+                slide_carry(earlier, place, &rates, group);
+                slide_carry_previous(previous, place, &rates, group);
+            }
+        }
+        return;
+    }
     match before.split_last_mut() {
         None => first_link(plan.gravity_m_s2, place, &rates, group, angles, links),
         Some((previous, earlier)) => {

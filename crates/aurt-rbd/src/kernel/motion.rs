@@ -1,7 +1,7 @@
 use super::lanes::Lanes;
 use super::sine_cosine::sine_cosine;
 use super::turn::{Shift, Shifted, Turn, Turned, Vector, with_shift, with_turn};
-use crate::chain::{Joint, JointFrame};
+use crate::chain::{Joint, JointFrame, JointKind};
 
 /// How many vectors of samples go through each step of the calculation side by side: the steps are chains of
 /// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.
@@ -10,11 +10,15 @@ pub(super) const GROUP: usize = 6;
 /// What the kernel needs of a joint's place on the previous link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
+    /// What the joint does.
+    pub kind: JointKind,
     turn: Turn,
+    /// The same turn as a matrix, for prismatic joints: few robots have them, and one form of them is enough.
+    pub rotation: [[f64; 3]; 3],
     /// The origin in the joint's own axes, as a [`Shift`].
     shift: Shift,
     /// The origin in the previous link frame, in m.
-    translation_m: [f64; 3],
+    pub translation_m: [f64; 3],
     /// The unit twist of the previous joint, carried to this joint but not yet turned by its angle: the same
     /// in every sample.
     previous_omega: [f64; 3],
@@ -22,25 +26,44 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// The place of a joint behind one whose sense is `previous_sign`.
-    pub fn new(frame: &JointFrame, previous_sign: f64) -> Self {
-        let z = previous_sign;
+    /// The place of a joint behind the joint `previous`.
+    pub fn new(kind: JointKind, frame: &JointFrame, previous: Option<&Joint>) -> Self {
+        let z = previous.map_or(1.0, |joint| joint.sign);
         let p = frame.translation_m;
+        let (omega, velocity) = match previous.map(|joint| joint.kind) {
+            Some(JointKind::Prismatic) => ([0.0; 3], [0.0, 0.0, z]),
+            _ => ([0.0, 0.0, z], [-z * p[1], z * p[0], 0.0]),
+        };
         let shift = transpose_times(&frame.rotation, p);
         // What is zero but for the rounding of the product is meant to be zero; the kernel's results do not
         // notice, its speed does.
         let dust = 4.0 * f64::EPSILON * p.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self {
+            kind,
+            rotation: frame.rotation,
             turn: Turn::of(&frame.rotation),
             shift: Shift::of(shift.map(|v| if v.abs() <= dust { 0.0 } else { v })),
             translation_m: p,
-            previous_omega: transpose_times(&frame.rotation, [0.0, 0.0, z]),
-            previous_velocity: transpose_times(&frame.rotation, [-z * p[1], z * p[0], 0.0]),
+            previous_omega: transpose_times(&frame.rotation, omega),
+            previous_velocity: transpose_times(&frame.rotation, velocity),
         }
+    }
+
+    /// The origin in the joint's own axes, in m.
+    #[inline(always)]
+    pub fn translation_in_joint_m(&self) -> [f64; 3] {
+        transpose_times(&self.rotation, self.translation_m)
+    }
+
+    /// The unit twist of the previous joint, carried to this joint: angular velocity and velocity.
+    #[inline(always)]
+    pub const fn previous_twist(&self) -> ([f64; 3], [f64; 3]) {
+        (self.previous_omega, self.previous_velocity)
     }
 }
 
 /// Rᵀ v.
+#[inline(always)]
 fn transpose_times(r: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| r[0][c] * v[0] + r[1][c] * v[1] + r[2][c] * v[2])
 }
@@ -66,19 +89,26 @@ impl<T: Lanes> Angle<T> {
     }
 }
 
-/// A joint's rates about z: θ̇ and θ̈.
+/// A joint's rates about z (θ̇ and θ̈) or along z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rates<'a> {
     pub sign: f64,
+    pub position: &'a [f64],
     pub velocity: &'a [f64],
     pub acceleration: &'a [f64],
 }
 
 impl Rates<'_> {
     #[inline(always)]
-    fn at<T: Lanes>(&self, first: usize) -> (T, T) {
+    pub fn at<T: Lanes>(&self, first: usize) -> (T, T) {
         let sign = T::splat(self.sign);
         (T::load(&self.velocity[first..]) * sign, T::load(&self.acceleration[first..]) * sign)
+    }
+
+    /// How far a prismatic joint has slid.
+    #[inline(always)]
+    pub fn slid<T: Lanes>(&self, first: usize) -> T {
+        T::load(&self.position[first..]) * T::splat(self.sign)
     }
 }
 
@@ -86,7 +116,7 @@ impl Rates<'_> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkMotion<T> {
     /// Angular velocity ω.
-    omega: Vector<T>,
+    pub omega: Vector<T>,
     /// Angular acceleration ω̇.
     pub omega_dot: Vector<T>,
     /// Acceleration of the frame's origin less gravity.
@@ -148,7 +178,7 @@ impl<T: Lanes> Twist<T> {
     }
 }
 
-/// The angles of a joint at the samples from each of `group` on.
+/// The angles of a revolute joint at the samples from each of `group` on.
 #[inline(always)]
 pub(super) fn joint_angles<T: Lanes>(
     joint: &Joint,
@@ -156,6 +186,9 @@ pub(super) fn joint_angles<T: Lanes>(
     group: &[usize],
     angles: &mut [Angle<T>],
 ) {
+    if joint.kind == JointKind::Prismatic {
+        return;
+    }
     let (sign, offset) = (T::splat(joint.sign), T::splat(joint.theta_offset_rad));
     for (angle, first) in angles.iter_mut().zip(group) {
         let (sine, cosine) = sine_cosine(T::load(&position[*first..]).mul_add(sign, offset));

@@ -1,6 +1,6 @@
 use aurt_traits::{MotionView, RegressorTile};
 
-use super::block::{ALL, Block, OWN, OWN_ON_BASE};
+use super::block::{Block, possible_entries};
 use super::motion::Place;
 use crate::chain::Joint;
 use crate::{INERTIAL_PARAMETERS, SerialChain};
@@ -31,11 +31,7 @@ impl<'a> Plan<'a> {
         let (groups, _) = destinations.as_chunks::<INERTIAL_PARAMETERS>();
         for link in 0..joints.len() {
             for joint in 0..=link {
-                let possible = match link {
-                    _ if joint < link => ALL,
-                    0 => OWN_ON_BASE,
-                    _ => OWN,
-                };
+                let possible = possible_entries(joints[joint].kind, joint, link);
                 blocks.push(Block::new(&groups[joint * joints.len() + link], possible, stride));
             }
         }

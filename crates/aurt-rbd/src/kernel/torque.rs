@@ -5,7 +5,7 @@ use super::motion::{GROUP, JointLanes, LinkMotion, Twist, joint_angles};
 use super::plan::Plan;
 use super::turn::{Vector, dot};
 use super::{FEW_JOINTS, Groups, advance};
-use crate::{INERTIAL_PARAMETERS, SerialChain};
+use crate::{INERTIAL_PARAMETERS, JointKind, SerialChain};
 
 /// Where torques go: joint after joint, and the distance between two joints' first samples.
 type Output<'a> = (&'a mut [f64], usize);
@@ -73,19 +73,18 @@ fn torque_lanes<T: Lanes>(
         many_torques.resize(count, [zero; GROUP]);
         (&mut many_joints[..], &mut many_torques[..])
     };
-    if samples < T::LANES {
-        let padded = plan.padded_series(T::LANES);
-        let mut values = vec![0.0; count * T::LANES];
-        let whole = plan.with_series(&padded, T::LANES);
-        torque_group(&whole, standard, &[0], joints, torques, (&mut values, T::LANES));
-        for (joint, lanes) in values.chunks_exact(T::LANES).enumerate() {
-            out[joint * stride..joint * stride + samples].copy_from_slice(&lanes[..samples]);
-        }
-        return;
-    }
-    let mut groups = Groups::new(samples, T::LANES, 0);
+    let few_samples = samples < T::LANES;
+    let padded = if few_samples { plan.padded_series(T::LANES) } else { Vec::new() };
+    let whole = few_samples.then(|| plan.with_series(&padded, T::LANES));
+    let mut values = vec![0.0; if few_samples { count * T::LANES } else { 0 }];
+    let plan = whole.as_ref().unwrap_or(plan);
+    let mut groups = Groups::new(plan.samples, T::LANES, 0);
     while let Some(group) = groups.next() {
-        torque_group(plan, standard, group, joints, torques, (out, stride));
+        let to = if few_samples { (&mut values[..], T::LANES) } else { (&mut *out, stride) };
+        torque_group(plan, standard, group, joints, torques, to);
+    }
+    for (joint, lanes) in values.chunks_exact(T::LANES).enumerate() {
+        out[joint * stride..joint * stride + samples].copy_from_slice(&lanes[..samples]);
     }
 }
 
@@ -109,7 +108,10 @@ fn torque_group<T: Lanes>(
         let (torques_before, own) = torques.split_at_mut(i);
         for (member, link) in links.iter().enumerate().take(group.len()) {
             let wrench = wrench(link, &standard[i]);
-            own[0][member] = wrench.moment[2] * sign;
+            own[0][member] = match joint.kind {
+                JointKind::Revolute => wrench.moment[2] * sign,
+                JointKind::Prismatic => wrench.force[2] * sign,
+            };
             for (torque, joint) in torques_before.iter_mut().zip(&joints[..i]) {
                 torque[member] = wrench.along(&joint.twists[member], torque[member]);
             }

@@ -3,7 +3,7 @@
 #![expect(dead_code, reason = "each test binary uses a part of this")]
 #![expect(clippy::unwrap_used, reason = "the tables are constants")]
 
-use aurt_rbd::{Joint, LinkBody, MdhRows, MdhTable, Placement, SerialChain};
+use aurt_rbd::{Joint, JointKind, LinkBody, MdhRows, MdhTable, Placement, SerialChain};
 use proptest::prelude::*;
 
 pub const TWO_LINK: &str = "alpha,a,d\n0,0,0\n0,1,0\n";
@@ -87,10 +87,12 @@ fn placement() -> impl Strategy<Value = Placement> {
     ]
 }
 
-/// A chain of 1 to 12 joints under any gravity.
+/// A chain of 1 to 12 joints, every third prismatic, under any gravity.
 pub fn any_chain() -> impl Strategy<Value = SerialChain> {
-    let joint = (placement(), prop_oneof![Just(0.0), -3.0..3.0], any::<bool>()).prop_map(
-        |(placement, theta_offset_rad, positive)| Joint {
+    let kind = prop_oneof![2 => Just(JointKind::Revolute), 1 => Just(JointKind::Prismatic)];
+    let joint = (kind, placement(), prop_oneof![Just(0.0), -3.0..3.0], any::<bool>()).prop_map(
+        |(kind, placement, theta_offset_rad, positive)| Joint {
+            kind,
             placement,
             theta_offset_rad,
             sign: if positive { 1.0 } else { -1.0 },

@@ -15,7 +15,7 @@ pub use tx40::tx40;
 pub use ur5e::ur5e;
 pub use ur10e::ur10e;
 
-use aurt_rbd::{ChainDynamics, LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
+use aurt_rbd::{ChainDynamics, JointKind, LinkBody, MdhRow, MdhRows, MdhTable, SerialChain, inconsistencies};
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
@@ -266,7 +266,7 @@ impl Robot {
 
 /// A row of geometry without offset of the joint angle.
 fn row(alpha_rad: f64, a_m: f64, d_m: f64) -> MdhRow {
-    MdhRow { alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
+    MdhRow { kind: JointKind::Revolute, alpha_rad, a_m, d_m, theta_offset_rad: 0.0, sign: 1.0 }
 }
 
 /// A body from mass, centre of mass and inertia {XX XY XZ YY YZ ZZ} about it.

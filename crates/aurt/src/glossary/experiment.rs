@@ -76,9 +76,11 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "mdh",
         title: "mdh: the robot's geometry",
-        text: "A table of modified Denavit–Hartenberg parameters, one row per joint, columns alpha, a, d. `mdh_rows` says \
+        text: "A table of modified Denavit–Hartenberg parameters, one row per joint, columns alpha, a, d and, where a joint \
+            slides, type. Instead of it `urdf` names a robot description file (with `base` and `tip` where it has several \
+            chains), or `name` a robot of `aurt robots`. `mdh_rows` says \
             which joint a row's alpha and a lead to: \"next\" (as manufacturers' tables have it; default) or \"previous\" \
-            (Craig). Read the wrong way the same file silently describes another robot: compare the number of base \
+            (Craig, Khalil). Read the wrong way the same file silently describes another robot: compare the number of base \
             parameters with what you expect (36 for a UR10e standing upright).",
     },
     Term {

@@ -1,0 +1,57 @@
+use std::path::{Path, PathBuf};
+
+use aurt_rbd::{MdhTable, RbdError, RobotDescription, SerialChain};
+use aurt_robots::DescribedRobot;
+
+/// Where the geometry of an experiment's robot is from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// `mdh`: a table of modified Denavit–Hartenberg parameters.
+    Mdh {
+        /// The table's file.
+        path: PathBuf,
+        /// What that file holds, read as `mdh_rows` says (`"next"`, the default, or `"previous"`).
+        table: MdhTable,
+    },
+    /// `urdf`, with `base` and `tip`: a chain of a robot description file.
+    Urdf {
+        /// The file.
+        path: PathBuf,
+        /// The chain.
+        robot: Box<DescribedRobot>,
+    },
+    /// `name`: a robot known by name.
+    Known(Box<DescribedRobot>),
+}
+
+impl Geometry {
+    /// The file that holds the geometry, if it is in one.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Mdh { path, .. } | Self::Urdf { path, .. } => Some(path),
+            Self::Known(_) => None,
+        }
+    }
+
+    fn description(&self) -> &dyn RobotDescription {
+        match self {
+            Self::Mdh { table, .. } => table,
+            Self::Urdf { robot, .. } | Self::Known(robot) => &**robot,
+        }
+    }
+}
+
+impl RobotDescription for Geometry {
+    fn joints(&self) -> usize {
+        self.description().joints()
+    }
+
+    fn chain(&self, gravity_m_s2: [f64; 3]) -> Result<SerialChain, RbdError> {
+        self.description().chain(gravity_m_s2)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.description().notes()
+    }
+}

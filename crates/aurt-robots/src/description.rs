@@ -1,0 +1,70 @@
+use aurt_rbd::{Joint, JointKind, RbdError, RobotDescription, SerialChain};
+
+/// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointLimits {
+    /// Lowest and highest position in rad; `None` for a joint that turns without end, and where nothing is said.
+    pub position_rad: Option<[f64; 2]>,
+    /// Highest speed in rad/s.
+    pub velocity_rad_s: Option<f64>,
+    /// Highest torque in Nm.
+    pub torque_nm: Option<f64>,
+}
+
+/// Friction that a description states; in N s/m and N for a prismatic joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointFriction {
+    /// Viscous friction in Nm s/rad.
+    pub viscous_nm_s_rad: f64,
+    /// Coulomb friction in Nm.
+    pub coulomb_nm: f64,
+}
+
+/// A serial chain of a robot description: geometry, limits, and inertial parameters where the description has them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DescribedRobot {
+    /// The robot's name.
+    pub name: String,
+    /// The link that the chain starts from.
+    pub base: String,
+    /// The link that it ends at.
+    pub tip: String,
+    /// The joints' names, base first.
+    pub joint_names: Vec<String>,
+    /// The joints, base first.
+    pub joints: Vec<Joint>,
+    /// The joints' limits.
+    pub limits: Vec<JointLimits>,
+    /// The joints' friction.
+    pub friction: Vec<JointFriction>,
+    /// 10 N standard parameters, link after link {XX XY XZ YY YZ ZZ mX mY mZ m} in the frames of the chain, with those
+    /// of the bodies that a link carries; `None` if the description has no masses.
+    pub standard_parameters: Option<Vec<f64>>,
+    /// Of each joint the frame of its link in the description's own frame of that joint, row after row: the chain's
+    /// frames have their z axes along the joints.
+    pub frames: Vec<[[f64; 3]; 3]>,
+    /// What a person should know of how the description was read.
+    pub notes: Vec<String>,
+}
+
+impl RobotDescription for DescribedRobot {
+    fn joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    fn chain(&self, gravity_m_s2: [f64; 3]) -> Result<SerialChain, RbdError> {
+        SerialChain::new(self.joints.clone(), gravity_m_s2)
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+}
+
+impl DescribedRobot {
+    /// What each joint does.
+    #[must_use]
+    pub fn kinds(&self) -> Vec<JointKind> {
+        self.joints.iter().map(|joint| joint.kind).collect()
+    }
+}

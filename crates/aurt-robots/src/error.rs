@@ -1,0 +1,124 @@
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// Everything that is wrong with a robot description, in the order of the file.
+#[derive(Debug, Error)]
+#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct RobotErrors(pub Vec<RobotError>);
+
+impl From<RobotError> for RobotErrors {
+    fn from(error: RobotError) -> Self {
+        Self(vec![error])
+    }
+}
+
+/// One thing that is wrong with a robot description. Lines count from 1.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The file could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is larger than any robot description.
+    #[error("{}: has {bytes} bytes; robot descriptions of up to {most} bytes are read", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+        /// The largest size.
+        most: u64,
+    },
+    /// The file is no UTF-8 text.
+    #[error("{}: is no UTF-8 text from byte {offset} on; a robot description is an XML file", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is no text.
+        offset: usize,
+    },
+    /// The file is no well-formed XML.
+    #[error("{}:{line}: {reason}", path.display())]
+    Xml {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u32,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
+    /// The file is a xacro macro, not a robot description.
+    #[error(
+        "{}:{line}: `{text}` is xacro, a macro language that generates URDF files; \
+         expand it with `xacro {} > robot.urdf` (`pip install xacro`) and name the result", path.display(), path.display()
+    )]
+    Xacro {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: u32,
+        /// The macro.
+        text: String,
+    },
+    /// An element does not say what it must.
+    #[error("{}:{line}: {what}: {reason}", path.display())]
+    Element {
+        /// The file.
+        path: PathBuf,
+        /// The element's line.
+        line: u32,
+        /// The element: `joint elbow`.
+        what: String,
+        /// What is wrong with it, and what to do.
+        reason: String,
+    },
+    /// Links and joints are no tree.
+    #[error("{}: {reason}", path.display())]
+    NoTree {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A base or tip that is no link.
+    #[error(
+        "{}: there is no link `{name}` for the {which}{}; links: {}",
+        path.display(), meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", ")
+    )]
+    UnknownLink {
+        /// The file.
+        path: PathBuf,
+        /// `base` or `tip`.
+        which: &'static str,
+        /// The name as given.
+        name: String,
+        /// The link that was probably meant.
+        meant: Option<String>,
+        /// The file's links, or the first of many.
+        known: Vec<String>,
+    },
+    /// Several chains, none of which was asked for.
+    #[error("{}: several chains start at `{base}`; choose one by its tip: {}", path.display(), tips.join(", "))]
+    Tips {
+        /// The file.
+        path: PathBuf,
+        /// The base link.
+        base: String,
+        /// The chains' last links, with the number of joints of each chain.
+        tips: Vec<String>,
+    },
+    /// Base and tip are there, but there is no chain of moving joints from one to the other.
+    #[error("{}: {reason}", path.display())]
+    NoChain {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}

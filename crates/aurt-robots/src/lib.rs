@@ -1,0 +1,78 @@
+//! Robots as they are described elsewhere: serial chains of URDF files, and robots known by name.
+//!
+//! [`read`] takes the chain between two links out of a URDF file: revolute, continuous and prismatic joints with axes in
+//! any direction, bodies behind fixed joints merged into the links that carry them, other branches carried as fixed at
+//! zero posture. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
+//!
+//! Files are read with limits ([`MOST_BYTES`], no document type, hence no entities); nothing that they refer to, such as
+//! meshes, is opened.
+
+mod body;
+mod description;
+mod error;
+mod known;
+mod pose;
+mod selection;
+mod serial;
+mod tree;
+mod urdf;
+
+use std::path::Path;
+
+pub use description::{DescribedRobot, JointFriction, JointLimits};
+pub use error::{RobotError, RobotErrors};
+pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
+
+/// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
+pub const MOST_BYTES: u64 = 64 << 20;
+
+/// Reads the serial chain from the link `base` to the link `tip` out of a robot description file.
+///
+/// Without a base the chain starts at the file's root link. Without a tip the chain ends where the only moving chain
+/// does; if there are several, the error lists their tips.
+///
+/// # Errors
+/// Everything that is wrong with the file, each with its place.
+pub fn read(
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    tip: Option<&str>,
+) -> Result<DescribedRobot, RobotErrors> {
+    let path = path.as_ref();
+    let unreadable = |source| RobotErrors::from(RobotError::Unreadable { path: path.into(), source });
+    let bytes = std::fs::metadata(path).map_err(unreadable)?.len();
+    if bytes > MOST_BYTES {
+        return Err(RobotError::TooLarge { path: path.into(), bytes, most: MOST_BYTES }.into());
+    }
+    let text = std::fs::read(path).map_err(unreadable)?;
+    let text = String::from_utf8(text)
+        .map_err(|e| RobotError::NotText { path: path.into(), offset: e.utf8_error().valid_up_to() })?;
+    parse(&text, path, base, tip)
+}
+
+/// As [`read`], from text; `path` is what errors call it.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(
+    text: &str,
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    tip: Option<&str>,
+) -> Result<DescribedRobot, RobotErrors> {
+    let path = path.as_ref();
+    let tree = urdf::parse(text, path)?;
+    let selection = selection::select(&tree, base, tip)?;
+    serial::chain(&tree, &selection)
+}
+
+/// The links at which the moving chains of a robot description end, in the file's order; chains that differ only by
+/// fixed joints count once.
+///
+/// # Errors
+/// As [`read`].
+pub fn tips(text: &str, path: impl AsRef<Path>, base: Option<&str>) -> Result<Vec<String>, RobotErrors> {
+    let tree = urdf::parse(text, path.as_ref())?;
+    let base = selection::base_of(&tree, base)?;
+    Ok(selection::tips(&tree, base).into_iter().map(|tip| tree.links[tip].name.clone()).collect())
+}

@@ -1,0 +1,139 @@
+//! From a chain of a tree to joints, merged bodies and limits.
+
+use aurt_rbd::{INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
+use nalgebra::{Matrix3, Vector3};
+
+use crate::pose::{Pose, along};
+use crate::selection::Selection;
+use crate::tree::{Freedom, Tree};
+use crate::{DescribedRobot, RobotErrors};
+
+/// A link of the chain: everything between one of its moving joints and the next.
+struct ChainLink {
+    joint: usize,
+    kind: JointKind,
+    sign: f64,
+    /// The link's frame in the frame of its joint.
+    turn: Matrix3<f64>,
+    /// The link's frame in that of the link before.
+    pose: Pose,
+    standard: [f64; INERTIAL_PARAMETERS],
+}
+
+/// The serial chain of a selection.
+pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot, RobotErrors> {
+    let mut links: Vec<ChainLink> = Vec::new();
+    // The frame of the next joint's parent in the frame of the chain's last link (or the base).
+    let mut here = Pose::identity();
+    let mut carried = Vec::new();
+    for (k, joint_index) in selection.joints.iter().enumerate() {
+        let joint = &tree.joints[*joint_index];
+        let at_joint = here.then(&joint.pose);
+        let next = selection.joints.get(k + 1).copied();
+        let moving = match joint.freedom {
+            Freedom::Turns(axis) => Some((JointKind::Revolute, axis)),
+            Freedom::Slides(axis) => Some((JointKind::Prismatic, axis)),
+            Freedom::Fixed | Freedom::Other(_) => None,
+        };
+        match moving {
+            Some((kind, axis)) => {
+                let (turn, sign) = along(&axis);
+                links.push(ChainLink {
+                    joint: *joint_index,
+                    kind,
+                    sign,
+                    turn,
+                    pose: at_joint.then(&Pose::turned(turn)),
+                    standard: [0.0; INERTIAL_PARAMETERS],
+                });
+                here = Pose::turned(turn.transpose());
+            }
+            None => here = at_joint,
+        }
+        if let Some(link) = links.last_mut() {
+            add_bodies(tree, joint.child, next, &here, &mut link.standard, &mut carried);
+        }
+    }
+    let standard: Vec<f64> = links.iter().flat_map(|link| link.standard).collect();
+    let notes = notes(tree, selection, &carried, &standard);
+    let has_masses = standard.iter().any(|v| *v != 0.0);
+    let of_joints = || links.iter().map(|link| &tree.joints[link.joint]);
+    Ok(DescribedRobot {
+        name: tree.name.clone(),
+        base: tree.links[selection.base].name.clone(),
+        tip: tree.links[selection.tip].name.clone(),
+        joint_names: of_joints().map(|j| j.name.clone()).collect(),
+        joints: links
+            .iter()
+            .map(|link| Joint {
+                kind: link.kind,
+                placement: link.pose.placement(),
+                theta_offset_rad: 0.0,
+                sign: link.sign,
+            })
+            .collect(),
+        limits: of_joints().map(|j| j.limits).collect(),
+        friction: of_joints().map(|j| j.friction).collect(),
+        standard_parameters: has_masses.then_some(standard),
+        frames: links
+            .iter()
+            .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
+            .collect(),
+        notes,
+    })
+}
+
+/// Adds the body of the tree's link `from`, at `pose` in the chain's link, and of all that hangs on it but for the joint
+/// `next` along the chain; what moves on it stays at zero posture and goes to `carried`.
+fn add_bodies(
+    tree: &Tree,
+    from: usize,
+    next: Option<usize>,
+    pose: &Pose,
+    standard: &mut [f64; INERTIAL_PARAMETERS],
+    carried: &mut Vec<usize>,
+) {
+    let mut open = vec![(from, *pose)];
+    while let Some((link, pose)) = open.pop() {
+        if let Some(body) = tree.links[link].body {
+            for (sum, value) in standard.iter_mut().zip(body.standard_parameters(&pose)) {
+                *sum += value;
+            }
+        }
+        for joint_index in tree.links[link].children.iter().copied().filter(|j| Some(*j) != next) {
+            let joint = &tree.joints[joint_index];
+            if joint.freedom != Freedom::Fixed {
+                carried.push(joint_index);
+            }
+            // A joint that follows another stays at its offset when the other is at zero.
+            let at = joint.mimic.as_ref().map_or(0.0, |mimic| mimic.offset);
+            let moved = match joint.freedom {
+                Freedom::Turns(axis) if at != 0.0 => {
+                    Pose::turned(nalgebra::Rotation3::new(axis.normalize() * at).into_inner())
+                }
+                Freedom::Slides(axis) => Pose { origin_m: axis.normalize() * at, ..Pose::identity() },
+                _ => Pose { origin_m: Vector3::zeros(), ..Pose::identity() },
+            };
+            open.push((joint.child, pose.then(&joint.pose).then(&moved)));
+        }
+    }
+}
+
+fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]) -> Vec<String> {
+    let mut notes = tree.notes.clone();
+    if !carried.is_empty() {
+        let names: Vec<&str> = carried.iter().map(|j| tree.joints[*j].name.as_str()).collect();
+        notes.push(format!(
+            "joints beside the chain are carried as fixed at zero (a joint that follows another, at its offset): {}",
+            names.join(", ")
+        ));
+    }
+    if tree.links[selection.base].parent.is_some() {
+        let name = &tree.links[selection.base].name;
+        notes.push(format!("the base `{name}` is taken to be at rest; gravity is given in its frame"));
+    }
+    if standard.iter().any(|v| *v != 0.0) {
+        notes.extend(inconsistencies(standard).iter().map(ToString::to_string));
+    }
+    notes
+}

@@ -1,0 +1,83 @@
+use std::path::PathBuf;
+
+use nalgebra::Vector3;
+
+use crate::body::Body;
+use crate::pose::Pose;
+use crate::{JointFriction, JointLimits};
+
+/// Links and the joints between them, as a file has them.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    pub path: PathBuf,
+    pub name: String,
+    pub links: Vec<TreeLink>,
+    pub joints: Vec<TreeJoint>,
+    /// What a person should know of how the file was read.
+    pub notes: Vec<String>,
+}
+
+#[derive(Debug)]
+pub(crate) struct TreeLink {
+    pub name: String,
+    pub body: Option<Body>,
+    /// The joint that this link hangs on; `None` for the root.
+    pub parent: Option<usize>,
+    /// The joints that hang on this link.
+    pub children: Vec<usize>,
+}
+
+/// What a joint lets its child do.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Freedom {
+    Fixed,
+    /// It turns about the axis.
+    Turns(Vector3<f64>),
+    /// It slides along the axis.
+    Slides(Vector3<f64>),
+    /// Anything else, by the file's own name.
+    Other(String),
+}
+
+/// A joint that follows another: multiplier · q + offset.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Mimic {
+    pub joint: String,
+    pub offset: f64,
+}
+
+#[derive(Debug)]
+pub(crate) struct TreeJoint {
+    pub name: String,
+    pub line: u32,
+    pub parent: usize,
+    pub child: usize,
+    /// The joint's frame in the parent link at coordinate zero.
+    pub pose: Pose,
+    pub freedom: Freedom,
+    pub mimic: Option<Mimic>,
+    pub limits: JointLimits,
+    pub friction: JointFriction,
+}
+
+impl TreeJoint {
+    /// Whether it is a joint of one degree of freedom.
+    pub const fn moves(&self) -> bool {
+        matches!(self.freedom, Freedom::Turns(_) | Freedom::Slides(_))
+    }
+}
+
+impl Tree {
+    /// The joints from the link `base` down to the link `tip`; `None` if the tip does not hang on the base.
+    pub fn path_between(&self, base: usize, tip: usize) -> Option<Vec<usize>> {
+        let mut joints = Vec::new();
+        let mut link = tip;
+        while link != base {
+            let joint = self.links[link].parent?;
+            joints.push(joint);
+            link = self.joints[joint].parent;
+        }
+        joints.reverse();
+        Some(joints)
+    }
+}

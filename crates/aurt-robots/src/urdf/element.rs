@@ -1,0 +1,69 @@
+use std::path::Path;
+
+use roxmltree::Node;
+
+use crate::RobotError;
+
+/// An element with a name for messages, and a list for complaints about it.
+pub(super) struct Element<'a, 'x> {
+    pub node: Node<'x, 'x>,
+    /// The element as messages call it: `joint elbow`.
+    pub what: String,
+    pub path: &'a Path,
+}
+
+impl<'a, 'x> Element<'a, 'x> {
+    pub fn line(&self) -> u32 {
+        line_of(self.node)
+    }
+
+    /// The only or first child of a name.
+    pub fn child(&self, name: &str) -> Option<Element<'a, 'x>> {
+        let node = self.node.children().find(|c| c.is_element() && c.tag_name().name() == name)?;
+        Some(Element { node, what: format!("{}, <{name}>", self.what), path: self.path })
+    }
+
+    /// A complaint about this element.
+    pub fn error(&self, reason: impl Into<String>) -> RobotError {
+        RobotError::Element {
+            path: self.path.into(),
+            line: self.line(),
+            what: self.what.clone(),
+            reason: reason.into(),
+        }
+    }
+
+    /// An attribute that must be there.
+    pub fn text(&self, attribute: &str) -> Result<&'x str, RobotError> {
+        self.node.attribute(attribute).ok_or_else(|| self.error(format!("lacks the attribute `{attribute}`")))
+    }
+
+    /// An attribute of exactly `N` finite numbers, separated by spaces; `None` if it is not there.
+    pub fn numbers<const N: usize>(&self, attribute: &str) -> Result<Option<[f64; N]>, RobotError> {
+        let Some(text) = self.node.attribute(attribute) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> =
+            text.split_whitespace().map(|n| n.parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers: Option<[f64; N]> = numbers.and_then(|numbers| numbers.try_into().ok());
+        match numbers {
+            Some(numbers) => Ok(Some(numbers)),
+            None if N == 1 => Err(self.error(format!("`{attribute}` must be a finite number, is `{text}`"))),
+            None => Err(self
+                .error(format!("`{attribute}` must be {N} finite numbers with spaces between, is `{text}`"))),
+        }
+    }
+
+    /// An attribute of one finite number; `None` if it is not there.
+    pub fn number(&self, attribute: &str) -> Result<Option<f64>, RobotError> {
+        Ok(self.numbers::<1>(attribute)?.map(|[number]| number))
+    }
+
+    /// An attribute of one finite number that must be there.
+    pub fn required(&self, attribute: &str) -> Result<f64, RobotError> {
+        self.number(attribute)?.ok_or_else(|| self.error(format!("lacks the attribute `{attribute}`")))
+    }
+}
+
+/// The line that an element starts in, from 1.
+pub(super) fn line_of(node: Node<'_, '_>) -> u32 {
+    node.document().text_pos_at(node.range().start).row
+}

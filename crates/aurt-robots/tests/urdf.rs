@@ -1,0 +1,251 @@
+//! Chains of URDF files: what is read, and what is refused and how.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
+use aurt_robots::{DescribedRobot, RobotErrors, parse, tips};
+use serde::Deserialize;
+
+const GANTRY: &str = include_str!("reference/gantry.urdf");
+
+fn gantry(base: Option<&str>, tip: Option<&str>) -> Result<DescribedRobot, RobotErrors> {
+    parse(GANTRY, "gantry.urdf", base, tip)
+}
+
+/// The message of a file that is refused.
+fn refused(text: &str, tip: Option<&str>) -> String {
+    parse(text, "arm.urdf", None, tip).unwrap_err().to_string()
+}
+
+#[derive(Deserialize)]
+struct Reference {
+    base_parameters: usize,
+    states: Vec<State>,
+}
+
+#[derive(Deserialize)]
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    torque: Vec<f64>,
+    mass_matrix: Vec<f64>,
+}
+
+#[test]
+fn torques_mass_matrices_and_base_parameters_are_those_of_pinocchio() {
+    let reference: Reference = serde_json::from_str(include_str!("reference/reference.json")).unwrap();
+    let robot = gantry(None, Some("wrist")).unwrap();
+    let chain = robot.chain([0.0, 0.0, -9.81]).unwrap();
+    assert_eq!(base_parameters(&chain, 0).unwrap().len(), reference.base_parameters);
+    let standard = robot.standard_parameters.unwrap();
+    let mut dynamics = ChainDynamics::new(chain, &standard).unwrap();
+    let (mut torque, mut mass) = ([0.0; 4], [0.0; 16]);
+    for state in &reference.states {
+        dynamics.inverse_dynamics(&state.q, &state.qd, &state.qdd, &mut torque);
+        for (ours, theirs) in torque.iter().zip(&state.torque) {
+            assert!((ours - theirs).abs() < 1e-11, "{torque:?} and {:?}", state.torque);
+        }
+        dynamics.mass_matrix(&state.q, &mut mass);
+        for row in 0..4 {
+            for column in row..4 {
+                let (ours, theirs) = (mass[4 * row + column], state.mass_matrix[4 * row + column]);
+                assert!((ours - theirs).abs() < 1e-12, "{row}, {column}: {ours} and {theirs}");
+            }
+        }
+    }
+}
+
+#[test]
+fn joints_limits_friction_and_notes_are_kept() {
+    let robot = gantry(None, Some("wrist")).unwrap();
+    assert_eq!((robot.name.as_str(), robot.base.as_str(), robot.tip.as_str()), ("gantry", "world", "wrist"));
+    assert_eq!(robot.joint_names, ["slide", "shoulder", "elbow", "extension"]);
+    use JointKind::{Prismatic, Revolute};
+    assert_eq!(robot.kinds(), [Prismatic, Revolute, Revolute, Prismatic]);
+    assert_eq!(robot.limits[0].position_rad, Some([-0.8, 1.2]));
+    assert_eq!((robot.limits[1].velocity_rad_s, robot.limits[1].torque_nm), (Some(3.0), Some(120.0)));
+    assert_eq!(robot.limits[2].position_rad, None);
+    assert_eq!((robot.friction[0].viscous_nm_s_rad, robot.friction[0].coulomb_nm), (12.0, 30.0));
+    assert_eq!(robot.notes.len(), 1, "{:?}", robot.notes);
+    assert!(robot.notes[0].contains("fixed at zero"), "{:?}", robot.notes);
+    assert!(robot.notes[0].ends_with("finger_left, finger_right"), "{:?}", robot.notes);
+    // Two fingers are carried: 2 · 0.08 kg on the wrist of 0.9 kg.
+    let mass = robot.standard_parameters.unwrap()[39];
+    assert!((mass - 1.06).abs() < 1e-15, "{mass}");
+}
+
+#[test]
+fn a_chain_is_chosen_by_itself_only_if_there_is_one() {
+    assert_eq!(tips(GANTRY, "gantry.urdf", None).unwrap(), ["left", "wrist"]);
+    let error = gantry(None, None).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "gantry.urdf: several chains start at `world`; choose one by its tip: left (5 joints), wrist (4 joints)"
+    );
+    let plain: String = GANTRY.replace("<mimic joint=\"finger_left\"/>", "");
+    assert_eq!(tips(&plain, "gantry.urdf", None).unwrap(), ["left", "right"]);
+    let one = "<robot name='r'><link name='a'/><link name='b'/><link name='label'/>\
+               <joint name='j' type='revolute'><parent link='a'/><child link='b'/></joint>\
+               <joint name='f' type='fixed'><parent link='a'/><child link='label'/></joint></robot>";
+    assert_eq!(parse(one, "one.urdf", None, None).unwrap().tip, "b");
+    let below = gantry(Some("upper_arm"), Some("wrist")).unwrap();
+    assert_eq!(below.joint_names, ["elbow", "extension"]);
+    assert!(
+        below.notes.iter().any(|n| n.contains("`upper_arm` is taken to be at rest")),
+        "{:?}",
+        below.notes
+    );
+}
+
+#[test]
+fn names_that_are_no_links_and_chains_that_are_none() {
+    for (base, tip, part) in [
+        (None, Some("wirst"), "there is no link `wirst` for the tip, did you mean `wrist`?"),
+        (Some("floor"), None, "there is no link `floor` for the base; links: world, rail, carriage"),
+        (Some("forearm"), Some("carriage"), "the tip `carriage` does not hang on the base `forearm`"),
+        (None, Some("rail"), "between `world` and `rail` there is no joint that moves"),
+        (Some("right"), None, "no joint that moves hangs on the base `right`"),
+        (None, Some("right"), "gantry.urdf:100: joint finger_right: follows the joint finger_left (mimic)"),
+    ] {
+        let error = gantry(base, tip).unwrap_err().to_string();
+        assert!(error.contains(part), "{part}\n---\n{error}");
+    }
+}
+
+/// A robot of two links with this joint between them, on line 4.
+fn two_links(joint: &str) -> String {
+    format!("<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n{joint}\n</robot>\n")
+}
+
+#[test]
+fn every_fault_has_its_place_and_remedy() {
+    let ends = "<parent link=\"a\"/><child link=\"b\"/>";
+    let bomb =
+        "<!DOCTYPE robot [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>";
+    let outside =
+        "<!DOCTYPE robot [<!ENTITY a SYSTEM \"file:///etc/passwd\">]>\n<robot name=\"r\">&a;</robot>";
+    for (text, part) in [
+        (bomb.to_owned(), "arm.urdf:1: the file declares a document type"),
+        (outside.to_owned(), "arm.urdf:1: the file declares a document type"),
+        (String::new(), "is no well-formed XML"),
+        ("<robot name=\"r\">".to_owned(), "is no well-formed XML"),
+        ("alpha,a,d\n0,0,0\n".to_owned(), "is no well-formed XML"),
+        ("<mujoco/>".to_owned(), "the outermost element is <mujoco>"),
+        (
+            "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:include filename=\"a\"/></robot>"
+                .to_owned(),
+            "arm.urdf:2: `<xacro:include>` is xacro",
+        ),
+        ("<robot>\n<xacro:arm/></robot>".to_owned(), "expand it with `xacro arm.urdf > robot.urdf`"),
+        ("<robot name=\"r\"/>".to_owned(), "there are no links"),
+        (two_links(""), "several links hang on no joint; choose one as the base: a, b"),
+        (
+            two_links(&format!("<joint type=\"fixed\">{ends}</joint>")),
+            "arm.urdf:4: <joint>: lacks the attribute `name`",
+        ),
+        (
+            two_links(&format!("<joint name=\"j\" type=\"hinge\">{ends}</joint>")),
+            "arm.urdf:4: joint j: the type `hinge` is not known; known are revolute, continuous, prismatic",
+        ),
+        (
+            two_links("<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint>"),
+            "joint j, <child>: there is no link `c`",
+        ),
+        (
+            two_links("<joint name=\"j\" type=\"fixed\"><child link=\"b\"/></joint>"),
+            "joint j: lacks <parent link=",
+        ),
+        (
+            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<axis xyz=\"0 0 0\"/></joint>")),
+            "joint j, <axis>: the axis has no direction",
+        ),
+        (
+            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<axis xyz=\"0 1\"/></joint>")),
+            "`xyz` must be 3 finite numbers with spaces between, is `0 1`",
+        ),
+        (
+            two_links(&format!(
+                "<joint name=\"j\" type=\"revolute\">{ends}<origin rpy=\"0 nan 0\"/></joint>"
+            )),
+            "`rpy` must be 3 finite numbers with spaces between, is `0 nan 0`",
+        ),
+        (
+            two_links(&format!("<joint name=\"j\" type=\"revolute\">{ends}<limit effort=\"much\"/></joint>")),
+            "`effort` must be a finite number, is `much`",
+        ),
+        (
+            two_links(&format!("<joint name=\"j\" type=\"floating\">{ends}</joint>")),
+            "joint j: is floating, which serial chains cannot have; choose a base behind it: `b`",
+        ),
+        (
+            two_links(&format!(
+                "<joint name=\"j\" type=\"fixed\">{ends}</joint><joint name=\"j\" type=\"fixed\">{ends}</joint>"
+            )),
+            "joint j: the name is taken by line 4",
+        ),
+        (
+            two_links(&format!(
+                "<joint name=\"j\" type=\"fixed\">{ends}</joint><joint name=\"k\" type=\"fixed\">{ends}</joint>"
+            )),
+            "joint k: its child `b` hangs on the joint j as well; closed loops cannot be read",
+        ),
+        (
+            two_links(
+                "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/></joint>\
+                 <joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>",
+            ),
+            "the joints of these links form a loop without a base: a, b",
+        ),
+        (
+            "<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/></inertial></link></robot>"
+                .to_owned(),
+            "link a, <inertial>: lacks <inertia",
+        ),
+        (
+            "<robot name=\"r\"><link name=\"a\"><inertial><inertia ixx=\"1\"/></inertial></link></robot>"
+                .to_owned(),
+            "link a, <inertial>: lacks <mass",
+        ),
+    ] {
+        let error = refused(&text, None);
+        assert!(error.contains(part), "{part}\n---\n{error}");
+        assert!(error.contains("arm.urdf"), "{error}");
+    }
+    // Independent faults are reported together.
+    let several = two_links(
+        "<joint name=\"j\" type=\"fixed\"><parent link=\"x\"/><child link=\"b\"/></joint>\n\
+         <joint name=\"k\" type=\"hinge\"><parent link=\"a\"/><child link=\"b\"/></joint>",
+    );
+    assert_eq!(parse(&several, "arm.urdf", None, None).unwrap_err().0.len(), 2);
+}
+
+#[test]
+fn rounded_angles_and_missing_inertia_are_noted() {
+    let text = GANTRY
+        .replace("rpy=\"1.5707963267948966 0 0\"", "rpy=\"1.5708 0 0\"")
+        .replace("<link name=\"world\"/>", "<link name=\"world\"><visual/></link>");
+    let robot = parse(&text, "gantry.urdf", None, Some("wrist")).unwrap();
+    let all = robot.notes.join("\n");
+    assert!(all.contains("joint elbow: roll = 1.5708 is 3.7e-6 rad off 2*pi/4"), "{all}");
+    assert!(all.contains("no inertia is stated, and so none is assumed, for: world"), "{all}");
+    let heavy = GANTRY.replace("<mass value=\"4.2\"/>", "<mass value=\"-4.2\"/>");
+    let notes = parse(&heavy, "gantry.urdf", None, Some("wrist")).unwrap().notes.join("\n");
+    assert!(notes.contains("link 1: the mass is -4.2 kg"), "{notes}");
+}
+
+#[test]
+fn files_that_are_no_text_or_too_large_are_refused() {
+    let folder = std::env::temp_dir().join(format!("aurt-robots-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("robot.urdf");
+    std::fs::write(&path, b"<robot name=\"\xff\"/>").unwrap();
+    let error = aurt_robots::read(&path, None, None).unwrap_err().to_string();
+    assert!(error.contains("is no UTF-8 text from byte 13 on"), "{error}");
+    // A sparse file takes no room.
+    std::fs::File::create(&path).unwrap().set_len(aurt_robots::MOST_BYTES + 1).unwrap();
+    let error = aurt_robots::read(&path, None, None).unwrap_err().to_string();
+    assert!(error.contains("has 67108865 bytes"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+    let error = aurt_robots::read("no/such.urdf", None, None).unwrap_err().to_string();
+    assert!(error.starts_with("no/such.urdf: cannot be read"), "{error}");
+}

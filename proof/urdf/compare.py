@@ -1,0 +1,165 @@
+"""Serial chains of URDF files: torques, regressors and numbers of base parameters against Pinocchio.
+
+    pip install pin==4.1.0 example-robot-data==6.0.0
+    cargo build --release -p aurt-robots --example chains
+    python proof/urdf/compare.py target/release/examples/chains            # all files of example-robot-data
+    python proof/urdf/compare.py target/release/examples/chains arm.urdf   # or those that are named
+
+Prints one row per file: chains read and refused, the largest number of joints, the largest relative differences of
+torque and regressor over the states of all chains (of each state relative to its largest entry), and chains whose
+number of base parameters differs. Exit status 1 if a difference exceeds 1e-9 or a number differs.
+
+Pinocchio reads the same file; joints beside the chain rest at zero in its model as they do in ours. Its regressor
+is in the parameters of its own link frames: ours is turned into these by the constant rotation between the two frames
+of each joint.
+"""
+
+import collections
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+TOLERANCE = 1e-9
+STATES = 100
+
+
+def robot_files():
+    """The URDF files of example-robot-data."""
+    prefix = pathlib.Path(pin.__file__).parents[4] / "share" / "example-robot-data" / "robots"
+    return sorted(prefix.rglob("*.urdf"))
+
+
+def to_ours(turn):
+    """The 10 x 10 matrix from Pinocchio's dynamic parameters of a link to ours, XX XY XZ YY YZ ZZ mX mY mZ m."""
+    matrix = np.zeros((10, 10))
+    for column in range(10):
+        m, hx, hy, hz, xx, xy, yy, xz, yz, zz = np.eye(10)[column]
+        inertia = turn.T @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn
+        first = turn.T @ np.array([hx, hy, hz])
+        matrix[:, column] = [*inertia[np.triu_indices(3)], *first, m]
+    return matrix
+
+
+def relative(ours, theirs):
+    """Largest difference, relative to the largest entry; of zeros, absolute."""
+    size = np.abs(theirs).max()
+    return np.abs(ours - theirs).max() / (size if size > 0.0 else 1.0)
+
+
+def rank(matrix):
+    """Numerical rank with columns of unit length."""
+    length = np.linalg.norm(matrix, axis=0)
+    kept = matrix[:, length > 1e-9 * length.max()]
+    values = np.linalg.svd(kept / np.linalg.norm(kept, axis=0), compute_uv=False)
+    return int((values > 1e-9).sum())
+
+
+def rest(model, file):
+    """The posture of joints beside a chain: zero, and the offset of joints that follow another."""
+    posture = pin.neutral(model)
+    for element in xml.etree.ElementTree.parse(file).getroot().findall("joint"):
+        mimic = element.find("mimic")
+        if mimic is not None and model.existJointName(element.get("name")):
+            joint = model.joints[model.getJointId(element.get("name"))]
+            posture[joint.idx_q] = float(mimic.get("offset", 0.0))
+    return posture
+
+
+def compare_chain(model, posture, chain, folder):
+    """Largest relative differences of torque and regressor, and Pinocchio's number of base parameters.
+
+    The model is that of the whole robot, in which nothing but the chain moves: the chain's joints carry the same torques
+    as if the others were fixed, and the columns of its links are the same.
+    """
+    n = len(chain["joints"])
+    data = model.createData()
+    joints = [model.joints[model.getJointId(name)] for name in chain["joints"]]
+    velocities = [joint.idx_v for joint in joints]
+    links = [model.getJointId(name) - 1 for name in chain["joints"]]
+    into = [to_ours(np.array(frame)) for frame in chain["frames"]]
+    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 10 * n * n)
+    differences, stacked = [0.0, 0.0], []
+    for row in numbers:
+        q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
+        ours = row[4 * n :].reshape(n, n, 10)
+        configuration, v, a = posture.copy(), np.zeros(model.nv), np.zeros(model.nv)
+        for k, joint in enumerate(joints):
+            value = [q[k]] if joint.nq == 1 else [np.cos(q[k]), np.sin(q[k])]
+            configuration[joint.idx_q : joint.idx_q + joint.nq] = value
+            v[joint.idx_v], a[joint.idx_v] = qd[k], qdd[k]
+        theirs = pin.rnea(model, data, configuration, v, a)[velocities]
+        differences[0] = max(differences[0], relative(torque, theirs))
+        theirs = pin.computeJointTorqueRegressor(model, data, configuration, v, a)
+        theirs = theirs.reshape(model.nv, model.njoints - 1, 10)[velocities][:, links]
+        ours = np.stack([ours[:, link] @ into[link] for link in range(n)], axis=1)
+        differences[1] = max(differences[1], relative(ours, theirs))
+        stacked.append(theirs.reshape(n, 10 * n))
+    return (*differences, rank(np.vstack(stacked)))
+
+
+def kind(reason):
+    """A refusal without its place and names."""
+    return re.sub(r"^[^ ]*: (joint [^:]*: )?", "", reason).split("(")[0].split(";")[0].split("joint ")[0].strip()
+
+
+def written(program, file, folder):
+    """What the program writes about a file, and where its numbers are."""
+    if sys.argv[1] == "--written":
+        folder = pathlib.Path(program)
+        return json.loads((folder / "chains.json").read_text()), folder
+    run = subprocess.run([program, folder, file], capture_output=True, text=True, check=True)
+    return json.loads(run.stdout), pathlib.Path(folder)
+
+
+def main():
+    # `--written FOLDER FILE`: what the program has written about the file already, as the test of aurt-robots does.
+    program, *files = sys.argv[2:] if sys.argv[1] == "--written" else sys.argv[1:]
+    files = [pathlib.Path(f) for f in files] or robot_files()
+    failures, total, refusals = 0, collections.Counter(), collections.Counter()
+    print("| file | chains | refused | joints | torque | regressor | base parameters |")
+    print("|---|---|---|---|---|---|---|")
+    for file in files:
+        with tempfile.TemporaryDirectory() as folder:
+            found, numbers = written(program, file, folder)
+            name = file.name
+            if "refused" in found:
+                print(f"| {name} | – | all | | | | {found['refused']} |", flush=True)
+                refusals[kind(found["refused"])] += 1
+                continue
+            read = [chain for chain in found["chains"] if "number" in chain]
+            refused = [chain["refused"] for chain in found["chains"] if "refused" in chain]
+            refusals.update(kind(reason) for reason in refused)
+            total.update(files=1, chains=len(read), refused=len(refused))
+            if read:
+                model = pin.buildModelFromUrdf(str(file))
+                posture = rest(model, file)
+            worst, other = [0.0, 0.0], []
+            for chain in read:
+                *differences, rank_there = compare_chain(model, posture, chain, numbers)
+                worst = np.maximum(worst, differences)
+                if chain["base_parameters"] != rank_there:
+                    here = chain["base_parameters"] or chain["base_parameters_error"]
+                    other.append(f"{chain['tip']}: {here}, Pinocchio {rank_there}")
+            failures += max(worst) > TOLERANCE or bool(other)
+            counts = sorted({chain["base_parameters"] or 0 for chain in read})
+            text = "; ".join(other) or ", ".join(map(str, counts))
+            joints = max((len(chain["joints"]) for chain in read), default=0)
+            print(
+                f"| {name} | {len(read)} | {len(refused)} | {joints} | {worst[0]:.0e} | {worst[1]:.0e} | {text} |",
+                flush=True,
+            )
+    print(f"\n{total['files']} files, {total['chains']} chains compared, {total['refused']} refused:")
+    for reason, count in refusals.most_common():
+        print(f"- {count}: {reason}")
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()
