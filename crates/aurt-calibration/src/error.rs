@@ -54,6 +54,14 @@ pub enum CalibrationError {
         /// Columns of the other.
         right: usize,
     },
+    /// A prior that cannot be used.
+    #[error(transparent)]
+    Prior(#[from] crate::consistent::PriorError),
+    /// No consistent estimate was found.
+    #[error(
+        "no machine was found whose bodies, rotors and friction are physically possible beside these recordings;          `estimator = \"wls\"` shows what least squares makes of them"
+    )]
+    Inconsistent,
     /// Nothing to calibrate on.
     #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,

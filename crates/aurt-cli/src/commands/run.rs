@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest, TermScopes};
+use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
 use aurt_plugins::{Experiment, experiment};
 use clap::Args;
 use serde_json::json;
@@ -136,6 +136,7 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
         estimator: match estimator {
             experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
             experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
+            experiment::Estimator::Consistent => Estimator::Consistent,
         },
         load_torque: match load_torque {
             experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
@@ -147,5 +148,6 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
         },
         rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
         fit_shapes,
+        deviations: Deviations::Memory,
     }
 }

@@ -230,6 +230,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Wls => "wls",
         Estimator::Ols => "ols",
+        Estimator::Consistent => "consistent",
     }
 }
 
