@@ -31,12 +31,13 @@ mod wls;
 
 pub use accumulate::{accumulate, accumulate_scoped};
 pub use calibrated::{
-    CalibratedParameter, Calibration, CalibrationOptions, Deviations, Estimator, JointRange, LoadTorqueChoice,
-    Rest,
+    CalibratedParameter, Calibration, CalibrationOptions, Deviations, Estimator, JointRange,
+    LoadTorqueChoice, Rest,
 };
 pub use comparison::{ComparedJoint, Comparison, compare};
 pub use consistent::{
-    ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent, possible_body,
+    ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
+    possible_body,
 };
 pub use dense::add_gram;
 pub use error::CalibrationError;

@@ -167,8 +167,7 @@ impl System {
         for (k, column) in others.iter().enumerate() {
             // Below the pivots before it, what is left of the column is rounding.
             let before = kept.partition_point(|c| c < column);
-            beyond[k * m..k * m + before]
-                .copy_from_slice(&stacked[column * rows..column * rows + before]);
+            beyond[k * m..k * m + before].copy_from_slice(&stacked[column * rows..column * rows + before]);
         }
         Ok(Reduced { kept, scales, upper, right, others, beyond })
     }

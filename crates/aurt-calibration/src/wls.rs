@@ -193,8 +193,7 @@ fn remember(
     (recordings, scopes, load): (&[&NamedRecording], &TermScopes, &LoadTorque),
 ) -> Result<(), CalibrationError> {
     let Setting { model, options, .. } = *setting;
-    let weights =
-        if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
+    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
     let plain = system.solve(&weights, |_| true)?;
     let covariance = sandwich(&Observed {
         model,

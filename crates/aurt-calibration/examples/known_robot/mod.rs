@@ -10,13 +10,14 @@ use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel, ViscousBasis,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Samples per second.
 pub const RATE_HZ: f64 = 250.0;
 /// Frequency of the dynamics that filters follow.
 pub const F_DYN_HZ: f64 = 5.0;
-const MDH: &str = "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
+const MDH: &str =
+    "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 const COULOMB_NM: [f64; 6] = [12.0, 14.0, 8.5, 3.6, 3.4, 3.0];
 const VISCOUS_NM_S: [f64; 6] = [13.5, 13.0, 8.5, 3.2, 2.8, 2.6];
@@ -39,8 +40,6 @@ pub enum Noise {
 pub struct KnownRobot {
     /// Its model.
     pub model: RobotModel,
-    /// Its standard parameters.
-    pub standard: Vec<f64>,
     /// The model's coefficients.
     pub truth: Vec<f64>,
     dynamics: ChainDynamics,
@@ -75,12 +74,11 @@ impl KnownRobot {
         let stacks = (0..6)
             .map(|j| {
                 truth.extend([COULOMB_NM[j], VISCOUS_NM_S[j]]);
-                let built = |value: Value| value;
                 JointStack::new(
-                    registry.build_from_json::<dyn CoulombModel>(&built(json!({"model": "none"}))).unwrap(),
-                    registry.build_from_json::<dyn HysteresisModel>(&built(json!({"model": "sign"}))).unwrap(),
+                    registry.build_from_json::<dyn CoulombModel>(&json!({"model": "none"})).unwrap(),
+                    registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
                     registry
-                        .build_from_json::<dyn ViscousBasis>(&built(json!({"model": "polynomial", "powers": [1]})))
+                        .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))
                         .unwrap(),
                 )
                 .unwrap()
@@ -97,7 +95,7 @@ impl KnownRobot {
         }
         let chain = SerialChain::from_mdh(&table, GRAVITY_M_S2).unwrap();
         let dynamics = ChainDynamics::new(chain, &standard).unwrap();
-        Self { model, standard, truth, dynamics }
+        Self { model, truth, dynamics }
     }
 
     /// Motion and torques without noise; motions of different `kind` have different phases.

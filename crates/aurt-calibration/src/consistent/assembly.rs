@@ -142,10 +142,8 @@ impl Assembly {
         }
         let estimated: Vec<bool> = (0..n).map(|c| of.row(c).iter().any(|v| *v != 0.0)).collect();
         let undecided = inside(&mut rows, &estimated, &mut begin);
-        let positive = rows
-            .into_iter()
-            .map(|(_, row)| Positive { at: row.dot(&at), of: of.tr_mul(&row) })
-            .collect();
+        let positive =
+            rows.into_iter().map(|(_, row)| Positive { at: row.dot(&at), of: of.tr_mul(&row) }).collect();
 
         let guessed = standard(model, prior);
         begin.rows_mut(0, base.len()).copy_from_slice(&base.values(&guessed));

@@ -54,11 +54,7 @@ pub fn possible_body(estimate: &[f64; 10], covariance: &[f64]) -> Option<Possibl
         free: 0,
         seen: 10,
         scale: 1.0,
-        bodies: vec![BodyMap {
-            of: DMatrix::from_column_slice(10, 10, root.as_slice()),
-            at: wanted,
-            prior,
-        }],
+        bodies: vec![BodyMap { of: DMatrix::from_column_slice(10, 10, root.as_slice()), at: wanted, prior }],
         positive: Vec::new(),
         pull: Pull::Entropic,
         pull_weight: 0.0,

@@ -69,9 +69,8 @@ pub fn make_consistent(
 ) -> Result<(Vec<f64>, ConsistentReport), CalibrationError> {
     let triangle = fit.system.triangle(fit.weights)?;
     let known = prior.map(|p| p.bodies(fit.model)).transpose()?;
-    let bodies = known.unwrap_or_else(|| {
-        vec![guessed(fit.model, fit.coefficients); fit.model.rigid_body().bodies().len()]
-    });
+    let bodies = known
+        .unwrap_or_else(|| vec![guessed(fit.model, fit.coefficients); fit.model.rigid_body().bodies().len()]);
     let assembly = Assembly::new(Ground {
         model: fit.model,
         triangle: &triangle,
@@ -82,10 +81,8 @@ pub fn make_consistent(
         pull: prior.map_or_else(Pull::default, |p| p.pull),
         pull_weight: prior.map_or(0.0, |p| p.weight),
     })?;
-    let reached = assembly
-        .program
-        .solve(assembly.start.clone(), 0.5 * LOSS)
-        .ok_or(CalibrationError::Inconsistent)?;
+    let reached =
+        assembly.program.solve(assembly.start.clone(), 0.5 * LOSS).ok_or(CalibrationError::Inconsistent)?;
     let value = |(of, at): &(DMatrix<f64>, DVector<f64>)| of * &reached.at + at;
     let coefficients = value(&assembly.coefficients);
     let standard = value(&assembly.standard);

@@ -27,7 +27,9 @@ pub struct Prior {
 #[non_exhaustive]
 pub enum PriorError {
     /// Another number of parameters than the robot has.
-    #[error("the prior has {found} standard parameters, and the robot {expected}; give ten for each link, from 0")]
+    #[error(
+        "the prior has {found} standard parameters, and the robot {expected}; give ten for each link, from 0"
+    )]
     Count {
         /// Those of the robot.
         expected: usize,
@@ -109,7 +111,9 @@ pub(super) fn ball(centre_m: [f64; 3], radius_m: f64, mass_kg: f64) -> Matrix4<f
     Matrix4::from_fn(|r, c| match (r, c) {
         (3, 3) => mass_kg,
         (3, k) | (k, 3) => mass_kg * centre_m[k],
-        (r, c) => mass_kg * (centre_m[r] * centre_m[c] + if r == c { radius_m * radius_m / 5.0 } else { 0.0 }),
+        (r, c) => {
+            mass_kg * (centre_m[r] * centre_m[c] + if r == c { radius_m * radius_m / 5.0 } else { 0.0 })
+        }
     })
 }
 

@@ -6,11 +6,13 @@ use super::pseudo_inertia::{Standard, adjoint, metric, pseudo_inertia};
 
 /// A point is centred when Newton's decrement, squared and over the weight of the barrier, is below this on the way,
 /// and below the second at the end.
-const CENTRED: [f64; 2] = [0.05, 1e-9];
+const CENTRED: [f64; 2] = [0.3, 1e-3];
 /// The barrier's weight falls by this factor from centre to centre.
-const FALL: f64 = 0.03;
+const FALL: f64 = 0.1;
+/// Share of the way to the nearest bound that a step along the path may take.
+const KEPT_AWAY: f64 = 0.7;
 /// Newton steps after which a search is given up.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 600;
 /// Share of the loss itself below which a distance from the optimum is rounding.
 const ROUNDING: f64 = 1e-9;
 /// In a Euclidean pull the logarithm of the determinant only keeps bodies possible.
@@ -85,9 +87,8 @@ pub(crate) struct Reached {
     pub weight: f64,
 }
 
-/// Value, gradient and second derivative's root of the barrier.
+/// Gradient and second derivative's root of the barrier.
 struct Local {
-    value: f64,
     gradient: DVector<f64>,
     root: DMatrix<f64>,
 }
@@ -111,31 +112,10 @@ impl Program {
         self.bodies.iter().map(|b| b.at + Standard::from_iterator((&b.of * y).iter().copied())).collect()
     }
 
-    /// The barrier's value; nothing outside.
-    fn barrier(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64) -> Option<f64> {
-        let more = self.emphasis(weight);
-        let mut value = 0.0;
-        for (standard, prior) in self.standard(y).iter().zip(inverse) {
-            let p = pseudo_inertia(&standard.data.0[0]);
-            let l = p.cholesky()?;
-            let logarithm = 2.0 * (0..4).map(|k| l.l_dirty()[(k, k)].ln()).sum::<f64>();
-            value += more
-                * match self.pull {
-                Pull::Entropic => prior.dot(&p) - logarithm,
-                Pull::Euclidean => {
-                    let away = prior * p - Matrix4::identity();
-                    0.5 * away.transpose().dot(&away) - EUCLIDEAN_BARRIER * logarithm
-                }
-            };
-        }
-        for p in &self.positive {
-            let amount = p.at + p.of.dot(y);
-            if amount <= 0.0 {
-                return None;
-            }
-            value -= amount.ln();
-        }
-        value.is_finite().then_some(value)
+    /// Whether all bodies can exist and everything else is positive.
+    fn is_inside(&self, y: &DVector<f64>) -> bool {
+        self.standard(y).iter().all(|s| pseudo_inertia(&s.data.0[0]).cholesky().is_some())
+            && self.positive.iter().all(|p| p.at + p.of.dot(y) > 0.0)
     }
 
     fn local(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64) -> Option<Local> {
@@ -168,10 +148,13 @@ impl Program {
         let first = per_body * self.bodies.len();
         for (k, p) in self.positive.iter().enumerate() {
             let amount = p.at + p.of.dot(y);
+            if amount <= 0.0 {
+                return None;
+            }
             gradient.axpy(-1.0 / amount, &p.of, 1.0);
             root.row_mut(first + k).copy_from(&(p.of.transpose() / amount));
         }
-        Some(Local { value: self.barrier(y, inverse, weight)?, gradient, root })
+        Some(Local { gradient, root })
     }
 
     /// Follows the central path from a point inside until the loss (with the pull, where that has a weight of its own) is
@@ -199,14 +182,48 @@ impl Program {
                     .sum::<f64>();
             let within = weight * reach;
             let last = within <= tolerance.max(ROUNDING * self.loss(&y));
-            let centred = self.centre(&mut y, &mut local, &inverse, weight, CENTRED[usize::from(last)], &mut steps);
+            let centred =
+                self.centre(&mut y, &mut local, &inverse, weight, CENTRED[usize::from(last)], &mut steps);
             if last || steps >= MOST_STEPS {
                 let loss = self.loss(&y);
                 let converged = last && centred;
                 return Some(Reached { at: y, loss, within, steps, converged, weight });
             }
-            weight *= FALL;
+            let next = weight * FALL;
+            y = self.predicted(&y, &local, weight, next).unwrap_or(y);
+            steps += 1;
+            weight = next;
         }
+    }
+
+    /// Where the central path leads, to first order, at a smaller weight: H dy = −∇φ dμ with H at the weight before. Near
+    /// a bound a distance is proportional to the weight, and this step reaches it, where Newton's from there would overshoot.
+    fn predicted(&self, y: &DVector<f64>, local: &Local, weight: f64, next: f64) -> Option<DVector<f64>> {
+        let direction = self.direction(local, &(&local.gradient * (next - weight)), weight)?;
+        let nearest = self.shrinking(y, &direction)?.iter().fold(0.0_f64, |a, v| a.min(*v));
+        // What is too near a bound afterwards takes many steps to come away from it.
+        let length = if nearest < 0.0 { (-KEPT_AWAY / nearest).min(1.0) } else { 1.0 };
+        let there = y + length * direction;
+        self.is_inside(&there).then_some(there)
+    }
+
+    /// The relative rates at which what has to be positive changes along a direction: eigenvalues of L⁻¹ dP L⁻ᵀ for
+    /// P = L Lᵀ, four for each body, and dp/p.
+    fn shrinking(&self, y: &DVector<f64>, direction: &DVector<f64>) -> Option<Vec<f64>> {
+        let mut rates = Vec::with_capacity(4 * self.bodies.len() + self.positive.len());
+        for (body, standard) in self.bodies.iter().zip(self.standard(y)) {
+            let step =
+                pseudo_inertia(&Standard::from_iterator((&body.of * direction).iter().copied()).data.0[0]);
+            let l = pseudo_inertia(&standard.data.0[0]).cholesky()?.l();
+            let half = l.solve_lower_triangular(&step)?;
+            let whole = l.solve_lower_triangular(&half.transpose())?;
+            if !whole.iter().all(|v| v.is_finite()) {
+                return None;
+            }
+            rates.extend(whole.symmetric_eigenvalues().iter().copied());
+        }
+        rates.extend(self.positive.iter().map(|p| p.of.dot(direction) / (p.at + p.of.dot(y))));
+        Some(rates)
     }
 
     /// Newton steps at one weight of the barrier.
@@ -219,7 +236,6 @@ impl Program {
         enough: f64,
         steps: &mut usize,
     ) -> bool {
-        let mut stuck = false;
         while *steps < MOST_STEPS {
             let mut gradient = &local.gradient * weight;
             let mut seen = gradient.rows_mut(self.free, self.seen);
@@ -229,25 +245,12 @@ impl Program {
             if decrement <= enough * weight {
                 return true;
             }
-            let objective = self.loss(y) + weight * local.value;
-            let mut length = 1.0;
-            let next = loop {
-                let next = &*y + length * &direction;
-                let value = self.barrier(&next, inverse, weight).map(|b| self.loss(&next) + weight * b);
-                if value.is_some_and(|v| v <= objective - 0.1 * length * decrement) {
-                    break next;
-                }
-                length *= 0.5;
-                // What is left to gain is rounding.
-                if length < 1e-10 {
-                    stuck = true;
-                    break y.clone();
-                }
-            };
-            if stuck {
-                return decrement <= 1e-3 * weight || decrement <= 1e-10 * objective.abs();
+            // What is left to gain is rounding.
+            if decrement <= ROUNDING.powi(2) * self.loss(y) {
+                return true;
             }
-            *y = next;
+            let Some(length) = self.length(y, &direction, inverse, weight, -decrement) else { return false };
+            y.axpy(length, &direction, 1.0);
             *steps += 1;
             match self.local(y, inverse, weight) {
                 Some(found) => *local = found,
@@ -255,6 +258,56 @@ impl Program {
             }
         }
         false
+    }
+
+    /// How far to go along a direction in which the objective begins with the slope given: to where it is least. With the
+    /// eigenvalues λ of L⁻¹ dP L⁻ᵀ, P = L Lᵀ, −log det(P + t dP) is −Σ log(1 + t λ), and the rest a parabola; so the slope is
+    /// known everywhere, and its zero is bracketed.
+    fn length(
+        &self,
+        y: &DVector<f64>,
+        direction: &DVector<f64>,
+        inverse: &[Matrix4<f64>],
+        weight: f64,
+        slope: f64,
+    ) -> Option<f64> {
+        let more = self.emphasis(weight);
+        let seen = direction.rows(self.free, self.seen);
+        let mut curvature = seen.norm_squared() / self.scale;
+        if self.pull == Pull::Euclidean {
+            for (body, prior) in self.bodies.iter().zip(inverse) {
+                let step = Standard::from_iterator((&body.of * direction).iter().copied());
+                let away = prior * pseudo_inertia(&step.data.0[0]);
+                curvature += weight * more * away.transpose().dot(&away);
+            }
+        }
+        let share = if self.pull == Pull::Euclidean { EUCLIDEAN_BARRIER } else { 1.0 };
+        let bodies = 4 * self.bodies.len();
+        let weight_of = |k: usize| if k < bodies { weight * more * share } else { weight };
+        let logarithms: Vec<(f64, f64)> =
+            self.shrinking(y, direction)?.into_iter().enumerate().map(|(k, v)| (weight_of(k), v)).collect();
+        // The slope at t less that at 0: ct + Σ w λ² t / (1 + t λ).
+        let slope_at = |t: f64| {
+            let bent: f64 = logarithms.iter().map(|(w, v)| w * v * v * t / (1.0 + t * v)).sum();
+            slope + curvature * t + bent
+        };
+        let least = logarithms.iter().fold(0.0_f64, |a, (_, v)| a.min(*v));
+        let (mut low, mut high) = (0.0, if least < 0.0 { -KEPT_AWAY / least } else { f64::INFINITY });
+        if high.is_finite() && slope_at(high) < 0.0 {
+            return Some(high);
+        }
+        if high.is_infinite() {
+            high = 1.0;
+            while slope_at(high) < 0.0 && high < 1e12 {
+                low = high;
+                high *= 2.0;
+            }
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            *(if slope_at(middle) < 0.0 { &mut low } else { &mut high }) = middle;
+        }
+        (low > 0.0).then_some(low)
     }
 
     /// −H⁻¹ g, from H = diag(0, 1/s) + μ RᵀR with its diagonal scaled to one.
@@ -330,9 +383,7 @@ mod tests {
                     prior: ball,
                 })
                 .collect(),
-            positive: (n - 2..n)
-                .map(|k| Positive { of: spread.row(k).transpose(), at: centre[k] })
-                .collect(),
+            positive: (n - 2..n).map(|k| Positive { of: spread.row(k).transpose(), at: centre[k] }).collect(),
             pull: Pull::Entropic,
             pull_weight: 0.0,
         };
@@ -364,7 +415,11 @@ mod tests {
             }
             let bound = -0.5 * program.scale * linear.norm_squared() - constant;
             let gap = reached.loss - bound;
-            assert!(gap >= -1e-9 && gap <= 20.0 * tolerance.max(ROUNDING * reached.loss), "{seed}: {gap:e} of {}", reached.loss);
+            assert!(
+                gap >= -1e-9 && gap <= 20.0 * tolerance.max(ROUNDING * reached.loss),
+                "{seed}: {gap:e} of {}",
+                reached.loss
+            );
         }
     }
 
@@ -375,7 +430,9 @@ mod tests {
             let euclidean = Program { pull: Pull::Euclidean, ..entropic.clone() };
             let [a, b] = [&entropic, &euclidean].map(|p| p.solve(start.clone(), 1e-5).unwrap());
             assert!((a.loss - b.loss).abs() < 3e-5 * (1.0 + a.loss), "{seed}: {} {}", a.loss, b.loss);
-            for strong in [Program { pull_weight: 1e8, ..entropic.clone() }, Program { pull_weight: 1e8, ..euclidean }] {
+            for strong in
+                [Program { pull_weight: 1e8, ..entropic.clone() }, Program { pull_weight: 1e8, ..euclidean }]
+            {
                 let reached = strong.solve(start.clone(), 1e-5).unwrap();
                 for (body, standard) in strong.bodies.iter().zip(strong.standard(&reached.at)) {
                     let away = (pseudo_inertia(&standard.data.0[0]) - body.prior).norm() / body.prior.norm();

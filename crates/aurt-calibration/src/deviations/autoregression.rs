@@ -130,7 +130,10 @@ mod tests {
         let mut covariance = Autocovariance::default();
         covariance.add(&series, series.len(), 1.0);
         let found = covariance.fit();
-        assert!((found.coefficients[0] - 1.2).abs() < 0.05 && (found.coefficients[1] + 0.5).abs() < 0.05, "{found:?}");
+        assert!(
+            (found.coefficients[0] - 1.2).abs() < 0.05 && (found.coefficients[1] + 0.5).abs() < 0.05,
+            "{found:?}"
+        );
         assert!((found.innovation - 1.0).abs() < 0.03, "{found:?}");
         let white = normal(5, 20_000);
         let mut covariance = Autocovariance::default();

@@ -45,8 +45,7 @@ pub(super) fn rows_of(
                 })
                 .collect();
             let mut left = block.measurement(&measurement[j]).to_vec();
-            for ((slot, column), into) in
-                model.row_slots(j).zip(model.row_columns(j)).zip(&mut rows.columns)
+            for ((slot, column), into) in model.row_slots(j).zip(model.row_columns(j)).zip(&mut rows.columns)
             {
                 let factor = if acting[*column] { 1.0 } else { 0.0 };
                 for ((value, residual), kept) in block.column(slot).iter().zip(&mut left).zip(&kept) {

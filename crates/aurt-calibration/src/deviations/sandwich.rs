@@ -74,7 +74,8 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
             }
             let moved = &bread * &middle * (weights[joint].powi(2) * noise.innovation.sqrt());
             // The fit took up part of the noise, and the residual shows the rest.
-            let taken = (&middle.transpose() * &bread * &middle).trace() * weights[joint].powi(2) * noise.innovation;
+            let taken =
+                (&middle.transpose() * &bread * &middle).trace() * weights[joint].powi(2) * noise.innovation;
             let shown = memory.variance() * memory.values() as f64;
             let share = if shown > 0.0 { taken / (shown + taken) } else { 0.0 };
             let covariance: DMatrix<f64> = &moved * moved.transpose();
@@ -113,7 +114,11 @@ fn pieces<'a>(observed: &Observed<'a>) -> Vec<Piece<'a>> {
     once.into_iter()
         .flat_map(|(recording, times)| {
             let acting = observed.scopes.acting(observed.model, &recording.name);
-            recording.data.segments.iter().map(move |segment| Piece { segment, acting: acting.clone(), times })
+            recording.data.segments.iter().map(move |segment| Piece {
+                segment,
+                acting: acting.clone(),
+                times,
+            })
         })
         .collect()
 }

@@ -114,8 +114,16 @@ pub fn calibrate_shapes_rows(
     drop(problem);
     let Shaped { model, mut fitted, .. } = shaped;
     fitted.estimate.solution.covariance = precision.covariance;
-    let mut calibration = rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted, scopes)?;
-    let white: Vec<f64> = fitted.estimate.solution.covariance.iter().step_by(calibration.parameters.len() + 1).map(|v| (bandwidth * v).sqrt()).collect();
+    let mut calibration =
+        rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted, scopes)?;
+    let white: Vec<f64> = fitted
+        .estimate
+        .solution
+        .covariance
+        .iter()
+        .step_by(calibration.parameters.len() + 1)
+        .map(|v| (bandwidth * v).sqrt())
+        .collect();
     report.remember(&model, &calibration.parameters, &white);
     calibration.warnings.extend(report.warnings(unit));
     calibration.shape_fit = Some(report);

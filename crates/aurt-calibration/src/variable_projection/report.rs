@@ -69,7 +69,12 @@ impl FittedShape {
 impl ShapeReport {
     /// Widens the shapes' intervals as the memory of the noise has widened those of their owners' coefficients; `white` are
     /// the coefficients' deviations without it.
-    pub(super) fn remember(&mut self, model: &RobotModel, coefficients: &[CalibratedParameter], white: &[f64]) {
+    pub(super) fn remember(
+        &mut self,
+        model: &RobotModel,
+        coefficients: &[CalibratedParameter],
+        white: &[f64],
+    ) {
         for shape in &mut self.shapes {
             let ratios: Vec<f64> = model
                 .group(shape.group)

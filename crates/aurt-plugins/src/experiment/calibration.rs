@@ -63,7 +63,11 @@ impl Calibration {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
         let estimator = section.choice(
             "estimator",
-            &[("wls", Estimator::WeightedLeastSquares), ("ols", Estimator::OrdinaryLeastSquares), ("consistent", Estimator::Consistent)],
+            &[
+                ("wls", Estimator::WeightedLeastSquares),
+                ("ols", Estimator::OrdinaryLeastSquares),
+                ("consistent", Estimator::Consistent),
+            ],
         );
         let load_torque = section.choice(
             "load_torque",
