@@ -28,34 +28,34 @@ fn main() {
         "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
     );
     println!(
-        "| noise of the currents | encoder | recordings | all | rigid bodies | friction | all, rows taken as white |"
+        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |"
     );
     println!("|---|---|---|---|---|---|---|");
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
     let encoders = [("exact", None), ("19 bit", Some(19)), ("16 bit", Some(16)), ("12 bit", Some(12))];
-    for (noise_name, noise) in noises {
-        for (encoder, bits) in encoders {
-            for count in [1, RECORDINGS] {
-                let found: Vec<Counts> = (1..=seeds)
-                    .into_par_iter()
-                    .map(|seed| covered(&robot, &clean[..count], seed, noise, bits))
-                    .collect();
-                let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
-                let share = |k: usize, groups: &[usize]| {
-                    let (held, all): (f64, f64) = groups
-                        .iter()
-                        .fold((0.0, 0.0), |(h, a), g| (h + sum(k, 2 * g), a + sum(k, 2 * g + 1)));
-                    100.0 * held / all
-                };
-                println!(
-                    "| {noise_name} | {encoder} | {count} | {:.1} | {:.1} | {:.1} | {:.1} |",
-                    share(0, &[0, 1]),
-                    share(0, &[0]),
-                    share(0, &[1]),
-                    share(1, &[0, 1])
-                );
-            }
-        }
+    let rows = [1, RECORDINGS].into_iter().flat_map(|count| {
+        noises
+            .into_iter()
+            .flat_map(move |noise| encoders.into_iter().map(move |encoder| (count, noise, encoder)))
+    });
+    for (count, (noise_name, noise), (encoder, bits)) in rows {
+        let found: Vec<Counts> = (1..=seeds)
+            .into_par_iter()
+            .map(|seed| covered(&robot, &clean[..count], seed, noise, bits))
+            .collect();
+        let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
+        let share = |k: usize, groups: &[usize]| {
+            let (held, all): (f64, f64) =
+                groups.iter().fold((0.0, 0.0), |(h, a), g| (h + sum(k, 2 * g), a + sum(k, 2 * g + 1)));
+            100.0 * held / all
+        };
+        println!(
+            "| {count} | {noise_name} | {encoder} | {:.1} | {:.1} | {:.1} | {:.1} |",
+            share(0, &[0, 1]),
+            share(0, &[0]),
+            share(0, &[1]),
+            share(1, &[0, 1])
+        );
     }
 }
 

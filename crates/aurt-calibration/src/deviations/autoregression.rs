@@ -21,23 +21,18 @@ pub(super) struct Autocovariance {
 }
 
 impl Autocovariance {
-    /// Adds a stretch, `times` times; values that do not count are zero, and `counted` says how many do.
-    pub(super) fn add(&mut self, stretch: &[f64], counted: usize, times: f64) {
+    /// Adds a stretch; values that do not count are zero, and `counted` says how many do.
+    pub(super) fn add(&mut self, stretch: &[f64], counted: usize) {
         self.sums.resize(MOST + 1, 0.0);
         for (lag, sum) in self.sums.iter_mut().enumerate().take(stretch.len()) {
-            *sum += times * stretch.iter().zip(&stretch[lag..]).map(|(a, b)| a * b).sum::<f64>();
+            *sum += stretch.iter().zip(&stretch[lag..]).map(|(a, b)| a * b).sum::<f64>();
         }
-        self.values += (times * counted as f64) as usize;
+        self.values += counted;
     }
 
     /// Mean square.
-    pub(super) fn variance(&self) -> f64 {
+    fn variance(&self) -> f64 {
         self.sums.first().map_or(0.0, |s| s / self.values.max(1) as f64)
-    }
-
-    /// Number of values.
-    pub(super) const fn values(&self) -> usize {
-        self.values
     }
 
     /// The autoregression of the order that Akaike's criterion, corrected for small samples (Hurvich, Tsai 1989), prefers;
@@ -51,7 +46,7 @@ impl Autocovariance {
         }
         let lag = |k: usize| self.sums[k] / count;
         let criterion = |order: usize, innovation: f64| {
-            count * innovation.ln() + count * (count + order as f64) / (count - order as f64 - 2.0)
+            count * libm::log(innovation) + count * (count + order as f64) / (count - order as f64 - 2.0)
         };
         let mut least = criterion(0, variance);
         let (mut current, mut innovation): (Vec<f64>, f64) = (Vec::new(), variance);
@@ -128,7 +123,7 @@ mod tests {
             series[t] += 1.2 * series[t - 1] - 0.5 * series[t - 2];
         }
         let mut covariance = Autocovariance::default();
-        covariance.add(&series, series.len(), 1.0);
+        covariance.add(&series, series.len());
         let found = covariance.fit();
         assert!(
             (found.coefficients[0] - 1.2).abs() < 0.05 && (found.coefficients[1] + 0.5).abs() < 0.05,
@@ -137,7 +132,7 @@ mod tests {
         assert!((found.innovation - 1.0).abs() < 0.03, "{found:?}");
         let white = normal(5, 20_000);
         let mut covariance = Autocovariance::default();
-        covariance.add(&white, white.len(), 1.0);
+        covariance.add(&white, white.len());
         assert!(covariance.fit().coefficients.iter().all(|a| a.abs() < 0.03));
     }
 

@@ -54,9 +54,10 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
     let parts: Vec<DMatrix<f64>> = (0..model.joints())
         .into_par_iter()
         .map(|joint| {
-            let mut memory = Autocovariance::default();
+            let (mut memory, mut shown) = (Autocovariance::default(), 0.0);
             for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
-                memory.add(&rows[joint].residual, rows[joint].counted, piece.times);
+                memory.add(&rows[joint].residual, rows[joint].counted);
+                shown += piece.times * rows[joint].residual.iter().map(|e| e * e).sum::<f64>();
             }
             let noise = memory.fit();
             let columns = model.row_columns(joint);
@@ -72,13 +73,14 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
                     middle[(*column, row)] = triangle[k * size + row];
                 }
             }
-            let moved = &bread * &middle * (weights[joint].powi(2) * noise.innovation.sqrt());
+            let pulled = product(&bread, &middle);
             // The fit took up part of the noise, and the residual shows the rest.
-            let taken =
-                (&middle.transpose() * &bread * &middle).trace() * weights[joint].powi(2) * noise.innovation;
-            let shown = memory.variance() * memory.values() as f64;
+            let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
+                * weights[joint].powi(2)
+                * noise.innovation;
+            let moved = pulled * (weights[joint].powi(2) * noise.innovation.sqrt());
             let share = if shown > 0.0 { taken / (shown + taken) } else { 0.0 };
-            let covariance: DMatrix<f64> = &moved * moved.transpose();
+            let covariance = product(&moved, &moved.transpose());
             covariance / (1.0 - share.clamp(0.0, 0.9))
         })
         .collect();
@@ -100,6 +102,17 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
     } else {
         Err(CalibrationError::NotFinite)
     }
+}
+
+/// A product in one order of operations, so that the baseline gives the same bits on every machine.
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut result = DMatrix::zeros(a.nrows(), b.ncols());
+    for (mut to, from) in result.column_iter_mut().zip(b.column_iter()) {
+        for (column, factor) in a.column_iter().zip(from.iter()).filter(|(_, f)| **f != 0.0) {
+            to.iter_mut().zip(column.iter()).for_each(|(t, v)| *t += factor * v);
+        }
+    }
+    result
 }
 
 /// The segments, each once, with how often it is listed.
