@@ -30,7 +30,7 @@ pub(super) struct Assembly {
     pub standard: (DMatrix<f64>, DVector<f64>),
     /// Joints whose friction no coefficients make brake everywhere.
     pub undecided: Vec<usize>,
-    /// Whether there are currents behind each body's estimate; the links come first.
+    /// What the program's bodies are; the links come first.
     pub names: Vec<String>,
 }
 

@@ -163,7 +163,7 @@ impl Program {
     ///
     /// The bound: F is convex, and at the centre of weight μ its gradient is −μ times the barrier's. With a pull
     /// towards P₀, F(y) − F(y*) ≤ μ (ν + Σ tr P₀⁻¹P*) with ν = 4 for a body and 1 for what is positive; P* is taken
-    /// for P.
+    /// for P. Where the pull is Euclidean, ‖P₀⁻¹P − 1‖² stands in the place of the trace.
     pub(crate) fn solve(&self, start: DVector<f64>, tolerance: f64) -> Option<Reached> {
         let inverse: Vec<Matrix4<f64>> =
             self.bodies.iter().map(|b| b.prior.try_inverse()).collect::<Option<_>>()?;
@@ -171,14 +171,22 @@ impl Program {
         let corners = (4 * self.bodies.len() + self.positive.len()).max(1) as f64;
         let mut weight = (self.loss(&y) / corners).max(tolerance / corners);
         let mut steps = 0;
+        let mut before: Option<Reached> = None;
         loop {
-            let mut local = self.local(&y, &inverse, weight)?;
+            // Where rounding ends the path, the last centre is a machine all the same.
+            let Some(mut local) = self.local(&y, &inverse, weight) else { return before };
             let reach = corners
                 + self
                     .standard(&y)
                     .iter()
                     .zip(&inverse)
-                    .map(|(s, prior)| prior.dot(&pseudo_inertia(&s.data.0[0])))
+                    .map(|(s, prior)| {
+                        let p = pseudo_inertia(&s.data.0[0]);
+                        match self.pull {
+                            Pull::Entropic => prior.dot(&p),
+                            Pull::Euclidean => (prior * p - Matrix4::identity()).norm_squared(),
+                        }
+                    })
                     .sum::<f64>();
             let within = weight * reach;
             let last = within <= tolerance.max(ROUNDING * self.loss(&y));
@@ -189,6 +197,8 @@ impl Program {
                 let converged = last && centred;
                 return Some(Reached { at: y, loss, within, steps, converged, weight });
             }
+            let loss = self.loss(&y);
+            before = Some(Reached { at: y.clone(), loss, within, steps, converged: false, weight });
             let next = weight * FALL;
             y = self.predicted(&y, &local, weight, next).unwrap_or(y);
             steps += 1;
@@ -402,8 +412,10 @@ mod tests {
             let mut linear = DVector::zeros(program.seen);
             let mut constant = 0.0;
             for (body, standard) in program.bodies.iter().zip(program.standard(&reached.at)) {
-                let z = pseudo_inertia(&standard.data.0[0]).try_inverse().unwrap() * reached.weight;
-                assert!(z.symmetric_eigenvalues().min() > 0.0);
+                // A square, and so positive semidefinite whatever rounding does.
+                let l = pseudo_inertia(&standard.data.0[0]).cholesky().unwrap().l();
+                let root = l.solve_lower_triangular(&Matrix4::identity()).unwrap();
+                let z = root.transpose() * root * reached.weight;
                 linear += body.of.tr_mul(&adjoint(&z));
                 constant += adjoint(&z).dot(&body.at);
             }
