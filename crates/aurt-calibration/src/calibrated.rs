@@ -1,7 +1,7 @@
 use aurt_traits::{LoadTorque, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 
-use crate::ShapeReport;
+use crate::{ConsistentReport, ShapeReport};
 
 /// Which least-squares weights are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -12,6 +12,16 @@ pub enum Estimator {
     Wls,
     /// All joints weighted alike.
     Ols,
+    /// As [`Wls`](Self::Wls), then the nearest machine that can exist ([`make_consistent`](crate::make_consistent)).
+    Consistent,
+}
+
+impl Estimator {
+    /// Whether joints are weighted by their residuals.
+    #[must_use]
+    pub const fn is_weighted(self) -> bool {
+        !matches!(self, Self::Ols)
+    }
 }
 
 /// How the load torque τ_J of load-dependent friction is formed.
@@ -37,6 +47,18 @@ pub enum Rest {
     Exclude,
 }
 
+/// What standard deviations count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Deviations {
+    /// Noise with the memory that the residuals have, recordings that repeat, and misfit that differs from stretch to
+    /// stretch.
+    #[default]
+    Memory,
+    /// Noise that is white before the parallel filter; faster, since the rows are not looked at again.
+    White,
+}
+
 /// Settings of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationOptions {
@@ -52,6 +74,9 @@ pub struct CalibrationOptions {
     /// otherwise, and with [`calibrate`](crate::calibrate), they stay as the model has them.
     #[serde(default = "yes")]
     pub fit_shapes: bool,
+    /// What standard deviations count.
+    #[serde(default)]
+    pub deviations: Deviations,
 }
 
 const fn yes() -> bool {
@@ -66,6 +91,7 @@ impl Default for CalibrationOptions {
             rest: Rest::default(),
             rest_velocity_rad_s: 0.03,
             fit_shapes: true,
+            deviations: Deviations::default(),
         }
     }
 }
@@ -126,6 +152,9 @@ pub struct Calibration {
     /// The search for shape parameters, if the model has any and they were searched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape_fit: Option<ShapeReport>,
+    /// The step to a machine that can exist, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub consistent: Option<ConsistentReport>,
 }
 
 impl Calibration {

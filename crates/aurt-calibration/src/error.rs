@@ -54,6 +54,26 @@ pub enum CalibrationError {
         /// Columns of the other.
         right: usize,
     },
+    /// A prior that cannot be used.
+    #[error(transparent)]
+    Prior(#[from] crate::consistent::PriorError),
+    /// No consistent estimate was found.
+    #[error(
+        "no machine was found whose bodies, rotors and friction are physically possible beside these recordings;          `estimator = \"wls\"` shows what least squares makes of them"
+    )]
+    Inconsistent,
+    /// A recording that a model was fitted to cannot judge it.
+    #[error(
+        "{} holds the same samples as {}, which the model is calibrated on: errors on it would be those of the fit. Hold out \
+         another recording, or give both a `window_s` and let these not overlap",
+        validation.display(), calibration.display()
+    )]
+    Repeated {
+        /// The one that is to judge.
+        validation: PathBuf,
+        /// The one that was fitted.
+        calibration: PathBuf,
+    },
     /// Nothing to calibrate on.
     #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,

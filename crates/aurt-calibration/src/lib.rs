@@ -11,7 +11,9 @@ mod accumulate;
 mod calibrated;
 mod comparison;
 mod condition;
+mod consistent;
 mod dense;
+mod deviations;
 mod error;
 mod excitation;
 mod factor;
@@ -29,9 +31,14 @@ mod wls;
 
 pub use accumulate::{accumulate, accumulate_scoped};
 pub use calibrated::{
-    CalibratedParameter, Calibration, CalibrationOptions, Estimator, JointRange, LoadTorqueChoice, Rest,
+    CalibratedParameter, Calibration, CalibrationOptions, Deviations, Estimator, JointRange,
+    LoadTorqueChoice, Rest,
 };
 pub use comparison::{ComparedJoint, Comparison, compare};
+pub use consistent::{
+    ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
+    possible_body,
+};
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
 pub use excitation::{badly_excited, hardly_excited};

@@ -10,11 +10,12 @@ use crate::{
     noise_bandwidth_factor,
     stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
     validate::beyond,
-    wls::{Setting, estimate, finished},
+    wls::{FittedTo, Setting, estimate, finished},
 };
 
 /// As [`calibrate`](crate::calibrate), on recordings longer than memory: memory does not depend on their length, and
-/// the result is that of the same recordings in memory to rounding. Models' shapes stay as they are.
+/// the result is that of the same recordings in memory to rounding. Models' shapes stay as they are, and deviations are
+/// those of [`Deviations::White`](crate::Deviations::White).
 ///
 /// Recordings are passed through twice with [`LoadTorqueChoice::Fitted`], else once, one after the other; joints are
 /// worked on in parallel.
@@ -52,7 +53,8 @@ pub fn calibrate_long(
     let names = recordings.iter().map(LongPrepared::name).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let bandwidth = noise_bandwidth_factor(first.parallel_filter(), first.decimation());
-    Ok(finished(&setting, &found.system, estimate, bandwidth, &load, ranges, names))
+    let fitted_to = FittedTo { recordings: None, bandwidth, ranges, names };
+    finished(&setting, &found.system, estimate, &load, fitted_to)
 }
 
 /// As [`validate`](crate::validate()) over all rows, on a recording longer than memory.

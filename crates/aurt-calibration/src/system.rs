@@ -1,4 +1,5 @@
 use aurt_traits::Dispatch;
+use nalgebra::{DMatrix, DVector};
 
 use crate::{CalibrationError, JointFactor, condition::condition_number, dense, factor::dot};
 
@@ -161,7 +162,37 @@ impl System {
             upper[k * m..k * m + k + 1].copy_from_slice(&stacked[column * rows..column * rows + k + 1]);
         }
         let right = stacked[n * rows..n * rows + m].to_vec();
-        Ok(Reduced { kept, scales, upper, right })
+        let others: Vec<usize> = (0..n).filter(|c| pivots[*c].is_none()).collect();
+        let mut beyond = vec![0.0; m * others.len()];
+        for (k, column) in others.iter().enumerate() {
+            // Below the pivots before it, what is left of the column is rounding.
+            let before = kept.partition_point(|c| c < column);
+            beyond[k * m..k * m + before].copy_from_slice(&stacked[column * rows..column * rows + before]);
+        }
+        Ok(Reduced { kept, scales, upper, right, others, beyond })
+    }
+
+    /// What the weighted rows determine, as one triangle.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NotFinite`].
+    pub(crate) fn triangle(&self, weights: &[f64]) -> Result<Triangle, CalibrationError> {
+        let Reduced { kept, scales, upper, right, others, beyond } = self.reduced(weights, |_| true)?;
+        let m = kept.len();
+        let unscaled = |columns: &[usize], values: Vec<f64>| {
+            let mut matrix = DMatrix::from_vec(m, columns.len(), values);
+            for (mut column, c) in matrix.column_iter_mut().zip(columns) {
+                column *= scales[*c];
+            }
+            matrix
+        };
+        Ok(Triangle {
+            upper: unscaled(&kept, upper),
+            beyond: unscaled(&others, beyond),
+            right: DVector::from_vec(right),
+            kept,
+            others,
+        })
     }
 
     /// The rows of all triangles as (first column that can be non-zero, joint, row), by that column: while the columns
@@ -189,6 +220,24 @@ struct Reduced {
     /// Column-major.
     upper: Vec<f64>,
     right: Vec<f64>,
+    others: Vec<usize>,
+    /// Entries of the other columns in the rows of the triangle, column-major.
+    beyond: Vec<f64>,
+}
+
+/// All that the weighted rows say: ‖R ζ_kept + B ζ_others − z‖² is their squared residual, but for a constant.
+#[derive(Debug)]
+pub(crate) struct Triangle {
+    /// The coefficients that the rows determine if the others are given.
+    pub kept: Vec<usize>,
+    /// Those that depend on them.
+    pub others: Vec<usize>,
+    /// R.
+    pub upper: DMatrix<f64>,
+    /// B.
+    pub beyond: DMatrix<f64>,
+    /// z.
+    pub right: DVector<f64>,
 }
 
 impl Reduced {

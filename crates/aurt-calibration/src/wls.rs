@@ -2,9 +2,11 @@ use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
-    CalibrationError, JointFactor, JointRange, System, TermScopes,
+    CalibrationError, ConsistentReport, Fit, JointFactor, JointRange, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
-    calibrated::{Calibration, CalibrationOptions, Estimator, LoadTorqueChoice},
+    calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
+    consistent::make_consistent,
+    deviations::{Observed, sandwich},
     excitation::warnings,
     physical,
     system::Solution,
@@ -25,6 +27,19 @@ impl NamedRecording {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.data.segments.iter().map(Segment::rows).sum()
+    }
+
+    /// Whether another recording holds the same motion and measurement, whatever its name.
+    #[must_use]
+    pub fn is_copy_of(&self, other: &Self) -> bool {
+        let (own, others) = (&self.data.segments, &other.data.segments);
+        own.len() == others.len()
+            && own.iter().zip(others).all(|(a, b)| {
+                let (x, y) = (a.motion.view(), b.motion.view());
+                a.measurement == b.measurement
+                    && x.joints() == y.joints()
+                    && (0..x.joints()).all(|j| x.position_rad(j) == y.position_rad(j))
+            })
     }
 }
 
@@ -77,7 +92,9 @@ pub fn calibrate_scoped(
     let ranges = ranges(recordings, load_torque.as_deref(), model.joints());
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
-    Ok(finished(&setting, &system, estimate, bandwidth, &load, ranges, names))
+    let recordings: Vec<&NamedRecording> = recordings.iter().collect();
+    let fitted_to = FittedTo { recordings: Some((&recordings, scopes)), bandwidth, ranges, names };
+    finished(&setting, &system, estimate, &load, fitted_to)
 }
 
 /// What a calibration is about.
@@ -89,19 +106,58 @@ pub(crate) struct Setting<'a> {
     pub options: &'a CalibrationOptions,
 }
 
-/// A calibration from its solution; `bandwidth` is the [`noise_bandwidth_factor`] of the filter that rows passed.
+/// What a solution was fitted to.
+pub(crate) struct FittedTo<'a> {
+    /// The recordings and in which of them each arm term acts, where they are at hand to be looked at again.
+    pub recordings: Option<(&'a [&'a NamedRecording], &'a TermScopes)>,
+    /// The [`noise_bandwidth_factor`] of the filter that rows passed.
+    pub bandwidth: f64,
+    /// What joints did.
+    pub ranges: Vec<JointRange>,
+    /// The recordings' names.
+    pub names: Vec<String>,
+}
+
+/// A calibration from its solution.
+///
+/// # Errors
+/// What models report, and [`make_consistent`].
 pub(crate) fn finished(
     setting: &Setting<'_>,
     system: &System,
-    estimate: Estimate,
-    bandwidth: f64,
+    mut estimate: Estimate,
     load: &LoadTorque,
-    ranges: Vec<JointRange>,
-    recordings: Vec<String>,
-) -> Calibration {
+    fitted_to: FittedTo<'_>,
+) -> Result<Calibration, CalibrationError> {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
+    let FittedTo { recordings, mut bandwidth, ranges, names } = fitted_to;
+    if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
+        let observed = (recordings, scopes, load);
+        remember(setting, system, &mut estimate, bandwidth, observed)?;
+        bandwidth = 1.0;
+    }
+    let mut consistent = None;
+    if options.estimator == Estimator::Consistent {
+        let scale = bandwidth * noise_scale(system, &estimate)?;
+        let (coefficients, report) = make_consistent(
+            &Fit {
+                model,
+                system,
+                weights: &weights(&estimate.sigma),
+                coefficients: &estimate.solution.coefficients,
+                covariance: &estimate.solution.covariance,
+                scale,
+                ranges: &ranges,
+                options,
+            },
+            None,
+        )?;
+        estimate.solution.coefficients = coefficients;
+        consistent = Some(report);
+    }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
     let mut warnings = warnings(&parameters, estimate.solution.condition_number);
+    warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
@@ -111,7 +167,7 @@ pub(crate) fn finished(
         options,
         unit_of_measurement: unit,
     }));
-    Calibration {
+    Ok(Calibration {
         unit,
         options: *options,
         f_dyn_hz,
@@ -122,9 +178,71 @@ pub(crate) fn finished(
         condition_number: estimate.solution.condition_number,
         ranges,
         load: load.clone(),
-        recordings,
+        recordings: names,
         shape_fit: None,
+        consistent,
+    })
+}
+
+/// Puts the covariance of noise with a memory in the place of that of independent rows.
+fn remember(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: &mut Estimate,
+    bandwidth: f64,
+    (recordings, scopes, load): (&[&NamedRecording], &TermScopes, &LoadTorque),
+) -> Result<(), CalibrationError> {
+    let Setting { model, options, .. } = *setting;
+    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
+    let plain = system.solve(&weights, |_| true)?;
+    let covariance = sandwich(&Observed {
+        model,
+        recordings,
+        scopes,
+        load,
+        options,
+        coefficients: &estimate.solution.coefficients,
+        weights: &weights,
+        bread: &plain.covariance,
+    })?;
+    let n = plain.coefficients.len();
+    // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.
+    let unit = if options.estimator.is_weighted() { 1.0 } else { variance(system, &plain) };
+    let factor: Vec<f64> = (0..n)
+        .map(|k| {
+            let at = k * n + k;
+            let (more, own) = (estimate.solution.covariance[at], unit * plain.covariance[at]);
+            let known = if own > 0.0 { more / own } else { 1.0 };
+            // Noise that seems to hide from the fit is not believed: white noise is the least.
+            let least = bandwidth * own;
+            let surer = if covariance[at] > 0.0 { (least / covariance[at]).max(1.0) } else { 1.0 };
+            (known.max(1.0) * surer).sqrt()
+        })
+        .collect();
+    for c in 0..n {
+        for r in 0..n {
+            estimate.solution.covariance[c * n + r] = covariance[c * n + r] * factor[r] * factor[c];
+        }
     }
+    Ok(())
+}
+
+/// Mean squared residual of an unweighted fit.
+fn variance(system: &System, solution: &Solution) -> f64 {
+    let parameters = solution.excited.iter().filter(|e| **e).count();
+    let rows = system.factors().iter().map(JointFactor::rows).sum::<usize>();
+    solution.residual_sum.iter().sum::<f64>() / rows.saturating_sub(parameters).max(1) as f64
+}
+
+/// By how much the variance of the coefficients, in the mean, exceeds that of independent rows.
+fn noise_scale(system: &System, estimate: &Estimate) -> Result<f64, CalibrationError> {
+    let plain = system.solve(&weights(&estimate.sigma), |_| true)?.covariance;
+    let n = estimate.solution.coefficients.len();
+    let ratios: Vec<f64> = (0..n)
+        .map(|k| estimate.solution.covariance[k * n + k] / plain[k * n + k])
+        .filter(|r| r.is_finite() && *r > 0.0)
+        .collect();
+    Ok(if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 })
 }
 
 /// A solution with the σ_j that weighted it.
@@ -144,13 +262,10 @@ pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, Calib
     let (ols, excited) = system.solve_coefficients(&ones(system))?;
     let parameters = excited.iter().filter(|e| **e).count();
     let sigma = sigma(system, &ols, parameters)?;
-    let mut solution = match estimator {
-        Estimator::Ols => system.solve(&ones(system), |_| true)?,
-        Estimator::Wls => system.solve(&weights(&sigma), |_| true)?,
-    };
+    let weights = if estimator.is_weighted() { weights(&sigma) } else { ones(system) };
+    let mut solution = system.solve(&weights, |_| true)?;
     if estimator == Estimator::Ols {
-        let degrees: usize = system.factors().iter().map(JointFactor::rows).sum::<usize>() - parameters;
-        let variance = solution.residual_sum.iter().sum::<f64>() / degrees as f64;
+        let variance = variance(system, &solution);
         solution.covariance.iter_mut().for_each(|c| *c *= variance);
     }
     Ok(Estimate { solution, sigma })
@@ -166,10 +281,7 @@ pub(crate) fn estimate_coefficients(
 ) -> Result<Vec<f64>, CalibrationError> {
     let (ols, excited) = system.solve_coefficients(&ones(system))?;
     let sigma = sigma(system, &ols, excited.iter().filter(|e| **e).count())?;
-    match estimator {
-        Estimator::Ols => Ok(ols),
-        Estimator::Wls => Ok(system.solve_coefficients(&weights(&sigma))?.0),
-    }
+    if estimator.is_weighted() { Ok(system.solve_coefficients(&weights(&sigma))?.0) } else { Ok(ols) }
 }
 
 fn ones(system: &System) -> Vec<f64> {

@@ -5,8 +5,8 @@
 mod workload;
 
 use aurt_calibration::{
-    CalibrationError, CalibrationOptions, LoadTorqueChoice, NamedRecording, Rest, ValidatedRows, calibrate,
-    calibrate_long, validate, validate_long,
+    CalibrationError, CalibrationOptions, Deviations, LoadTorqueChoice, NamedRecording, Rest, ValidatedRows,
+    calibrate, calibrate_long, validate, validate_long,
 };
 use aurt_recording::{LongRecording, PreprocessOptions, preprocess};
 use aurt_traits::MeasurementUnit;
@@ -37,7 +37,9 @@ fn long_recordings_give_the_calibration_of_whole_ones() {
         .collect();
     for load_torque in [LoadTorqueChoice::Fitted, LoadTorqueChoice::Literal] {
         for rest in [Rest::Keep, Rest::Exclude] {
-            let options = CalibrationOptions { load_torque, rest, ..CalibrationOptions::default() };
+            let deviations = Deviations::White;
+            let options =
+                CalibrationOptions { load_torque, rest, deviations, ..CalibrationOptions::default() };
             let expected = calibrate(&model, &whole, unit, 10.0, &options).unwrap();
             let ours = calibrate_long(&model, &long, unit, 10.0, &options).unwrap();
             assert_eq!(ours.samples_per_joint, expected.samples_per_joint);

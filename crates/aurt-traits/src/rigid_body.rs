@@ -19,6 +19,14 @@ pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
     /// The P standard parameters, e.g. `XX_0` in `kg m^2`.
     fn standard_parameters(&self) -> Vec<Parameter>;
 
+    /// For each rigid body the indices of its ten standard parameters {XX XY XZ YY YZ ZZ mX mY mZ m}, inertia about the
+    /// origin of the frame that the first moments are in: what physical consistency is a property of. By default ten
+    /// after ten; parameters that are in none are of no body.
+    fn bodies(&self) -> Vec<[usize; 10]> {
+        let count = self.standard_parameters().len() / 10;
+        (0..count).map(|body| std::array::from_fn(|k| 10 * body + k)).collect()
+    }
+
     /// Whether `parameter` can load `joint`; entries for which this is false are zero and are never written.
     fn loads(&self, parameter: usize, joint: usize) -> bool;
 

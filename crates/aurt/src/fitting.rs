@@ -131,6 +131,7 @@ impl Job {
                 return Err(CalibrationError::NoMeasurement { file }.into());
             }
         }
+        refuse_repeated(recordings)?;
         let unit = pipeline.common_unit(recordings.iter().map(|r| &r.loaded))?.unwrap_or_default();
         let mut prepared = Vec::new();
         for Assigned { loaded, role } in recordings {
@@ -193,6 +194,39 @@ impl Job {
         }
         Ok(Outcome { calibrated, recordings: results, predictions })
     }
+}
+
+/// Refuses a validation recording whose samples, whatever the file is called, are those of a calibration recording.
+fn refuse_repeated(recordings: &[Assigned]) -> Result<(), Failure> {
+    let of = |role: Role| recordings.iter().filter(move |r| r.role == role).map(|r| &r.loaded);
+    for validation in of(Role::Validation) {
+        if let Some(calibration) = of(Role::Calibration).find(|c| share_samples(c, validation)) {
+            return Err(CalibrationError::Repeated {
+                validation: validation.source.file.clone(),
+                calibration: calibration.source.file.clone(),
+            }
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether two recordings have the same contents and their windows overlap.
+fn share_samples(a: &Loaded, b: &Loaded) -> bool {
+    let (x, y) = (&a.recording, &b.recording);
+    let overlap = match (a.source.window_s, b.source.window_s) {
+        (Some([from, to]), Some([other_from, other_to])) => from < other_to && other_from < to,
+        _ => true,
+    };
+    let contents = |r: &aurt_recording::Recording| {
+        r.position_rad
+            .iter()
+            .chain(r.measurement.iter().flatten())
+            .map(Vec::as_slice)
+            .collect::<Vec<_>>()
+            .concat()
+    };
+    overlap && x.time_s.len() == y.time_s.len() && contents(x) == contents(y)
 }
 
 impl Job {
@@ -259,6 +293,7 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
         estimator: match estimator {
             experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
             experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
+            experiment::Estimator::Consistent => Estimator::Consistent,
         },
         load_torque: match load_torque {
             experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
@@ -270,5 +305,6 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
         },
         rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
         fit_shapes,
+        deviations: Deviations::Memory,
     }
 }

@@ -1,6 +1,6 @@
 //! How a sweep reads recordings and fits: as `aurt run` does.
 
-use aurt_calibration::ShapeOptions;
+use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
 use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_sweep::{Data, Loader, PointError, Settings, Validate};
 
@@ -22,7 +22,11 @@ impl Loader for ExperimentLoader {
 
     fn settings(&self, experiment: &Experiment) -> Settings {
         Settings {
-            calibration: calibration_options(experiment),
+            // Points are ranked by their errors; deviations that look at the rows again would cost more than a variant.
+            calibration: CalibrationOptions {
+                deviations: Deviations::White,
+                ..calibration_options(experiment)
+            },
             shapes: ShapeOptions::default(),
             rows: judged_rows(Role::Validation, experiment.preprocess.trim_rest),
         }

@@ -2,47 +2,32 @@
 
 use std::ops::Range;
 
-use aurt_traits::{ColumnGroup, MeasurementUnit};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use nalgebra::{Matrix3, Matrix4};
 
 use super::Fitted;
+use crate::consistent::pseudo_inertia;
 
 /// The standard parameters of a body in its link's frame, as columns are named, `XX_5`.
 const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
 
 /// Where in its term's columns each standard parameter of a body is.
-type Places = [Option<usize>; 10];
+pub(crate) type Places = [Option<usize>; 10];
 
-/// A body's pseudo-inertia ∫ (x, 1)(x, 1)ᵀ dm: positive definite if and only if some distribution of positive mass has
-/// these parameters, which holds if the mass is positive and the principal moments about the centre of mass satisfy the
-/// triangle inequalities (Wensing, Kim, Slotine 2018).
-fn pseudo_inertia(p: &[f64; 10]) -> Matrix4<f64> {
-    let [xx, xy, xz, yy, yz, zz, mx, my, mz, m] = *p;
-    let half = 0.5 * (xx + yy + zz);
-    // Off the diagonal the tensor of inertia is −∫xy dm.
-    Matrix4::from_row_slice(&[
-        half - xx,
-        -xy,
-        -xz,
-        mx, //
-        -xy,
-        half - yy,
-        -yz,
-        my, //
-        -xz,
-        -yz,
-        half - zz,
-        mz, //
-        mx,
-        my,
-        mz,
-        m,
-    ])
+/// A body that an arm term puts on a link.
+#[derive(Debug, Clone)]
+pub(crate) struct Carried {
+    /// The term's coefficients.
+    pub columns: Range<usize>,
+    /// Where among them each standard parameter is; the mass is there.
+    pub places: Places,
+    /// The link, as names have it.
+    pub link: String,
 }
 
-pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
-    let model = fitted.model;
-    let mut warnings = Vec::new();
+/// The bodies that arm terms put on links.
+pub(crate) fn carried(model: &RobotModel) -> Vec<Carried> {
+    let mut bodies = Vec::new();
     for (group, columns) in model.groups() {
         let ColumnGroup::ArmTerm(k) = group else { continue };
         let term = &model.arm_terms()[*k];
@@ -58,11 +43,16 @@ pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
                 |symbol: &str| names.iter().position(|p| p.name.split_once('_') == Some((symbol, link)));
             let places = SYMBOLS.map(place);
             if places[9].is_some() {
-                warnings.extend(impossible(fitted, columns, &places, link));
+                bodies.push(Carried { columns: columns.clone(), places, link: link.to_owned() });
             }
         }
     }
-    warnings
+    bodies
+}
+
+pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
+    let bodies = carried(fitted.model);
+    bodies.iter().filter_map(|b| impossible(fitted, &b.columns, &b.places, &b.link)).collect()
 }
 
 /// What is impossible about a body on a link. A body that was taken off is one with the opposite parameters.

@@ -3,9 +3,12 @@
 use aurt_traits::{ArmSeries, ColumnGroup, Columns, Invariant, JointSeries, ModelError, Motion, RobotModel};
 
 use super::{Estimated, Fitted};
+use crate::JointRange;
 
 /// Speeds that are tried, as shares of the largest that calibration covered.
 const SPEEDS: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
+/// A share at which viscous friction is next to nothing.
+const SLOW: f64 = 0.01;
 /// Loads that are tried, as shares of the largest.
 const LOADS: [f64; 3] = [0.0, 0.5, 1.0];
 /// What has memory has forgotten the start after this way, in rad, in this many samples.
@@ -50,17 +53,11 @@ fn worst(fitted: &Fitted<'_>, joint: usize) -> Result<Option<Driven>, ModelError
     if range.velocity_rad_s <= fitted.options.rest_velocity_rad_s {
         return Ok(None);
     }
-    let stack = &model.stacks()[joint];
-    let loaded =
-        stack.coulomb().reads_load() || stack.hysteresis().reads_load() || stack.viscous().reads_load();
-    let loads: &[f64] = if loaded && range.load_torque.is_some() { &LOADS } else { &LOADS[..1] };
+    let loads = loads(model, joint, range);
     let mut worst: Option<Driven> = None;
     for speed in SPEEDS.map(|s| s * range.velocity_rad_s) {
-        for load in loads.iter().map(|l| l * range.load_torque.unwrap_or(0.0)) {
-            // Halved difference of both directions: offsets, springs and ripple fall out.
-            let forth = columns(model, joint, speed, load)?;
-            let back = columns(model, joint, -speed, load)?;
-            let braking: Vec<f64> = forth.iter().zip(&back).map(|(f, b)| 0.5 * (f - b)).collect();
+        for load in loads.iter().copied() {
+            let braking = braking(model, joint, speed, load)?;
             let torque = fitted.estimated(0..braking.len(), &braking);
             let clearer = |w: &Driven| torque.value / torque.std < w.torque.value / w.torque.std;
             if torque.is_negative() && worst.as_ref().is_none_or(clearer) {
@@ -69,6 +66,53 @@ fn worst(fitted: &Fitted<'_>, joint: usize) -> Result<Option<Driven>, ModelError
         }
     }
     Ok(worst)
+}
+
+/// The loads at which a joint's friction is looked at.
+fn loads(model: &RobotModel, joint: usize, range: &JointRange) -> Vec<f64> {
+    let stack = &model.stacks()[joint];
+    let loaded =
+        stack.coulomb().reads_load() || stack.hysteresis().reads_load() || stack.viscous().reads_load();
+    let shares: &[f64] = if loaded && range.load_torque.is_some() { &LOADS } else { &LOADS[..1] };
+    shares.iter().map(|l| l * range.load_torque.unwrap_or(0.0)).collect()
+}
+
+/// The braking torque of a joint, column by column, at the speeds and loads that calibration covered, slow motion
+/// included; nothing for a joint that rested.
+///
+/// # Errors
+/// What models report.
+pub(crate) fn braking_rows(
+    model: &RobotModel,
+    joint: usize,
+    range: &JointRange,
+    rest_velocity_rad_s: f64,
+) -> Result<Vec<Vec<f64>>, ModelError> {
+    let mut rows = Vec::new();
+    if range.velocity_rad_s > rest_velocity_rad_s {
+        for load in loads(model, joint, range) {
+            for share in std::iter::once(SLOW).chain(SPEEDS) {
+                rows.push(braking(model, joint, share * range.velocity_rad_s, load)?);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// What of a joint's torque brakes, column by column, at a steady speed in rad/s under a load: halved difference of both
+/// directions, in which offsets, springs and ripple fall out.
+///
+/// # Errors
+/// What models report.
+pub(crate) fn braking(
+    model: &RobotModel,
+    joint: usize,
+    speed: f64,
+    load: f64,
+) -> Result<Vec<f64>, ModelError> {
+    let forth = columns(model, joint, speed, load)?;
+    let back = columns(model, joint, -speed, load)?;
+    Ok(forth.iter().zip(&back).map(|(f, b)| 0.5 * (f - b)).collect())
 }
 
 /// The columns of friction in a joint's row, while it alone moves at a steady speed and has arrived at zero.

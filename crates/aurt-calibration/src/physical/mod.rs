@@ -6,6 +6,9 @@
 mod body;
 mod friction;
 
+pub(crate) use body::carried;
+pub(crate) use friction::braking_rows;
+
 use std::ops::Range;
 
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};

@@ -3,8 +3,9 @@ use rayon::prelude::*;
 
 use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, System, TermScopes,
-    wls::{Estimate, Setting, estimate, estimate_coefficients, finished},
+    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, NamedRecording, System,
+    TermScopes,
+    wls::{Estimate, FittedTo, Setting, estimate, estimate_coefficients, finished},
 };
 
 /// A linear fit with what it was made of.
@@ -34,7 +35,7 @@ pub fn calibrate_rows(
 ) -> Result<Calibration, CalibrationError> {
     let fitted = fit(model, rows, scopes, options)?;
     let setting = Setting { model, unit, f_dyn_hz, options };
-    Ok(rows.calibration(&setting, &fitted))
+    rows.calibration(&setting, &fitted, scopes)
 }
 
 /// The two passes of a linear fit.
@@ -110,18 +111,24 @@ impl FitRows<'_> {
     }
 
     /// What a fit found out.
-    pub(crate) fn calibration(&self, setting: &Setting<'_>, fitted: &Fitted) -> Calibration {
+    ///
+    /// # Errors
+    /// As [`make_consistent`](crate::make_consistent).
+    pub(crate) fn calibration(
+        &self,
+        setting: &Setting<'_>,
+        fitted: &Fitted,
+        scopes: &TermScopes,
+    ) -> Result<Calibration, CalibrationError> {
         let ranges = self.ranges(&fitted.load, &fitted.loads);
-        let names = self.recordings().map(|r| r.name.clone()).collect();
-        finished(
-            setting,
-            &fitted.system,
-            fitted.estimate.clone(),
-            self.bandwidth(),
-            &fitted.load,
+        let recordings: Vec<&NamedRecording> = self.recordings().collect();
+        let fitted_to = FittedTo {
+            recordings: Some((&recordings, scopes)),
+            bandwidth: self.bandwidth(),
             ranges,
-            names,
-        )
+            names: recordings.iter().map(|r| r.name.clone()).collect(),
+        };
+        finished(setting, &fitted.system, fitted.estimate.clone(), &fitted.load, fitted_to)
     }
 
     fn ranges(&self, load: &LoadTorque, loads: &[LoadSeries]) -> Vec<JointRange> {

@@ -102,7 +102,7 @@ pub fn calibrate_shapes_rows(
     let precision =
         precision(&problem, &point, &found, &owners, &coefficients, (options.estimator, bandwidth))?;
     let count = shaped.fitted.system.factors().iter().map(crate::JointFactor::rows).sum::<usize>() as f64;
-    let report = ShapeReport {
+    let mut report = ShapeReport {
         shapes: precision.shapes,
         starts: found.starts,
         iterations,
@@ -114,7 +114,17 @@ pub fn calibrate_shapes_rows(
     drop(problem);
     let Shaped { model, mut fitted, .. } = shaped;
     fitted.estimate.solution.covariance = precision.covariance;
-    let mut calibration = rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted);
+    let mut calibration =
+        rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted, scopes)?;
+    let white: Vec<f64> = fitted
+        .estimate
+        .solution
+        .covariance
+        .iter()
+        .step_by(calibration.parameters.len() + 1)
+        .map(|v| (bandwidth * v).sqrt())
+        .collect();
+    report.remember(&model, &calibration.parameters, &white);
     calibration.warnings.extend(report.warnings(unit));
     calibration.shape_fit = Some(report);
     Ok((model, calibration))
@@ -147,10 +157,7 @@ impl<'a> Shaped<'a> {
 
     fn problem(&self) -> Result<Problem<'_>, CalibrationError> {
         let sigma = &self.fitted.estimate.sigma;
-        let weights = match self.estimator {
-            Estimator::Wls => weights(sigma),
-            Estimator::Ols => vec![1.0; sigma.len()],
-        };
+        let weights = if self.estimator.is_weighted() { weights(sigma) } else { vec![1.0; sigma.len()] };
         Problem::new(&self.model, self.rows, &self.acting, &self.fitted.loads, weights)
     }
 }

@@ -1,5 +1,7 @@
-use aurt_traits::{ColumnGroup, MeasurementUnit, Scale};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel, Scale};
 use serde::{Deserialize, Serialize};
+
+use crate::CalibratedParameter;
 
 /// A shape parameter that a calibration found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,6 +67,36 @@ impl FittedShape {
 }
 
 impl ShapeReport {
+    /// Widens the shapes' intervals as the memory of the noise has widened those of their owners' coefficients; `white` are
+    /// the coefficients' deviations without it.
+    pub(super) fn remember(
+        &mut self,
+        model: &RobotModel,
+        coefficients: &[CalibratedParameter],
+        white: &[f64],
+    ) {
+        for shape in &mut self.shapes {
+            let ratios: Vec<f64> = model
+                .group(shape.group)
+                .filter_map(|k| coefficients[k].std_dev.map(|s| s / white[k]))
+                .filter(|r| r.is_finite())
+                .collect();
+            if ratios.is_empty() {
+                continue;
+            }
+            let factor = ratios.iter().sum::<f64>() / ratios.len() as f64;
+            shape.std_dev = shape.std_dev.map(|s| factor * s);
+            let (value, [lower, upper]) = (shape.value, [shape.lower, shape.upper]);
+            shape.interval_95 = shape.interval_95.map(|ends| {
+                ends.map(|end| match shape.scale {
+                    Scale::Linear => value + factor * (end - value),
+                    Scale::Logarithmic => value * (end / value).powf(factor),
+                })
+                .map(|end| end.clamp(lower, upper))
+            });
+        }
+    }
+
     /// What a user should know of the shapes.
     pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
         let listed = |choose: &dyn Fn(&&FittedShape) -> bool| {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use aurt_calibration::{CalibrationOptions, Estimator, LoadTorqueChoice, Rest};
+use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
 use aurt_experiment::experiment::{ColumnName, JointColumns, RecordingColumns};
 use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
@@ -90,6 +90,7 @@ pub struct FittingOptions {
 enum EstimatorName {
     Wls,
     Ols,
+    Consistent,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -126,6 +127,7 @@ impl FittingOptions {
             estimator: match self.estimator {
                 EstimatorName::Wls => Estimator::Wls,
                 EstimatorName::Ols => Estimator::Ols,
+                EstimatorName::Consistent => Estimator::Consistent,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,
@@ -137,6 +139,7 @@ impl FittingOptions {
             },
             rest_velocity_rad_s: self.rest_velocity_rad_s,
             fit_shapes: true,
+            deviations: Deviations::Memory,
         }
     }
 }

@@ -440,6 +440,29 @@ impl Problem {
         let squared_errors = self.squared_errors(total, switches, &coefficients);
         (coefficients, squared_errors)
     }
+
+    /// Correlation of some coefficients, `places` among the switches, in a fit over all blocks; column-major. None where one
+    /// of them is not excited.
+    pub(crate) fn correlation(
+        &self,
+        switches: &[Switch],
+        weights: &[f64],
+        places: &[usize],
+    ) -> Option<Vec<f64>> {
+        let n = switches.len();
+        let cholesky = Cholesky::new(&self.cross(self.total(), switches, switches, weights), n);
+        let columns: Vec<Vec<f64>> = places
+            .iter()
+            .map(|k| {
+                let mut unit = vec![0.0; n];
+                unit[*k] = 1.0;
+                cholesky.forward(&mut unit);
+                let length = dot(&unit, &unit).sqrt();
+                (cholesky.used()[*k] && length > 0.0).then(|| unit.iter().map(|v| v / length).collect())
+            })
+            .collect::<Option<_>>()?;
+        Some(columns.iter().flat_map(|a| columns.iter().map(|b| dot(a, b))).collect())
+    }
 }
 
 /// Products of one column of a joint's rows with the others, over a part of the data.

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use aurt_calibration::possible_body;
 use serde_json::{Value, json};
 
+use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::effects;
-use crate::hypotheses::effects::{OwnFriction, ParameterValue};
+use crate::hypotheses::effects::{FittedColumn, OwnFriction, ParameterValue};
 use crate::hypotheses::registered::REGISTERED;
 use crate::investigation::{Fitted, Investigation, concerned};
 use crate::recordings::rows::Role;
@@ -115,7 +117,7 @@ fn finding(
     let group = &investigation.groups[one.group];
     let candidate = &investigation.candidates[group.candidate];
     let effect = effects::find(group.effect)?;
-    let columns = fitted.columns(candidate, group.target_only());
+    let columns = possible(investigation, fitted, candidate, group.target_only());
     let own = OwnFriction::of(question.model, candidate.proposal.joints[0], &model_coefficients);
     let parameters = effect.parameters_beside(&candidate.proposal, &columns, &own);
     let joints = match (effect.whole_arm(), effect.concerns_all()) {
@@ -148,6 +150,37 @@ fn finding(
         stability: None,
         sentence: String::new(),
     })
+}
+
+/// The fitted columns of a candidate; those of a whole body are of the nearest body that can exist, in the metric of their
+/// uncertainty.
+fn possible(
+    investigation: &Investigation,
+    fitted: &Fitted,
+    candidate: &Candidate,
+    target_only: bool,
+) -> Vec<FittedColumn> {
+    const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
+    let mut columns = fitted.columns(candidate, target_only);
+    let symbol = |name: &str| name.split_once('_').map(|(symbol, _)| symbol.to_owned());
+    if columns.len() != SYMBOLS.len()
+        || columns.iter().zip(SYMBOLS).any(|((name, ..), s)| symbol(name).as_deref() != Some(s))
+    {
+        return columns;
+    }
+    let places: Option<Vec<usize>> =
+        candidate.columns.iter().map(|c| fitted.place(*c, target_only)).collect();
+    let correlation = places
+        .and_then(|places| investigation.problem.correlation(&fitted.switches, &fitted.weights, &places));
+    let Some(mut covariance) = correlation else { return columns };
+    for (k, c) in covariance.iter_mut().enumerate() {
+        *c *= columns[k / 10].2 * columns[k % 10].2;
+    }
+    let estimate: [f64; 10] = std::array::from_fn(|k| columns[k].1);
+    if let Some(body) = possible_body(&estimate, &covariance) {
+        columns.iter_mut().zip(body.standard).for_each(|(column, value)| column.1 = value);
+    }
+    columns
 }
 
 /// Torque constants are known to about this share, one standard deviation, where no experiment says more: makers give

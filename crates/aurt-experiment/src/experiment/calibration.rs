@@ -34,6 +34,9 @@ pub enum Estimator {
     WeightedLeastSquares,
     /// `"ols"`: all joints alike.
     OrdinaryLeastSquares,
+    /// `"consistent"`: as `"wls"`, then the nearest machine that can exist: links and loads of positive mass that some
+    /// distribution of it has, rotors of positive inertia, friction that brakes at all speeds and loads of the calibration.
+    Consistent,
 }
 
 /// `load_torque`: how the load τ_J of load-dependent friction is formed.
@@ -60,7 +63,11 @@ impl Calibration {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
         let estimator = section.choice(
             "estimator",
-            &[("wls", Estimator::WeightedLeastSquares), ("ols", Estimator::OrdinaryLeastSquares)],
+            &[
+                ("wls", Estimator::WeightedLeastSquares),
+                ("ols", Estimator::OrdinaryLeastSquares),
+                ("consistent", Estimator::Consistent),
+            ],
         );
         let load_torque = section.choice(
             "load_torque",

@@ -80,6 +80,9 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
             match options.estimator {
                 Estimator::Wls => "weighted least squares, weights 1/σ² of each joint".into(),
                 Estimator::Ols => "ordinary least squares".to_owned(),
+                Estimator::Consistent => {
+                    "weighted least squares, then the nearest machine that can exist".into()
+                }
             },
         ),
         entry(

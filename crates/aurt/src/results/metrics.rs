@@ -88,6 +88,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.shape_fit {
             document["shape_fit"] = json!(report);
         }
+        if let Some(report) = &self.calibration.consistent {
+            document["consistent"] = json!(report);
+        }
         document
     }
 
@@ -146,6 +149,16 @@ impl Results<'_> {
         };
         if let Some(report) = &self.calibration.shape_fit {
             text.push_str(&shapes::to_text(report, self.calibration.unit));
+        }
+        if let Some(report) = &self.calibration.consistent {
+            let open = report.standard.iter().filter(|s| !s.determined).count();
+            text.push_str(&wrapped(&format!(
+                "consistent: χ² {} above least squares, {} coefficients determined; {open} of {} standard parameters are one \
+                 choice of many that explain the data equally (metrics.json names them)",
+                significant(report.loss, 3),
+                report.determined,
+                report.standard.len()
+            )));
         }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
@@ -230,6 +243,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
     match estimator {
         Estimator::Wls => "wls",
         Estimator::Ols => "ols",
+        Estimator::Consistent => "consistent",
     }
 }
 

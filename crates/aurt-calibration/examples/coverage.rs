@@ -1,0 +1,83 @@
+//! How often 95 % intervals hold the truth: a UR10e whose parameters are known, noise with and without a memory, encoders
+//! of several resolutions, one recording and five.
+//!
+//! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the number is
+//! that of the seeds of each row.
+
+#![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
+
+mod known_robot;
+
+use aurt_calibration::{CalibrationOptions, Deviations, calibrate};
+use aurt_recording::Recording;
+use aurt_traits::MeasurementUnit;
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
+use rayon::prelude::*;
+
+const DURATION_S: f64 = 20.0;
+const RECORDINGS: usize = 5;
+
+/// Intervals that hold the truth, and all: with the memory of the noise, and without; rigid bodies, and friction.
+type Counts = [[usize; 4]; 2];
+
+fn main() {
+    let seeds: u64 = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
+    let mut robot = KnownRobot::new(None);
+    let clean: Vec<Recording> = (0..RECORDINGS).map(|kind| robot.clean(kind, DURATION_S)).collect();
+    println!(
+        "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
+    );
+    println!(
+        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
+    let encoders = [("exact", None), ("19 bit", Some(19)), ("16 bit", Some(16)), ("12 bit", Some(12))];
+    let rows = [1, RECORDINGS].into_iter().flat_map(|count| {
+        noises
+            .into_iter()
+            .flat_map(move |noise| encoders.into_iter().map(move |encoder| (count, noise, encoder)))
+    });
+    for (count, (noise_name, noise), (encoder, bits)) in rows {
+        let found: Vec<Counts> = (1..=seeds)
+            .into_par_iter()
+            .map(|seed| covered(&robot, &clean[..count], seed, noise, bits))
+            .collect();
+        let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
+        let share = |k: usize, groups: &[usize]| {
+            let (held, all): (f64, f64) =
+                groups.iter().fold((0.0, 0.0), |(h, a), g| (h + sum(k, 2 * g), a + sum(k, 2 * g + 1)));
+            100.0 * held / all
+        };
+        println!(
+            "| {count} | {noise_name} | {encoder} | {:.1} | {:.1} | {:.1} | {:.1} |",
+            share(0, &[0, 1]),
+            share(0, &[0]),
+            share(0, &[1]),
+            share(1, &[0, 1])
+        );
+    }
+}
+
+/// Intervals of one fit.
+fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bits: Option<u32>) -> Counts {
+    let recordings: Vec<_> = clean
+        .iter()
+        .enumerate()
+        .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, bits))
+        .collect();
+    let base = robot.model.base().len();
+    [Deviations::Memory, Deviations::White].map(|deviations| {
+        let options = CalibrationOptions { deviations, ..CalibrationOptions::default() };
+        let unit = MeasurementUnit::NewtonMetre;
+        let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
+        let mut counts = [0; 4];
+        for (k, (parameter, truth)) in found.parameters.iter().zip(&robot.truth).enumerate() {
+            let group = 2 * usize::from(k >= base);
+            let [low, high] = parameter.interval_95.unwrap();
+            counts[group] += usize::from((low..=high).contains(truth));
+            counts[group + 1] += 1;
+        }
+        counts
+    })
+}

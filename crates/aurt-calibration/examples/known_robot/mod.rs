@@ -1,0 +1,198 @@
+//! A UR10e whose parameters are known, moved by harmonics: what its recordings would be, by recursive Newton–Euler and the
+//! friction laws as written, which share no formula with the regressor.
+
+use std::f64::consts::TAU;
+
+use aurt_calibration::NamedRecording;
+use aurt_plugins::{Registry, RigidBodyDynamics};
+use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
+use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_traits::{
+    ArmTerm, CoulombModel, HysteresisModel, JointStack, MeasurementUnit, RobotModel, ViscousBasis,
+};
+use serde_json::json;
+
+/// Samples per second.
+pub const RATE_HZ: f64 = 250.0;
+/// Frequency of the dynamics that filters follow.
+pub const F_DYN_HZ: f64 = 5.0;
+const MDH: &str =
+    "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n";
+const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
+const COULOMB_NM: [f64; 6] = [12.0, 14.0, 8.5, 3.6, 3.4, 3.0];
+const VISCOUS_NM_S: [f64; 6] = [13.5, 13.0, 8.5, 3.2, 2.8, 2.6];
+/// Deviation of the measured torques, Nm.
+pub const NOISE_NM: [f64; 6] = [1.6, 1.9, 1.3, 0.32, 0.3, 0.28];
+
+/// How the noise of the torques remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Noise {
+    /// Not at all.
+    White,
+    /// As a Gauss–Markov process of that correlation time, with white noise of half its deviation on top.
+    GaussMarkov {
+        /// Correlation time, s.
+        time_s: f64,
+    },
+}
+
+/// A robot of which everything is known.
+pub struct KnownRobot {
+    /// Its model.
+    pub model: RobotModel,
+    /// The model's coefficients.
+    pub truth: Vec<f64>,
+    dynamics: ChainDynamics,
+}
+
+fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
+    LinkBody { mass_kg, com_m, inertia_at_com_kg_m2 }
+}
+
+/// The maker's bodies, as in `aurt_simulation::robots::ur10e`.
+fn links() -> [LinkBody; 6] {
+    let wrist = [0.003, 0.0, 0.0, 0.0026, 0.0002, 0.0022];
+    [
+        body(7.369, [0.021, -0.027, 0.0], [0.0341, 0.0043, 0.0, 0.0216, -0.0001, 0.0353]),
+        body(13.051, [-0.2327, 0.0, 0.158], [0.0281, 0.0001, -0.0156, 0.7707, 0.0, 0.7694]),
+        body(3.989, [-0.33155, 0.0, 0.068], [0.0101, 0.0001, 0.0092, 0.3093, 0.0, 0.3065]),
+        body(2.1, [0.0, -0.018, 0.007], wrist),
+        body(1.98, [0.0, 0.018, -0.007], wrist),
+        body(0.615, [0.0, 0.0, -0.026], [0.0004, 0.0, 0.0, 0.0004, 0.0, 0.0003]),
+    ]
+}
+
+impl KnownRobot {
+    /// The robot; `load` adds a body to its last link, as the arm term `payload` of the model.
+    #[must_use]
+    pub fn new(load: Option<&LinkBody>) -> Self {
+        let registry = Registry::linked().unwrap();
+        let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
+        let mut standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
+        let rigid = RigidBodyDynamics::from_mdh(&table, GRAVITY_M_S2, 0).unwrap();
+        let mut truth = rigid.base.values(&standard);
+        let stacks = (0..6)
+            .map(|j| {
+                truth.extend([COULOMB_NM[j], VISCOUS_NM_S[j]]);
+                JointStack::new(
+                    registry.build_from_json::<dyn CoulombModel>(&json!({"model": "none"})).unwrap(),
+                    registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
+                    registry
+                        .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))
+                        .unwrap(),
+                )
+                .unwrap()
+            })
+            .collect();
+        let terms = load.map(|load| {
+            truth.extend(load.standard_parameters());
+            registry.build_from_json::<dyn ArmTerm>(&json!({"model": "payload", "link": 5})).unwrap()
+        });
+        let model = rigid.with_joint_dynamics(stacks, terms.into_iter().collect()).unwrap();
+        if let Some(load) = load {
+            let last = standard.len() - 10;
+            standard[last..].iter_mut().zip(load.standard_parameters()).for_each(|(s, l)| *s += l);
+        }
+        let chain = SerialChain::from_mdh(&table, GRAVITY_M_S2).unwrap();
+        let dynamics = ChainDynamics::new(chain, &standard).unwrap();
+        Self { model, truth, dynamics }
+    }
+
+    /// Motion and torques without noise; motions of different `kind` have different phases.
+    pub fn clean(&mut self, kind: usize, duration_s: f64) -> Recording {
+        let samples = (duration_s * RATE_HZ) as usize;
+        let mut position = vec![Vec::new(); 6];
+        let mut torque = vec![Vec::new(); 6];
+        let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
+        for t in &time_s {
+            let state: Vec<[f64; 3]> = (0..6).map(|j| motion(kind, j, *t, duration_s)).collect();
+            let of = |i: usize| state.iter().map(|s| s[i]).collect::<Vec<f64>>();
+            let mut tau = [0.0; 6];
+            self.dynamics.inverse_dynamics(&of(0), &of(1), &of(2), &mut tau);
+            for j in 0..6 {
+                position[j].push(state[j][0]);
+                torque[j].push(tau[j] + COULOMB_NM[j] * state[j][1].signum() + VISCOUS_NM_S[j] * state[j][1]);
+            }
+        }
+        Recording {
+            file: format!("known_{kind}.csv").into(),
+            time_s,
+            position_rad: position,
+            velocity_rad_s: None,
+            measurement: Some(torque),
+            unit: MeasurementUnit::NewtonMetre,
+            report: ReadReport::default(),
+        }
+    }
+}
+
+/// Angle, velocity, acceleration of a joint: harmonics of the recording's length below 1 Hz, at rest at both ends as
+/// excitation is.
+fn motion(kind: usize, joint: usize, t: f64, duration_s: f64) -> [f64; 3] {
+    const AMPLITUDES: [f64; 5] = [0.45, -0.25, 0.14, -0.09, 0.06];
+    let mut out = [0.0; 3];
+    for (k, amplitude) in AMPLITUDES.into_iter().enumerate() {
+        let cycles = (2 + 3 * k + (joint * 5 + kind * 3) % 7) as f64;
+        let omega = TAU * cycles / duration_s;
+        let amplitude = if (joint + kind + k).is_multiple_of(3) { -amplitude } else { amplitude };
+        let (sin, cos) = (omega * t).sin_cos();
+        out[0] += amplitude * (1.0 - cos);
+        out[1] += amplitude * omega * sin;
+        out[2] += amplitude * omega * omega * cos;
+    }
+    out[0] += [0.3, -1.2, 1.0, 0.4, 0.8, 0.0][joint];
+    out
+}
+
+/// A clean recording as it would be measured: torques with noise of `level` times [`NOISE_NM`], positions of an encoder with
+/// so many bits a revolution whose zero lies anywhere within a step.
+#[must_use]
+pub fn measured(
+    clean: &Recording,
+    name: &str,
+    seed: u64,
+    noise: Noise,
+    level: f64,
+    bits: Option<u32>,
+) -> NamedRecording {
+    let mut random = Normal(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x51_7cc1_b727_220a);
+    let mut recording = clean.clone();
+    for (series, deviation) in recording.measurement.as_mut().unwrap().iter_mut().zip(NOISE_NM) {
+        let mut state = random.next();
+        for y in series.iter_mut() {
+            let value = match noise {
+                Noise::White => random.next(),
+                Noise::GaussMarkov { time_s } => {
+                    let kept = (-1.0 / (RATE_HZ * time_s)).exp();
+                    state = kept * state + (1.0 - kept * kept).sqrt() * random.next();
+                    state + 0.5 * random.next()
+                }
+            };
+            *y += level * deviation * value;
+        }
+    }
+    if let Some(bits) = bits {
+        let step = TAU / f64::from(2_u32.pow(bits));
+        for series in &mut recording.position_rad {
+            let zero = random.uniform();
+            series.iter_mut().for_each(|q| *q = ((*q / step + zero).round() - zero) * step);
+        }
+    }
+    let options = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(F_DYN_HZ) };
+    NamedRecording { name: name.into(), data: preprocess(&recording, &options).unwrap() }
+}
+
+/// Normal deviates by Box and Muller from a 64-bit linear congruential sequence.
+struct Normal(u64);
+
+impl Normal {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn next(&mut self) -> f64 {
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        radius * (TAU * self.uniform()).cos()
+    }
+}

@@ -1,0 +1,186 @@
+//! The convex program of a robot: its variables, its bodies, and what of it is positive.
+
+use aurt_traits::{ColumnGroup, RobotModel};
+use nalgebra::{DMatrix, DVector, Matrix4};
+
+use super::{
+    inside::inside,
+    prior::{ball, standard},
+    program::{BodyMap, Positive, Program, Pull},
+    pseudo_inertia::{Standard, standard_of},
+};
+use crate::{
+    CalibrationError, CalibrationOptions, JointRange,
+    physical::{braking_rows, carried},
+    system::Triangle,
+};
+
+/// A program with what its variables y = (v, ξ) mean.
+///
+/// v are the standard parameters that are not kept as base parameters (w), and the bodies' coefficients that the rows do
+/// not determine (u); ξ = R ζ_kept + B u − z are the rows' own coordinates. The kept standard parameters are
+/// π_k = ζ_k − Σ factor w, so that the data and what they leave open are apart exactly, not to rounding.
+pub(super) struct Assembly {
+    pub program: Program,
+    /// A point inside.
+    pub start: DVector<f64>,
+    /// ζ = Z y + z₀.
+    pub coefficients: (DMatrix<f64>, DVector<f64>),
+    /// Standard parameters = X y + x₀.
+    pub standard: (DMatrix<f64>, DVector<f64>),
+    /// Joints whose friction no coefficients make brake everywhere.
+    pub undecided: Vec<usize>,
+    /// What the program's bodies are; the links come first.
+    pub names: Vec<String>,
+}
+
+/// What a program is made from.
+#[derive(Clone, Copy)]
+pub(super) struct Ground<'a> {
+    pub model: &'a RobotModel,
+    pub triangle: &'a Triangle,
+    pub scale: f64,
+    pub ranges: &'a [JointRange],
+    pub options: &'a CalibrationOptions,
+    /// The links' pseudo-inertias in the prior.
+    pub prior: &'a [Matrix4<f64>],
+    pub pull: Pull,
+    pub pull_weight: f64,
+}
+
+impl Assembly {
+    pub(super) fn new(ground: Ground<'_>) -> Result<Self, CalibrationError> {
+        let Ground { model, triangle, scale, ranges, options, prior, pull, pull_weight } = ground;
+        let n = model.parameters().len();
+        let base = model.base();
+        let m = triangle.kept.len();
+        let loads = carried(model);
+        let of_body = |c: usize| c < base.len() || loads.iter().any(|b| b.columns.contains(&c));
+        let silent: Vec<(usize, usize)> =
+            triangle.others.iter().copied().enumerate().filter(|(_, c)| of_body(*c)).collect();
+        let all = model.rigid_body().standard_parameters().len();
+        let mut place_of = vec![None; all];
+        let open: Vec<usize> = (0..all).filter(|p| !base.columns.contains(p)).collect();
+        open.iter().enumerate().for_each(|(w, p)| place_of[*p] = Some(w));
+        let free = open.len() + silent.len();
+        let variables = free + m;
+
+        // ζ_kept = R⁻¹ (ξ + z − B u).
+        let solve = |matrix: &DMatrix<f64>| {
+            triangle.upper.solve_upper_triangular(matrix).ok_or(CalibrationError::NotFinite)
+        };
+        let inverse = solve(&DMatrix::identity(m, m))?;
+        let beyond = solve(&triangle.beyond)?;
+        let fitted = solve(&DMatrix::from_column_slice(m, 1, triangle.right.as_slice()))?;
+        let mut of = DMatrix::zeros(n, variables);
+        let mut at = DVector::zeros(n);
+        for (a, column) in triangle.kept.iter().enumerate() {
+            of.view_mut((*column, free), (1, m)).copy_from(&inverse.row(a));
+            for (j, (k, _)) in silent.iter().enumerate() {
+                of[(*column, open.len() + j)] = -beyond[(a, *k)];
+            }
+            at[*column] = fitted[(a, 0)];
+        }
+        for (j, (_, column)) in silent.iter().enumerate() {
+            of[(*column, open.len() + j)] = 1.0;
+        }
+
+        let mut standard_of_variables = DMatrix::zeros(all, variables);
+        let mut standard_at = DVector::zeros(all);
+        for (p, w) in place_of.iter().enumerate().filter_map(|(p, w)| w.map(|w| (p, w))) {
+            standard_of_variables[(p, w)] = 1.0;
+        }
+        for (k, (column, parts)) in base.columns.iter().zip(&base.combinations).enumerate() {
+            standard_of_variables.row_mut(*column).copy_from(&of.row(k));
+            standard_at[*column] = at[k];
+            for (part, factor) in parts.iter().filter(|(part, _)| part != column) {
+                if let Some(w) = place_of[*part] {
+                    standard_of_variables[(*column, w)] -= factor;
+                }
+            }
+        }
+
+        let mut bodies = Vec::new();
+        let mut names = Vec::new();
+        for (link, (indices, prior)) in model.rigid_body().bodies().iter().zip(prior).enumerate() {
+            bodies.push(BodyMap {
+                of: standard_of_variables.select_rows(indices),
+                at: Standard::from_iterator(indices.iter().map(|i| standard_at[*i])),
+                prior: *prior,
+            });
+            names.push(format!("link {link}"));
+        }
+        let mut rows: Vec<(Option<usize>, DVector<f64>)> = Vec::new();
+        let mut begin = at.clone();
+        for body in &loads {
+            let columns = body.places.map(|p| p.map(|p| body.columns.start + p));
+            let Some(mass) = columns[9] else { continue };
+            let sign = if at[mass] < 0.0 { -1.0 } else { 1.0 };
+            let Some(whole) = columns.iter().copied().collect::<Option<Vec<usize>>>() else {
+                rows.push((None, unit(n, mass, sign)));
+                begin[mass] = at[mass].abs().max(1e-3) * sign;
+                continue;
+            };
+            let guess = load_guess(&whole, &at, sign, &prior[0]);
+            bodies.push(BodyMap {
+                of: of.select_rows(&whole) * sign,
+                at: Standard::from_iterator(whole.iter().map(|c| sign * at[*c])),
+                prior: guess,
+            });
+            names.push(format!("load on link {}", body.link));
+            whole.iter().zip(standard_of(&guess).iter()).for_each(|(c, v)| begin[*c] = sign * v);
+        }
+        for (group, columns) in model.groups() {
+            let is_motor = matches!(group, ColumnGroup::ArmTerm(k) if !model.arm_terms()[*k].is_load());
+            for c in columns.clone().filter(|c| is_motor && model.parameters()[*c].unit == "kg m^2") {
+                rows.push((None, unit(n, c, 1.0)));
+            }
+        }
+        for joint in 0..model.joints() {
+            let braking = braking_rows(model, joint, &ranges[joint], options.rest_velocity_rad_s)?;
+            rows.extend(braking.into_iter().map(|row| (Some(joint), DVector::from_vec(row))));
+        }
+        let estimated: Vec<bool> = (0..n).map(|c| of.row(c).iter().any(|v| *v != 0.0)).collect();
+        let undecided = inside(&mut rows, &estimated, &mut begin);
+        let positive =
+            rows.into_iter().map(|(_, row)| Positive { at: row.dot(&at), of: of.tr_mul(&row) }).collect();
+
+        let guessed = standard(model, prior);
+        begin.rows_mut(0, base.len()).copy_from_slice(&base.values(&guessed));
+        let mut start = DVector::zeros(variables);
+        open.iter().enumerate().for_each(|(w, p)| start[w] = guessed[*p]);
+        let mut others = DVector::zeros(triangle.others.len());
+        for (j, (k, column)) in silent.iter().enumerate() {
+            start[open.len() + j] = begin[*column];
+            others[*k] = begin[*column];
+        }
+        let kept = DVector::from_iterator(m, triangle.kept.iter().map(|c| begin[*c]));
+        let seen = &triangle.upper * kept + &triangle.beyond * others - &triangle.right;
+        start.rows_mut(free, m).copy_from(&seen);
+        Ok(Self {
+            program: Program { free, seen: m, scale, bodies, positive, pull, pull_weight },
+            start,
+            coefficients: (of, at),
+            standard: (standard_of_variables, standard_at),
+            undecided,
+            names,
+        })
+    }
+}
+
+fn unit(n: usize, at: usize, value: f64) -> DVector<f64> {
+    let mut row = DVector::zeros(n);
+    row[at] = value;
+    row
+}
+
+/// A ball at the estimated centre of mass of a load, where it has one.
+fn load_guess(columns: &[usize], at: &DVector<f64>, sign: f64, link: &Matrix4<f64>) -> Matrix4<f64> {
+    let mass = sign * at[columns[9]];
+    if mass <= 0.0 || !mass.is_finite() {
+        return *link;
+    }
+    let centre: [f64; 3] = std::array::from_fn(|k| sign * at[columns[6 + k]] / mass);
+    let distance = centre.iter().map(|c| c * c).sum::<f64>().sqrt();
+    ball(centre, (0.1 * distance).max(0.05), mass)
+}

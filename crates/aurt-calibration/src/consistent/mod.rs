@@ -1,0 +1,94 @@
+//! Estimates that a machine can have: bodies of positive mass, rotors of positive inertia, friction that brakes.
+//!
+//! Weighted least squares leaves base parameters ζ̂ and the triangle R of its rows; any ζ explains the data worse by
+//! χ² = ‖R (ζ − ζ̂)‖²/s. Base parameters are sums of standard parameters π of several links. Sought are π with a positive
+//! definite pseudo-inertia P_l for every link and load, rotor inertias and friction such that dissipation is positive, with
+//! the least χ²; and, among all that explain the data equally, those that a prior P₀ or the barrier prefers:
+//!
+//! min ½ χ²(π) + μ [Σ_l (tr P₀⁻¹P_l − log det P₀⁻¹P_l) − Σ_k log (a_kᵀ ζ)],   μ → 0.
+//!
+//! The path is followed until χ² is within a stated amount of the least, so that base parameters stay where the data put
+//! them wherever a machine can be there. Sources: Wensing, Kim, Slotine (IEEE RA-L 2018); Lee, Wensing, Park (IEEE T-RO
+//! 2020); Sousa, Cortesão (Int. J. Robotics Research 2014); Boyd, Vandenberghe, *Convex Optimization*, chapter 11.
+
+mod assembly;
+mod body;
+mod inside;
+mod prior;
+mod program;
+mod pseudo_inertia;
+mod report;
+
+use aurt_traits::RobotModel;
+use nalgebra::{DMatrix, DVector};
+
+pub use body::{PossibleBody, possible_body};
+pub use prior::{Prior, PriorError};
+pub use program::Pull;
+pub(crate) use pseudo_inertia::pseudo_inertia;
+pub use report::{ConsistentReport, Moved, StandardEstimate};
+
+use self::{
+    assembly::{Assembly, Ground},
+    prior::guessed,
+};
+use crate::{CalibrationError, CalibrationOptions, JointRange, System};
+
+/// χ² up to which estimates may differ from the best that a machine can have. Base parameters then are within
+/// √0.001 = 0.03 standard deviations of where the data put them, all together, where a machine can be there.
+const LOSS: f64 = 1e-3;
+
+/// What a consistent estimate starts from.
+#[derive(Debug, Clone, Copy)]
+pub struct Fit<'a> {
+    /// The model.
+    pub model: &'a RobotModel,
+    /// The rows of all recordings.
+    pub system: &'a System,
+    /// 1/σ_j.
+    pub weights: &'a [f64],
+    /// The weighted least-squares coefficients.
+    pub coefficients: &'a [f64],
+    /// Their covariance, column-major.
+    pub covariance: &'a [f64],
+    /// By how much the rows' noise exceeds that of independent rows of deviation σ_j.
+    pub scale: f64,
+    /// What calibration covered.
+    pub ranges: &'a [JointRange],
+    /// The calibration's settings.
+    pub options: &'a CalibrationOptions,
+}
+
+/// The coefficients of a machine that can exist, next to a weighted least-squares fit.
+///
+/// # Errors
+/// [`CalibrationError::Prior`], [`CalibrationError::Inconsistent`] if no such machine was found, and what models report.
+pub fn make_consistent(
+    fit: &Fit<'_>,
+    prior: Option<&Prior>,
+) -> Result<(Vec<f64>, ConsistentReport), CalibrationError> {
+    let triangle = fit.system.triangle(fit.weights)?;
+    let known = prior.map(|p| p.bodies(fit.model)).transpose()?;
+    let bodies = known
+        .unwrap_or_else(|| vec![guessed(fit.model, fit.coefficients); fit.model.rigid_body().bodies().len()]);
+    let assembly = Assembly::new(Ground {
+        model: fit.model,
+        triangle: &triangle,
+        scale: fit.scale,
+        ranges: fit.ranges,
+        options: fit.options,
+        prior: &bodies,
+        pull: prior.map_or_else(Pull::default, |p| p.pull),
+        pull_weight: prior.map_or(0.0, |p| p.weight),
+    })?;
+    let reached =
+        assembly.program.solve(assembly.start.clone(), 0.5 * LOSS).ok_or(CalibrationError::Inconsistent)?;
+    let value = |(of, at): &(DMatrix<f64>, DVector<f64>)| of * &reached.at + at;
+    let coefficients = value(&assembly.coefficients);
+    let standard = value(&assembly.standard);
+    if !coefficients.iter().chain(standard.iter()).all(|v| v.is_finite()) {
+        return Err(CalibrationError::NotFinite);
+    }
+    let report = report::report(fit, &assembly, &reached, &coefficients, &standard, prior.is_some());
+    Ok((coefficients.as_slice().to_vec(), report))
+}

@@ -1,0 +1,129 @@
+//! Bodies as they are known, or guessed, before any recording.
+
+use aurt_traits::RobotModel;
+use nalgebra::Matrix4;
+use thiserror::Error;
+
+use super::{
+    program::Pull,
+    pseudo_inertia::{Standard, pseudo_inertia, standard_of},
+};
+
+/// Standard parameters that are known before, from CAD or a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// All standard parameters, in the order of
+    /// [`RigidBodyRegressor::standard_parameters`](aurt_traits::RigidBodyRegressor::standard_parameters).
+    pub standard: Vec<f64>,
+    /// How estimates are pulled towards them.
+    pub pull: Pull,
+    /// How strongly, in squared standard deviations for each unit of the pull; with zero the prior only decides what the
+    /// data leave open.
+    pub weight: f64,
+}
+
+/// Why a prior cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PriorError {
+    /// Another number of parameters than the robot has.
+    #[error(
+        "the prior has {found} standard parameters, and the robot {expected}; give ten for each link, from 0"
+    )]
+    Count {
+        /// Those of the robot.
+        expected: usize,
+        /// Those of the prior.
+        found: usize,
+    },
+    /// No body can have the parameters of a link.
+    #[error(
+        "the prior of link {link} is of no body: its pseudo-inertia is not positive definite. Mass and principal moments \
+         about the centre of mass have to be positive, and no moment may exceed the sum of the others; inertia counts about \
+         the origin of the link's frame, XY, XZ and YZ as −∫xy dm"
+    )]
+    Impossible {
+        /// The link, from 0.
+        link: usize,
+    },
+    /// A weight that is negative or not a number.
+    #[error("the prior's weight is {weight}; it has to be zero or positive")]
+    Weight {
+        /// The weight.
+        weight: f64,
+    },
+}
+
+impl Prior {
+    /// The links' pseudo-inertias.
+    ///
+    /// # Errors
+    /// What is wrong with the prior.
+    pub(crate) fn bodies(&self, model: &RobotModel) -> Result<Vec<Matrix4<f64>>, PriorError> {
+        let body = model.rigid_body();
+        let expected = body.standard_parameters().len();
+        if self.standard.len() != expected {
+            return Err(PriorError::Count { expected, found: self.standard.len() });
+        }
+        if !self.weight.is_finite() || self.weight < 0.0 {
+            return Err(PriorError::Weight { weight: self.weight });
+        }
+        let links = body.bodies().into_iter().enumerate();
+        links
+            .map(|(link, indices)| {
+                let p = pseudo_inertia(&indices.map(|i| self.standard[i]));
+                let possible = p.iter().all(|v| v.is_finite()) && p.cholesky().is_some();
+                possible.then_some(p).ok_or(PriorError::Impossible { link })
+            })
+            .collect()
+    }
+}
+
+/// Without a prior: for every link a ball about the origin of its frame, its size of the order of the arm's links, its mass
+/// of the order that the estimated first moments need. It decides only what the data leave open.
+pub(super) fn guessed(model: &RobotModel, coefficients: &[f64]) -> Matrix4<f64> {
+    const FIRST_MOMENTS: std::ops::Range<usize> = 6..9;
+    const MASS: usize = 9;
+    let base = model.base();
+    let bodies = model.rigid_body().bodies();
+    let role = |parameter: usize| bodies.iter().find_map(|b| b.iter().position(|i| *i == parameter));
+    let is_moment = |p: usize| role(p).is_some_and(|r| FIRST_MOMENTS.contains(&r));
+    // A first moment collects masses times lengths of links.
+    let lengths = base.columns.iter().zip(&base.combinations).filter(|(c, _)| is_moment(**c));
+    let length = lengths
+        .flat_map(|(_, parts)| parts.iter().filter(|(i, _)| role(*i) == Some(MASS)))
+        .fold(0.0_f64, |a, (_, f)| a.max(f.abs()));
+    let length = if length > 0.0 { length } else { 0.3 };
+    let largest = |of: &dyn Fn(usize) -> bool| {
+        let own = base.columns.iter().zip(coefficients).filter(|(c, _)| of(**c));
+        own.fold(0.0_f64, |a, (_, v)| a.max(v.abs()))
+    };
+    let moment = largest(&is_moment);
+    let inertia = largest(&|p| role(p).is_some_and(|r| r < 6));
+    let whole = if moment > 0.0 { moment / length } else { inertia / length.powi(2) };
+    let mass = 2.0 * whole / bodies.len().max(1) as f64;
+    let mass = if mass.is_finite() && mass > 0.0 { mass } else { 1.0 };
+    ball([0.0; 3], length / 3.0, mass)
+}
+
+/// The pseudo-inertia of a homogeneous ball.
+pub(super) fn ball(centre_m: [f64; 3], radius_m: f64, mass_kg: f64) -> Matrix4<f64> {
+    Matrix4::from_fn(|r, c| match (r, c) {
+        (3, 3) => mass_kg,
+        (3, k) | (k, 3) => mass_kg * centre_m[k],
+        (r, c) => {
+            mass_kg * (centre_m[r] * centre_m[c] + if r == c { radius_m * radius_m / 5.0 } else { 0.0 })
+        }
+    })
+}
+
+/// Standard parameters of pseudo-inertias in the place of those of the links.
+pub(super) fn standard(model: &RobotModel, bodies: &[Matrix4<f64>]) -> Vec<f64> {
+    let body = model.rigid_body();
+    let mut all = vec![0.0; body.standard_parameters().len()];
+    for (indices, p) in body.bodies().iter().zip(bodies) {
+        let own: Standard = standard_of(p);
+        indices.iter().zip(own.iter()).for_each(|(i, v)| all[*i] = *v);
+    }
+    all
+}

@@ -1,0 +1,171 @@
+use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
+
+use super::{Fit, assembly::Assembly, program::Reached, pseudo_inertia::pseudo_inertia};
+use crate::uncertainty::with_deviation;
+
+/// Estimates that differ from least squares by more than this share of their standard deviation have moved.
+const NOTABLE: f64 = 0.5;
+/// Bodies whose scaled pseudo-inertia has a smaller eigenvalue than this lie at the edge of what can be.
+const EDGE: f64 = 1e-3;
+
+/// A standard parameter of a consistent estimate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StandardEstimate {
+    /// Name, `XX_0`.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Value.
+    pub value: f64,
+    /// Standard deviation; absent where the data leave the parameter open.
+    pub std_dev: Option<f64>,
+    /// Whether the data determine it. If not, they determine only sums of it and others, and the value is one of many that
+    /// explain them equally.
+    pub determined: bool,
+}
+
+/// A coefficient that physics moved away from least squares.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Moved {
+    /// Its name.
+    pub name: String,
+    /// What least squares gave.
+    pub least_squares: f64,
+    /// What a machine can have.
+    pub value: f64,
+    /// The difference in standard deviations.
+    pub deviations: f64,
+}
+
+/// How a consistent estimate came about.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ConsistentReport {
+    /// By how much χ² exceeds that of least squares: the squared distance in standard deviations.
+    pub loss: f64,
+    /// The least loss that any machine can have is at most so much below.
+    pub within: f64,
+    /// Number of coefficients that the data determine; noise alone puts a machine's χ² about there.
+    pub determined: usize,
+    /// Standard parameters, link after link.
+    pub standard: Vec<StandardEstimate>,
+    /// Coefficients that moved by more than half a standard deviation, furthest first.
+    pub moved: Vec<Moved>,
+    /// Bodies at the edge of what can be: nearly flat, or points.
+    pub at_edge: Vec<String>,
+    /// Joints whose friction model cannot brake at all speeds and loads, whatever its coefficients; it is as least squares
+    /// has it.
+    pub undecided: Vec<usize>,
+    /// Whether standard parameters were known before.
+    pub prior: bool,
+    /// Newton steps.
+    pub steps: usize,
+    /// Whether the search ended at the optimum.
+    pub converged: bool,
+}
+
+pub(super) fn report(
+    fit: &Fit<'_>,
+    assembly: &Assembly,
+    reached: &Reached,
+    coefficients: &DVector<f64>,
+    standard: &DVector<f64>,
+    prior: bool,
+) -> ConsistentReport {
+    let n = fit.coefficients.len();
+    let program = &assembly.program;
+    let (of, _) = &assembly.standard;
+    let parameters = fit.model.rigid_body().standard_parameters();
+    let standard = parameters.iter().enumerate().map(|(k, p)| {
+        let row = of.row(k);
+        let determined = row.columns(0, program.free).iter().all(|v| *v == 0.0)
+            && row.columns(program.free, program.seen).iter().any(|v| *v != 0.0);
+        let deviation = row.columns(program.free, program.seen).norm() * program.scale.sqrt();
+        StandardEstimate {
+            name: p.name.clone(),
+            unit: p.unit.clone(),
+            value: standard[k],
+            std_dev: determined.then_some(deviation),
+            determined,
+        }
+    });
+    let mut moved: Vec<Moved> = (0..n)
+        .filter_map(|k| {
+            let deviation = fit.covariance[k * n + k].sqrt();
+            let deviations = (coefficients[k] - fit.coefficients[k]) / deviation;
+            (deviations.is_finite() && deviations.abs() > NOTABLE).then(|| Moved {
+                name: fit.model.parameters()[k].name.clone(),
+                least_squares: fit.coefficients[k],
+                value: coefficients[k],
+                deviations,
+            })
+        })
+        .collect();
+    moved.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    let bodies = program.standard(&reached.at);
+    let at_edge = bodies.iter().zip(&assembly.names).filter(|(s, _)| {
+        let p = pseudo_inertia(&s.data.0[0]);
+        let scale = nalgebra::Matrix4::from_diagonal(&p.diagonal().map(|d| d.abs().sqrt().recip()));
+        let scaled = scale * p * scale;
+        scaled.iter().all(|v| v.is_finite()) && scaled.symmetric_eigenvalues().min() < EDGE
+    });
+    ConsistentReport {
+        loss: 2.0 * reached.loss,
+        within: 2.0 * reached.within,
+        determined: program.seen,
+        standard: standard.collect(),
+        moved,
+        at_edge: at_edge.map(|(_, name)| name.clone()).collect(),
+        undecided: assembly.undecided.clone(),
+        prior,
+        steps: reached.steps,
+        converged: reached.converged,
+    }
+}
+
+impl ConsistentReport {
+    /// What a user should know.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        // Beyond the 99.9 % point of the distribution that noise gives (Wilson and Hilferty's approximation).
+        let degrees = self.determined.max(1) as f64;
+        let spread = 2.0 / (9.0 * degrees);
+        let limit = degrees * (1.0 - spread + 3.09 * spread.sqrt()).powi(3);
+        if self.loss > limit {
+            let furthest: Vec<String> = self
+                .moved
+                .iter()
+                .take(5)
+                .map(|m| {
+                    let deviation = ((m.value - m.least_squares) / m.deviations).abs();
+                    let before = with_deviation(m.least_squares, deviation);
+                    format!("{} (least squares {before}, now {:.4})", m.name, m.value)
+                })
+                .collect();
+            warnings.push(format!(
+                "no machine explains these recordings as well as least squares does: χ² grows by {:.0} with {} coefficients, \
+                 more than noise does. Furthest from least squares: {}. Something is missing in the model or wrong in the \
+                 recordings: `aurt diagnose` looks for it",
+                self.loss,
+                self.determined,
+                furthest.join(", ")
+            ));
+        }
+        if !self.undecided.is_empty() {
+            let joints: Vec<String> = self.undecided.iter().map(ToString::to_string).collect();
+            warnings.push(format!(
+                "the friction model of joint {} cannot brake at all speeds and loads of the calibration, whatever its \
+                 coefficients; they are as least squares has them",
+                joints.join(", ")
+            ));
+        }
+        if !self.converged {
+            warnings.push(format!(
+                "the search for a consistent estimate ended after {} steps before it had converged; χ² is {:.3e}, and may be \
+                 {:.1e} above the least",
+                self.steps, self.loss, self.within
+            ));
+        }
+        warnings
+    }
+}

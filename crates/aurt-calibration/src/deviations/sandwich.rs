@@ -1,0 +1,181 @@
+use aurt_recording::Segment;
+use aurt_traits::{LoadTorque, RobotModel};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::{
+    autoregression::{Autocovariance, Autoregression},
+    clusters::factors,
+    rows::{JointRows, rows_of},
+};
+use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes};
+
+/// Recordings are cut into stretches until there are about this many clusters.
+const CLUSTERS: usize = 8;
+/// No stretch is shorter than this many rows.
+const SHORTEST: usize = 40;
+
+/// What was fitted to what.
+#[derive(Clone, Copy)]
+pub(crate) struct Observed<'a> {
+    pub model: &'a RobotModel,
+    pub recordings: &'a [&'a NamedRecording],
+    pub scopes: &'a TermScopes,
+    pub load: &'a LoadTorque,
+    pub options: &'a CalibrationOptions,
+    pub coefficients: &'a [f64],
+    /// The fit's weights, 1/σ_j.
+    pub weights: &'a [f64],
+    /// (WᵀΩ⁻¹W)⁻¹ with these weights, column-major.
+    pub bread: &'a [f64],
+}
+
+/// A segment with how often it is listed.
+struct Piece<'a> {
+    segment: &'a Segment,
+    acting: Vec<bool>,
+    times: f64,
+}
+
+/// The covariance of the coefficients, column-major.
+///
+/// # Errors
+/// What models report.
+pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationError> {
+    let Observed { model, load, options, coefficients, weights, bread, .. } = *observed;
+    let n = coefficients.len();
+    let pieces = pieces(observed);
+    let rows: Vec<Vec<JointRows>> = pieces
+        .par_iter()
+        .map(|p| rows_of(model, p.segment, &p.acting, load, coefficients, options))
+        .collect::<Result<_, _>>()?;
+    let bread = DMatrix::from_column_slice(n, n, bread);
+
+    let parts: Vec<DMatrix<f64>> = (0..model.joints())
+        .into_par_iter()
+        .map(|joint| {
+            let (mut memory, mut shown) = (Autocovariance::default(), 0.0);
+            for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
+                memory.add(&rows[joint].residual, rows[joint].counted);
+                shown += piece.times * rows[joint].residual.iter().map(|e| e * e).sum::<f64>();
+            }
+            let noise = memory.fit();
+            let columns = model.row_columns(joint);
+            let mut factor = JointFactor::new(columns.to_vec());
+            for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
+                fold(&mut factor, &rows[joint], &noise, piece.times);
+            }
+            // Rows of A⁻¹ S Cᵀ: what each unit of independent noise moves.
+            let (triangle, size) = (factor.triangle(), columns.len() + 1);
+            let mut middle = DMatrix::zeros(n, columns.len());
+            for (k, column) in columns.iter().enumerate() {
+                for row in 0..=k {
+                    middle[(*column, row)] = triangle[k * size + row];
+                }
+            }
+            let pulled = product(&bread, &middle);
+            // The fit took up part of the noise, and the residual shows the rest.
+            let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
+                * weights[joint].powi(2)
+                * noise.innovation;
+            let moved = pulled * (weights[joint].powi(2) * noise.innovation.sqrt());
+            let share = if shown > 0.0 { taken / (shown + taken) } else { 0.0 };
+            let covariance = product(&moved, &moved.transpose());
+            covariance / (1.0 - share.clamp(0.0, 0.9))
+        })
+        .collect();
+    let mut covariance = parts.into_iter().fold(DMatrix::zeros(n, n), |sum, part| sum + part);
+
+    let steps = steps(observed, &pieces, &rows, &bread);
+    let groups: Vec<_> = model.groups().iter().map(|(_, range)| range.clone()).collect();
+    let mut deviation = DVector::from_element(n, 1.0);
+    for (group, factor) in groups.iter().zip(factors(&steps, &covariance, &groups)) {
+        group.clone().for_each(|k| deviation[k] = factor.sqrt());
+    }
+    for c in 0..n {
+        for r in 0..n {
+            covariance[(r, c)] *= deviation[r] * deviation[c];
+        }
+    }
+    if covariance.iter().all(|v| v.is_finite()) {
+        Ok(covariance.as_slice().to_vec())
+    } else {
+        Err(CalibrationError::NotFinite)
+    }
+}
+
+/// A product in one order of operations, so that the baseline gives the same bits on every machine.
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut result = DMatrix::zeros(a.nrows(), b.ncols());
+    for (mut to, from) in result.column_iter_mut().zip(b.column_iter()) {
+        for (column, factor) in a.column_iter().zip(from.iter()).filter(|(_, f)| **f != 0.0) {
+            to.iter_mut().zip(column.iter()).for_each(|(t, v)| *t += factor * v);
+        }
+    }
+    result
+}
+
+/// The segments, each once, with how often it is listed.
+fn pieces<'a>(observed: &Observed<'a>) -> Vec<Piece<'a>> {
+    let mut once: Vec<(&NamedRecording, f64)> = Vec::new();
+    for recording in observed.recordings {
+        match once.iter_mut().find(|(known, _)| known.is_copy_of(recording)) {
+            Some((_, times)) => *times += 1.0,
+            None => once.push((recording, 1.0)),
+        }
+    }
+    once.into_iter()
+        .flat_map(|(recording, times)| {
+            let acting = observed.scopes.acting(observed.model, &recording.name);
+            recording.data.segments.iter().map(move |segment| Piece {
+                segment,
+                acting: acting.clone(),
+                times,
+            })
+        })
+        .collect()
+}
+
+/// Takes in coloured rows.
+fn fold(factor: &mut JointFactor, rows: &JointRows, noise: &Autoregression, times: f64) {
+    let length = rows.residual.len() + noise.longer();
+    let mut coloured = vec![Vec::new(); rows.columns.len()];
+    for (column, out) in rows.columns.iter().zip(&mut coloured) {
+        noise.coloured(column, out);
+        if times != 1.0 {
+            out.iter_mut().for_each(|v| *v *= times);
+        }
+    }
+    factor.push(|k| &coloured[k], &vec![0.0; length], |_| true);
+}
+
+/// A⁻¹ g of each cluster: recordings, cut into stretches where they are few.
+fn steps(
+    observed: &Observed<'_>,
+    pieces: &[Piece<'_>],
+    rows: &[Vec<JointRows>],
+    bread: &DMatrix<f64>,
+) -> Vec<DVector<f64>> {
+    let n = observed.coefficients.len();
+    let total: usize = rows.iter().filter_map(|r| r.first()).map(|r| r.residual.len()).sum();
+    let length = total.div_ceil(CLUSTERS).max(SHORTEST);
+    let mut steps = Vec::new();
+    for (piece, rows) in pieces.iter().zip(rows).filter(|(_, r)| !r.is_empty()) {
+        let count = rows[0].residual.len();
+        let parts = (count as f64 / length as f64).round().max(1.0) as usize;
+        for part in 0..parts {
+            let range = part * count / parts..(part + 1) * count / parts;
+            let mut score = DVector::zeros(n);
+            for (joint, rows) in rows.iter().enumerate() {
+                let weight = piece.times * observed.weights[joint].powi(2);
+                let left = &rows.residual[range.clone()];
+                for (column, values) in observed.model.row_columns(joint).iter().zip(&rows.columns) {
+                    let product: f64 = values[range.clone()].iter().zip(left).map(|(w, e)| w * e).sum();
+                    score[*column] += weight * product;
+                }
+            }
+            steps.push(bread * score);
+        }
+    }
+    steps
+}
