@@ -27,6 +27,8 @@ pub struct Prepared<'a> {
     verdict: Verdict,
     /// The best scores that chance reaches, ascending.
     pub(super) chance: Vec<f64>,
+    /// Share of independent rows of what the final model leaves, joint by joint.
+    pub(super) shares: Vec<f64>,
     /// What noise leaves, before it is bounded by what a model leaves, `[recording][joint]`.
     pub(super) floors: Vec<Vec<f64>>,
     /// Columns of the links' forces over the rows that fit, by recording.
@@ -67,9 +69,9 @@ impl<'a> Prepared<'a> {
             floor: &reference.floor,
             options: &question.selection,
         };
-        let independent =
+        let shares =
             shares(&reference.rows, &reference.partition, &reference.layout, &switches, &fit.coefficients);
-        let chance = judge.scores_by_chance(&switches, &independent);
+        let chance = judge.scores_by_chance(&switches, &shares);
         let mut floors = Vec::new();
         for (r, noise) in reference.noise.iter().enumerate() {
             let whole = reference.rows[r].followed_by(&reference.confirm.to_judge()[r]);
@@ -83,7 +85,19 @@ impl<'a> Prepared<'a> {
             all.iter().map(of).collect::<Vec<_>>()
         });
         let own = own_coefficients(question, &reference, &reference.problem);
-        Ok(Self { question, registry, recordings, verdict, chance, floors, forces, own, left, reference })
+        Ok(Self {
+            question,
+            registry,
+            recordings,
+            verdict,
+            chance,
+            shares,
+            floors,
+            forces,
+            own,
+            left,
+            reference,
+        })
     }
 
     /// What is said of the recordings as they are.

@@ -10,7 +10,7 @@ use crate::evidence::residuals::residuals;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::injection::anew::Anew;
-use crate::injection::ground::KnownChance;
+use crate::injection::ground::Known;
 use crate::injection::prepared::{AddedRows, Prepared};
 use crate::investigation::{Delay, Investigation, earn, mean_floor, reshape};
 use crate::recordings::divided::FitRows;
@@ -34,6 +34,7 @@ struct Start<'a> {
     groups: &'a [Group],
     chosen: Vec<usize>,
     floor: &'a [f64],
+    changed: &'a [usize],
 }
 
 impl Prepared<'_> {
@@ -84,10 +85,10 @@ impl Prepared<'_> {
     ) -> Result<Investigation, DiagnosisError> {
         let reference = &self.reference;
         let (partition, layout) = (&reference.partition, &reference.layout);
-        let Anew { mut rows, mut confirm, problem, coefficients, mut floors, .. } = anew;
+        let Anew { mut rows, mut confirm, problem, coefficients, mut floors, joints } = anew;
         let baseline = Baseline { coefficients, ..reference.baseline.clone() };
         let mut floor = mean_floor(&rows, partition, &floors);
-        let start = Start { groups: &groups, chosen, floor: &floor };
+        let start = Start { groups: &groups, chosen, floor: &floor, changed: &joints };
         let mut selected = self.select(question, problem, &mut rows, &mut candidates, &start);
         let mut contacts = reference.contacts.clone();
         if !question.without.iter().any(|w| w == "external_contact") {
@@ -172,7 +173,8 @@ impl Prepared<'_> {
             question,
             registry: self.registry,
         };
-        let mut ground = KnownChance { recorded, chance: &self.chance };
+        let mut ground =
+            Known { recorded, chance: &self.chance, shares: &self.shares, changed: start.changed };
         let mut selector = Selector {
             ground: &mut ground,
             baseline: &self.reference.base_switches,
