@@ -194,7 +194,7 @@ impl Prepared<'_> {
     /// Contacts while the arm moves, in what a selection leaves.
     fn contacts(&self, question: &Question<'_>, rows: &FitRows, selected: &Selected) -> Vec<Contact> {
         let asked: Vec<usize> = (0..rows.len()).filter(|r| rows[*r].rows() > 0).collect();
-        let searched: Vec<(Vec<Vec<f64>>, Vec<Vec<bool>>)> = asked
+        let searched: Vec<(_, Vec<Vec<bool>>)> = asked
             .iter()
             .map(|r| {
                 let layout = &self.reference.layout;
