@@ -14,6 +14,7 @@
 //! | [`contact`] | external forces, local in time |
 //! | [`investigation`] | the walk through all rooms |
 //! | [`verdict`] | what may be said of what was found |
+//! | [`injection`] | what would be said if an effect were added to the measurement |
 //! | [`comparison`] | simpler methods on the same columns |
 //! | [`mod@improvement`] | the experiment with what was found |
 
@@ -23,6 +24,7 @@ mod error;
 pub mod evidence;
 pub mod hypotheses;
 pub mod improvement;
+pub mod injection;
 pub mod investigation;
 pub mod noise;
 pub mod recordings;
@@ -40,6 +42,7 @@ pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
 pub use hypotheses::{Candidate, Group, RegisteredModel, Switch, effects};
 pub use improvement::{Improvement, improved_experiment, improvement};
+pub use injection::{Prepared, SeenFault};
 pub use investigation::{BeforeGears, Delay, Indicated, Investigation, Late, investigate};
 pub use recordings::{
     ConfirmRows, Fault, Fit, FitRows, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role,

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aurt_diagnosis::Prepared;
 use aurt_experiment::Experiment;
 use aurt_simulation::inject::{Kind, injectable};
 use clap::Args;
@@ -13,14 +14,15 @@ use crate::{
     output::{OutputFolder, Outputs},
     rendering::{json::pretty, terminal::Report},
     reports::{self, sensitivity::Answered},
-    sensitivity::{DRAWS, LEVELS, Subject, search, tasks},
+    sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
 };
 
 /// Say from which size on each effect would have been found in the experiment's own recordings: "nothing is missing"
 /// becomes "nothing larger than this is missing".
 ///
-/// Each effect is added to what the recordings measured, at growing strength, in three shapes, and diagnosed. Where the
-/// experiment has targets, it is added to these and to what is held out; where not, to all recordings.
+/// Each effect is added to what the recordings measured, at growing strength, in five draws of shape and noise, and
+/// diagnosed; four of them have to name it. Where the experiment has targets, it is added to these and to what is held out;
+/// where not, to all recordings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt sensitivity experiment.toml --out sensitivity\n  \
     aurt sensitivity experiment.toml --effects payload,spring --joints 1,2 --out sensitivity")]
@@ -40,6 +42,9 @@ pub struct Sensitivity {
     /// Seed of the shapes that are drawn
     #[arg(long, value_name = "N", default_value = "1")]
     seed: u64,
+    /// Check so many of the limits (12 unless N is given) with whole diagnoses, at twice and at half the size
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "12")]
+    check: Option<usize>,
     #[command(flatten)]
     plots: PlotOptions,
 }
@@ -55,7 +60,7 @@ impl Sensitivity {
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let joints = self.joints(experiment.joints())?;
-        let subject = Subject::new(&experiment, registry)?;
+        let subject = Subject::new(&experiment)?;
         let unit = subject.injection.real().unit;
         let names: Vec<String> = if self.effects.is_empty() {
             injectable(unit).into_iter().map(str::to_owned).collect()
@@ -63,8 +68,15 @@ impl Sensitivity {
             self.effects.clone()
         };
         let effects = names.iter().map(|name| Kind::named(name)).collect::<Result<Vec<_>, _>>()?;
-        let progress = terminal.progress(tasks(&effects, &joints));
-        let rows = search(&subject, &effects, &joints, self.seed, &|what| progress.step(what))?;
+        let checked = self.check.unwrap_or(0);
+        let progress = terminal.progress(1 + tasks(&effects, &joints) + checked);
+        let question = subject.question();
+        let prepared = Prepared::new(&question, registry, |_| {})?;
+        progress.step("the recordings as they are");
+        let trials = Trials::new(&subject, &prepared, registry);
+        let done = |what: &str| progress.step(what);
+        let rows = search(&trials, &effects, &joints, self.seed, &done)?;
+        let checks: Vec<Check> = check(&trials, &rows, &joints, (self.seed, checked), &done)?;
         drop(progress);
 
         let document = json!({
@@ -76,9 +88,19 @@ impl Sensitivity {
             "left_rms": subject.injection.model().left_rms(),
             "strengths": LEVELS,
             "draws": DRAWS,
+            "named_in": NAMED_IN,
+            "said_of_recordings_as_they_are": prepared.verdict().verdict,
             "limits": rows,
+            "checks": checks,
         });
-        let answered = Answered { rows: &rows, subject: &subject, seed: self.seed, document: &document };
+        let answered = Answered {
+            rows: &rows,
+            checks: &checks,
+            subject: &subject,
+            said: prepared.verdict().verdict,
+            seed: self.seed,
+            document: &document,
+        };
         let page = answered.page();
         let mut outputs = Outputs::default();
         outputs.folder(

@@ -63,6 +63,25 @@ fn sensitivity_says_sizes_per_joint() {
     assert!(page.contains("current_offset") && page.contains("<svg"));
 }
 
+/// A whole diagnosis names what is twice as large as the trials say, and not what is half as large.
+#[test]
+fn whole_diagnoses_agree_with_a_limit() {
+    let later = ["later.toml", "later_motion.csv", "later_other_motion.csv"];
+    let folder = Folder::new().with_whole_demo().with_demo(&later);
+    let narrow = ["--effects", "spring", "--joints", "2", "--out", "sensitivity", "--check=1"];
+    let run = folder.aurt(["sensitivity", "later.toml"].into_iter().chain(narrow));
+    assert!(run.status() == 0, "{}", run.stderr());
+    let found = folder.json("sensitivity/sensitivity.json");
+    assert_eq!(found["limits"][0]["status"], "named", "{found}");
+    assert_eq!(found["limits"][0]["draws"].as_array().map(Vec::len), Some(5));
+    let check = &found["checks"][0];
+    assert_eq!(
+        (&check["named_at_double"], &check["named_at_half"]),
+        (&true.into(), &false.into()),
+        "{check}"
+    );
+}
+
 #[test]
 fn wrong_effects_joints_and_experiments_are_refused() {
     let folder = Folder::new().with_whole_demo();

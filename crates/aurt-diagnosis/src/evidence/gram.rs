@@ -99,6 +99,37 @@ impl BlockMoments {
         rest
     }
 
+    /// Takes Xᵀy and yᵀy of some joints anew from their rows, in every block and in the sums; XᵀX stays.
+    pub fn measure(&mut self, recordings: &[RecordingRows], partition: &Partition, joints: &[usize]) {
+        for joint in joints {
+            for moments in self.total.iter_mut() {
+                moments[*joint].right.fill(0.0);
+                moments[*joint].square = 0.0;
+            }
+            for (block, part) in partition.blocks.iter().zip(&mut self.parts) {
+                for (kind, moments) in part.iter_mut().enumerate() {
+                    let moments = &mut moments[*joint];
+                    moments.right.fill(0.0);
+                    moments.square = 0.0;
+                    for (r, start, end) in block {
+                        if usize::from(recordings[*r].role == Role::Target) != kind {
+                            continue;
+                        }
+                        let rows = &recordings[*r].joints[*joint];
+                        let y = &rows.measurement[*start..*end];
+                        for (k, sum) in moments.right.iter_mut().enumerate() {
+                            *sum += dot(&rows.column(k)[*start..*end], y);
+                        }
+                        moments.square += dot(y, y);
+                    }
+                    let total = &mut self.total[kind][*joint];
+                    total.right.iter_mut().zip(&moments.right).for_each(|(sum, own)| *sum += own);
+                    total.square += moments.square;
+                }
+            }
+        }
+    }
+
     /// Takes the moments of some columns of a joint anew from its rows, in every block and in the sums.
     pub fn renew(
         &mut self,

@@ -6,7 +6,7 @@ use crate::recordings::rows::{Layout, RecordingRows};
 
 /// Second moments in blocks of time, over all columns of baseline and candidates: all that nested models,
 /// cross-validation and collinearity need.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Problem {
     pub(super) moments: BlockMoments,
     pub(super) training: Vec<[Vec<Moments>; 2]>,
@@ -358,6 +358,31 @@ impl Problem {
         fit.cholesky.backward(&mut beta);
         beta.extend(extension);
         beta
+    }
+
+    /// The same columns with another measurement of some joints: XᵀX stays, Xᵀy and yᵀy are those of the rows.
+    pub(crate) fn measured_anew(
+        &self,
+        recordings: &[RecordingRows],
+        partition: &Partition,
+        joints: &[usize],
+    ) -> Self {
+        let mut anew = self.clone();
+        anew.moments.measure(recordings, partition, joints);
+        let Self { moments, training, .. } = &mut anew;
+        for (rest, part) in training.iter_mut().zip(&moments.parts) {
+            for kind in 0..2 {
+                for joint in joints {
+                    let (total, part) = (&moments.total[kind][*joint], &part[kind][*joint]);
+                    let rest = &mut rest[kind][*joint];
+                    for ((rest, all), own) in rest.right.iter_mut().zip(&total.right).zip(&part.right) {
+                        *rest = all - own;
+                    }
+                    rest.square = total.square - part.square;
+                }
+            }
+        }
+        anew
     }
 
     /// Takes the moments of some columns of a joint anew, after its rows have changed; `columns` count among the

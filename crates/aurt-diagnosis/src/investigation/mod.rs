@@ -11,10 +11,13 @@ mod reshaped;
 mod selecting;
 
 pub use earned::Indicated;
-pub(crate) use earned::{WORSE, concerned};
+pub(crate) use earned::{WORSE, concerned, earn};
 pub(crate) use fitted::Fitted;
 pub use gears::BeforeGears;
 pub use late::{Delay, Late};
+pub(crate) use repairs::repair_helps;
+pub(crate) use reshaped::reshape;
+pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;
 use aurt_traits::RobotModel;
@@ -39,8 +42,7 @@ use crate::search::null::Judge;
 use crate::search::selection::Selection;
 use crate::transmission::Shaking;
 use gears::without_gears;
-use repairs::repair_helps;
-use selecting::{Parts, Selected, mean_floor};
+use selecting::{Parts, Selected};
 
 /// Everything that a diagnosis has worked out, from which the verdict is written.
 #[derive(Debug)]
@@ -140,7 +142,7 @@ pub fn investigate(
 ) -> Result<Investigation, DiagnosisError> {
     let mut investigation = selected(question, registry, &mut progress)?;
     progress("testing what was found");
-    earned::earn(question, &mut investigation)?;
+    earn(question, &mut investigation)?;
     Ok(investigation)
 }
 
@@ -301,7 +303,7 @@ fn investigate_as_it_is(
     floor = mean_floor(&rows, &partition, &floors);
     for chosen in &selection.chosen {
         let candidate = &candidates[groups[chosen.group].candidate];
-        reshaped::reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
+        reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
     }
     let judge = Judge {
         problem: &problem,

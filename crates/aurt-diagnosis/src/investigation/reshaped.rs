@@ -17,7 +17,7 @@ use crate::request::Question;
 ///
 /// # Errors
 /// What the law and the filter report.
-pub(super) fn reshape(
+pub(crate) fn reshape(
     confirm: &mut ConfirmRows,
     candidate: &Candidate,
     question: &Question<'_>,

@@ -93,7 +93,7 @@ fn misfit(problem: &Problem, base: &[Switch], weights: &[f64], floor: &[f64]) ->
 }
 
 /// Mean noise floor over the fitted rows.
-pub(super) fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn mean_floor(rows: &[RecordingRows], partition: &Partition, floors: &[Vec<f64>]) -> Vec<f64> {
     let joints = rows.first().map_or(0, |r| r.joints.len());
     (0..joints)
         .map(|j| {

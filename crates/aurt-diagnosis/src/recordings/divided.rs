@@ -55,6 +55,14 @@ impl ConfirmRows {
         &self.0
     }
 
+    /// Replaces the measurement of a joint's rows; rows that do not count stay zero.
+    pub(crate) fn set_measurement(&mut self, recording: usize, joint: usize, values: &[f64]) {
+        let rows = &mut self.0[recording].joints[joint];
+        for ((o, value), counts) in rows.measurement.iter_mut().zip(values).zip(&rows.counts) {
+            *o = if *counts { *value } else { 0.0 };
+        }
+    }
+
     /// Replaces a column of a joint's rows by that of a law whose shape was estimated on the rows that fit; rows that do
     /// not count stay zero.
     pub(crate) fn set_column(&mut self, recording: usize, joint: usize, column: usize, values: &[f64]) {

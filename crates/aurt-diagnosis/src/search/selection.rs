@@ -69,9 +69,13 @@ impl Selector<'_> {
 
     /// Selects groups: forward until nothing helps, then replacement and removal, and forward again.
     #[must_use]
-    pub fn run(&mut self, mut progress: impl FnMut(&str)) -> Selection {
+    pub fn run(&mut self, progress: impl FnMut(&str)) -> Selection {
+        self.run_from(Vec::new(), progress)
+    }
+
+    /// The same, begun with some groups in the model.
+    pub(crate) fn run_from(&mut self, mut chosen: Vec<usize>, mut progress: impl FnMut(&str)) -> Selection {
         let before = self.scoring().fit(&[]).errors.all;
-        let mut chosen: Vec<usize> = Vec::new();
         let mut barred: Vec<usize> = Vec::new();
         for _ in 0..self.options.rounds {
             let start = chosen.clone();

@@ -59,7 +59,8 @@ pub const TERMS: &[Term] = &[
         name: "no_mismatch",
         title: "verdict: no_mismatch",
         text: "Nothing is missing that these recordings could show: what is left is noise. It does not say \
-            that the model is right for motions that were not recorded; see not_decidable.",
+            that the model is right for motions that were not recorded; see not_decidable. `aurt sensitivity` says how \
+            large an effect could be and stay hidden.",
     },
     Term {
         name: "noise_floor",

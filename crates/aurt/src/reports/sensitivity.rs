@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use aurt_diagnosis::Answer;
 use aurt_report::{BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict};
 use aurt_simulation::inject::Presence;
 use serde_json::Value;
@@ -9,7 +10,7 @@ use serde_json::Value;
 use super::parts;
 use crate::{
     rendering::{json::pretty, number::significant},
-    sensitivity::{DRAWS, Limit, Row, Status, Subject},
+    sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject},
 };
 
 /// What was found, and for what.
@@ -17,8 +18,12 @@ use crate::{
 pub struct Answered<'a> {
     /// The limits.
     pub rows: &'a [Row],
+    /// Whole diagnoses at twice and at half of some limits.
+    pub checks: &'a [Check],
     /// What effects were added to.
-    pub subject: &'a Subject<'a>,
+    pub subject: &'a Subject,
+    /// What is said of the recordings as they are.
+    pub said: Answer,
     /// Seed of the shapes.
     pub seed: u64,
     /// The results for programs.
@@ -39,10 +44,14 @@ impl Answered<'_> {
             "What the model leaves, joint by joint",
             format!("{} {}", left.join(", "), real.unit.symbol()),
         ));
+        let mut sections = vec![self.sizes(), self.pictures()];
+        if !self.checks.is_empty() {
+            sections.push(self.checked());
+        }
         Page {
             title: "From which size on effects would have been found".into(),
             verdict: self.verdict(),
-            sections: vec![self.sizes(), self.pictures()],
+            sections,
             provenance,
             results_json: pretty(self.document),
         }
@@ -60,17 +69,31 @@ impl Answered<'_> {
             headline: format!(
                 "{named} of {asked} effects on their joints would have been named from some size on"
             ),
-            sentences: vec![
-                format!("Each effect was added to {place}, in {DRAWS} shapes, and diagnosed."),
-                "A limit is known to a factor of √2 either way: strengths were tried in steps of two.".into(),
-            ],
+            sentences: self.sentences(place),
         }
+    }
+
+    fn sentences(&self, place: &str) -> Vec<String> {
+        let mut sentences = vec![
+            format!(
+                "Each effect was added to {place}, on one joint at a time, in {DRAWS} draws of shape and noise; {NAMED_IN} of them \
+                 have to name it."
+            ),
+            "A limit is known to a factor of 1.2 either way: strengths were tried in steps of √2.".into(),
+        ];
+        if self.said == Answer::Unexplained {
+            sentences.push(
+                "What is left of the recordings as they are has no name: nothing beside it is named before it outweighs that."
+                    .into(),
+            );
+        }
+        sentences
     }
 
     fn sizes(&self) -> Section {
         let mut table = Table::new(
-            "Named from: the diagnosis names the effect on the joint in every draw. Noticed from: it claims something new there, or \
-             says that something has no name.",
+            "Named from: the diagnosis names the effect on the joint in four of five draws. Noticed from: it claims something new \
+             there, or says that something has no name.",
             ["<effect", "joint", "<size", "named from", "noticed from", "<unit", "<remark"],
         );
         for row in self.rows {
@@ -135,6 +158,32 @@ impl Answered<'_> {
         }
     }
 
+    /// What whole diagnoses say.
+    fn checked(&self) -> Section {
+        let mut table = Table::new(
+            "The shape of the first draw in the recordings' own noise, at twice and at half of the size from which on the trials \
+             name it.",
+            ["<effect", "joint", "named from", "<unit", "<twice", "<half"],
+        );
+        for check in self.checks {
+            table.row([
+                Cell::from(check.effect.as_str()),
+                Cell::from(joint_or_arm(check.joint)),
+                Cell::from(significant(check.named_from, 2)),
+                Cell::from(check.unit.as_str()),
+                Cell::from(word(check.named_at_double)),
+                Cell::from(word(check.named_at_half)),
+            ]);
+        }
+        Section {
+            title: "Checked with whole diagnoses".into(),
+            introduction: "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
+                           not."
+                .into(),
+            blocks: vec![Block::Table(table)],
+        }
+    }
+
     /// The table for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n", self.verdict().headline);
@@ -157,20 +206,49 @@ impl Answered<'_> {
                 remark(row.status)
             );
         }
+        if !self.checks.is_empty() {
+            let _ = writeln!(
+                text,
+                "\n{:<32} {:>5} {:>12}  {:<9} {:<10} half",
+                "checked with whole diagnoses", "joint", "named from", "unit", "twice"
+            );
+        }
+        for check in self.checks {
+            let _ = writeln!(
+                text,
+                "{:<32} {:>5} {:>12}  {:<9} {:<10} {}",
+                check.effect,
+                joint_or_arm(check.joint),
+                significant(check.named_from, 2),
+                check.unit,
+                word(check.named_at_double),
+                word(check.named_at_half)
+            );
+        }
         text
     }
 }
 
 fn place(row: &Row) -> String {
-    row.joint.map_or_else(|| "arm".to_owned(), |j| j.to_string())
+    joint_or_arm(row.joint)
+}
+
+fn joint_or_arm(joint: Option<usize>) -> String {
+    joint.map_or_else(|| "arm".to_owned(), |j| j.to_string())
+}
+
+const fn word(named: bool) -> &'static str {
+    if named { "named" } else { "not named" }
 }
 
 const fn remark(status: Status) -> &'static str {
     match status {
         Status::Named => "",
-        Status::NotNamed => "not named at 8 times what the model leaves, or never in every draw",
+        Status::NotNamed => {
+            "not named in four of five draws at 8 times what the model leaves, or at the most that the joint can have"
+        }
         Status::AlreadyClaimed => "claimed of the recordings as they are",
         Status::Absorbed => "the experiment's own parameters absorb it, or no real machine has that much",
-        Status::NotPossible => "these recordings cannot have it",
+        Status::NotPossible => "these recordings cannot have it, or cannot show it at their rate",
     }
 }

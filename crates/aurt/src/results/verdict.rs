@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use aurt_diagnosis::Verdict;
+use aurt_diagnosis::{Answer, Verdict};
 
 use crate::{
     rendering::{
@@ -10,7 +10,7 @@ use crate::{
         text::{WIDTH, wrapped, wrapped_with},
     },
     reports::diagnosis::words::{
-        Asked, Group, claim, follows, groups, headline, indicated, nothing, objection,
+        Asked, Group, HOW_LARGE, claim, follows, groups, headline, indicated, nothing, objection,
     },
 };
 
@@ -67,6 +67,9 @@ impl Shown<'_> {
         }
         text.extend(verdict.not_examined.iter().map(|n| wrapped(&format!("not examined: {}", n.reason))));
         text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        if verdict.verdict == Answer::NoMismatch {
+            text.push_str(&wrapped(HOW_LARGE));
+        }
         text
     }
 

@@ -1,43 +1,43 @@
 use aurt_calibration::{CalibrationOptions, NamedRecording};
-use aurt_diagnosis::{
-    Answer, Finding, Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict,
-};
+use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use aurt_recording::{Recording, preprocess};
 use aurt_simulation::inject::{Added, Injection, Presence, Split};
 use aurt_traits::RobotModel;
 
+use super::claims::Claims;
 use crate::{failure::Failure, fitting::calibration_options, injected};
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]
-pub struct Subject<'a> {
+pub struct Subject {
     /// The recordings, and what the experiment's structure leaves of them.
     pub injection: Injection,
     /// What each recording is for.
     pub split: Split,
     model: RobotModel,
     calibration: CalibrationOptions,
-    registry: &'a Registry,
+    /// The recordings as they are, in the order of [`Self::places`].
+    recordings: Vec<QuestionedRecording>,
 }
 
-/// What a diagnosis claims.
-#[derive(Debug, Clone, Default)]
-pub struct Claims {
-    /// Whether its word names something.
-    names: bool,
-    /// Whether its word says that something has no name.
-    unexplained: bool,
-    /// Effect and joint; no joint for effects of the whole arm.
-    claims: Vec<(String, Vec<usize>)>,
+/// A recording in the question.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Its number among those of the injection.
+    pub number: usize,
+    /// What it is for.
+    pub role: Role,
+    /// Whether effects are added to it.
+    pub affected: bool,
 }
 
-impl<'a> Subject<'a> {
+impl Subject {
     /// The subject of an experiment.
     ///
     /// # Errors
     /// As [`injected::plain`]; models that do not fit the robot.
-    pub fn new(experiment: &Experiment, registry: &'a Registry) -> Result<Self, Failure> {
+    pub fn new(experiment: &Experiment) -> Result<Self, Failure> {
         let injection = Injection::new(injected::plain(experiment)?)?;
         let parts = &experiment.recordings;
         let all: Vec<&RecordingSource> =
@@ -56,89 +56,91 @@ impl<'a> Subject<'a> {
         let (calibration, target) = (places(&parts.calibration), places(&parts.target));
         let validation = places(&parts.validation);
         let presence = if target.is_empty() { Presence::All } else { Presence::Changed };
-        Ok(Self {
+        let mut subject = Self {
             injection,
             split: Split { presence, turn: 0, calibration, target, validation },
             model: experiment.robot_model()?,
             calibration: calibration_options(experiment),
-            registry,
-        })
+            recordings: Vec::new(),
+        };
+        subject.recordings = subject.with(&[])?;
+        Ok(subject)
     }
 
-    /// What a diagnosis claims of the recordings with these effects.
-    ///
-    /// # Errors
-    /// What the diagnosis reports.
-    pub fn claims(&self, effects: &[&Added]) -> Result<Claims, Failure> {
-        let real = self.injection.real();
+    /// The recordings of the question, in its order.
+    pub fn places(&self) -> Vec<Place> {
         let changed = self.split.presence == Presence::Changed;
         let parts = [
             (&self.split.calibration, Role::Calibration, !changed),
             (&self.split.target, Role::Target, true),
             (&self.split.validation, Role::Validation, true),
         ];
-        let mut recordings = Vec::new();
-        for (list, role, affected) in parts {
-            for k in list {
-                let recorded = &self.injection.recorded()[*k];
-                let here = effects
-                    .iter()
-                    .filter(|e| affected && (!e.is_local() || self.split.target.first() == Some(k)));
-                let raw: Recording = here
-                    .clone()
-                    .try_fold(recorded.recording.clone(), |r, e| e.applied(&recorded.scene, &r))?;
-                recordings.push(QuestionedRecording {
-                    role,
-                    data: NamedRecording {
-                        name: recorded.name.clone(),
-                        data: preprocess(&raw, &real.options)?,
-                    },
-                    raw,
-                    options: real.options.clone(),
-                    simulated: None,
-                    spoilt: None,
-                });
-            }
-        }
-        let question = Question {
+        let of = |(list, role, affected): (&Vec<usize>, Role, bool)| {
+            list.iter().map(move |number| Place { number: *number, role, affected }).collect::<Vec<_>>()
+        };
+        parts.into_iter().flat_map(of).collect()
+    }
+
+    /// Whether an effect is added to a recording: what is local in time is in the first target alone.
+    pub fn has(&self, place: Place, effect: &Added) -> bool {
+        place.affected && (!effect.is_local() || self.split.target.first() == Some(&place.number))
+    }
+
+    /// A recording of the question with effects, as read.
+    ///
+    /// # Errors
+    /// If the rigid bodies refuse.
+    pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
+        let recorded = &self.injection.recorded()[place.number];
+        let mut here = effects.iter().filter(|e| self.has(place, e));
+        Ok(here.try_fold(recorded.recording.clone(), |r, e| e.applied(&recorded.scene, &r))?)
+    }
+
+    /// The recordings with effects.
+    fn with(&self, effects: &[&Added]) -> Result<Vec<QuestionedRecording>, Failure> {
+        let options = &self.injection.real().options;
+        let one = |place: Place| {
+            let raw = self.altered(place, effects)?;
+            let name = self.injection.recorded()[place.number].name.clone();
+            Ok(QuestionedRecording {
+                role: place.role,
+                data: NamedRecording { name, data: preprocess(&raw, options)? },
+                raw,
+                options: options.clone(),
+                simulated: None,
+                spoilt: None,
+            })
+        };
+        self.places().into_iter().map(one).collect()
+    }
+
+    /// What is asked of the recordings as they are.
+    pub fn question(&self) -> Question<'_> {
+        self.asked(&self.recordings)
+    }
+
+    fn asked<'a>(&'a self, recordings: &'a [QuestionedRecording]) -> Question<'a> {
+        let real = self.injection.real();
+        Question {
             model: &self.model,
             frozen: None,
-            recordings: &recordings,
+            recordings,
             unit: real.unit,
             f_dyn_hz: real.options.f_dyn_hz,
             calibration: self.calibration,
             selection: SelectionOptions::default(),
             without: &[],
-        };
-        let investigation = investigate(&question, self.registry, |_| {})?;
-        let verdict = write_verdict(&question, &investigation);
-        let claim = |f: &Finding| (f.effect.clone(), f.joints.clone());
-        Ok(Claims {
-            names: matches!(verdict.verdict, Answer::Named | Answer::Ambiguous),
-            unexplained: verdict.verdict == Answer::Unexplained,
-            claims: verdict.effects.iter().map(claim).collect(),
-        })
-    }
-}
-
-impl Claims {
-    /// Whether an effect is claimed, on a joint if one is given, whatever the verdict's word.
-    pub fn lists(&self, effect: &str, joint: Option<usize>) -> bool {
-        self.claims.iter().any(|(name, joints)| name == effect && joint.is_none_or(|j| joints.contains(&j)))
+        }
     }
 
-    /// Whether an effect is named.
-    pub fn names(&self, effect: &str, joint: Option<usize>) -> bool {
-        self.names && self.lists(effect, joint)
-    }
-
-    /// Whether more is claimed than of the recordings as they are: at the joint, or, of the arm, anywhere.
-    pub fn exceeds(&self, reference: &Self, joint: Option<usize>) -> bool {
-        let new = |(name, joints): &(String, Vec<usize>)| {
-            let here: Vec<usize> = joints.iter().copied().filter(|j| joint.is_none_or(|k| k == *j)).collect();
-            (joint.is_none() && joints.is_empty() && !reference.lists(name, None))
-                || here.iter().any(|j| !reference.lists(name, Some(*j)))
-        };
-        self.unexplained && !reference.unexplained || self.claims.iter().any(new)
+    /// What a whole diagnosis claims of the recordings with effects.
+    ///
+    /// # Errors
+    /// What the diagnosis reports.
+    pub fn diagnosed(&self, effects: &[&Added], registry: &Registry) -> Result<Claims, Failure> {
+        let recordings = self.with(effects)?;
+        let question = self.asked(&recordings);
+        let investigation = investigate(&question, registry, |_| {})?;
+        Ok(Claims::of(&write_verdict(&question, &investigation)))
     }
 }

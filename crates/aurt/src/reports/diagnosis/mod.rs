@@ -124,6 +124,9 @@ impl Diagnosed<'_> {
                 parts::listed(&left)
             ));
         }
+        if self.verdict.verdict == Answer::NoMismatch {
+            sentences.push(words::HOW_LARGE.to_owned());
+        }
         let tone = match self.verdict.verdict {
             Answer::NoMismatch => Tone::Good,
             Answer::Named | Answer::Ambiguous => Tone::Found,

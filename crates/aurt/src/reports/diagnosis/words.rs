@@ -117,6 +117,10 @@ pub fn headline(verdict: &Verdict, asked: Asked) -> String {
     words
 }
 
+/// What a reader who is told of nothing may want to know next.
+pub const HOW_LARGE: &str =
+    "`aurt sensitivity` says how large an effect could be and stay hidden in these recordings.";
+
 /// What has changed; and, where nothing has, what is missing in all recordings.
 fn changed(verdict: &Verdict, asked: Asked) -> String {
     let differs = |f: &Finding| matches!(place(f, asked), Place::Changed | Place::Before);
