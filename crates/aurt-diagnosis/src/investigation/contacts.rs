@@ -62,7 +62,7 @@ impl Parts<'_> {
         let body = self.question.model.rigid_body();
         let mut searched = Vec::new();
         for r in &asked {
-            let left = residuals(&rows[*r], self.layout, &selected.switches, &selected.coefficients);
+            let left = residuals(&rows[*r], self.layout, &selected.fitted.switches, &selected.fitted.fit.coefficients);
             let out: Vec<Vec<bool>> =
                 rows[*r].joints.iter().map(|j| j.counts.iter().map(|counts| !counts).collect()).collect();
             searched.push((left, out, force_columns(&**body, &rows[*r])?));
@@ -93,7 +93,7 @@ impl Parts<'_> {
         selected: &Selected,
     ) -> Result<Vec<Contact>, DiagnosisError> {
         let mut found = Vec::new();
-        let fit = selected.problem.fit(&selected.switches, &vec![1.0; selected.problem.joints()]);
+        let fit = selected.problem.fit(&selected.fitted.switches, &vec![1.0; selected.problem.joints()]);
         let left_rms: Vec<f64> = (0..selected.problem.joints())
             .map(|j| {
                 let squares = fit.squared_errors[0][j] + fit.squared_errors[1][j];
@@ -105,7 +105,7 @@ impl Parts<'_> {
             Fit { model: self.question.model, load: &baseline.load, coefficients: &baseline.coefficients };
         // Friction of the fit, or of the given model where that was not fitted.
         let mut coefficients = baseline.coefficients.clone();
-        for (switch, value) in selected.switches.iter().zip(&selected.coefficients) {
+        for (switch, value) in selected.fitted.switches.iter().zip(&selected.fitted.fit.coefficients) {
             if switch.column < coefficients.len() && !switch.target_only && !baseline.frozen {
                 coefficients[switch.column] = *value;
             }
@@ -167,7 +167,7 @@ impl Parts<'_> {
                 matches!(family, Some(Family::I | Family::P)) && g.switches.contains(switch)
             })
         };
-        for (switch, value) in selected.switches.iter().zip(&selected.coefficients) {
+        for (switch, value) in selected.fitted.switches.iter().zip(&selected.fitted.fit.coefficients) {
             if still(&switch) && (!switch.target_only || role == Role::Target) {
                 at_rest[switch.column] += value;
             }

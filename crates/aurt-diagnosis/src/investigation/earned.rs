@@ -10,7 +10,7 @@ use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::effects::{self, OwnFriction, Parameters};
+use crate::hypotheses::effects::{self, Parameters};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
@@ -144,20 +144,10 @@ impl<'a> Trial<'a> {
                 (switches, fit)
             })
             .collect();
-        let mut own = investigation.baseline.coefficients.clone();
-        for (switch, value) in investigation.base_switches.iter().zip(&fit.coefficients) {
-            own[switch.column] = *value;
-        }
+        let own = whole.own(&investigation.baseline.coefficients, &investigation.base_switches);
         let parameters = groups
             .iter()
-            .map(|group| {
-                let candidate = &investigation.candidates[group.candidate];
-                let columns = whole.columns(candidate, group.target_only());
-                let friction = OwnFriction::of(question.model, candidate.proposal.joints[0], &own);
-                effects::find(group.effect)
-                    .map(|e| e.parameters_beside(&candidate.proposal, &columns, &friction))
-                    .unwrap_or_default()
-            })
+            .map(|g| whole.parameters(g, &investigation.candidates[g.candidate], question.model, &own))
             .collect();
         let joints = groups.iter().zip(chosen).map(|(group, one)| {
             let whole_arm = effects::find(group.effect).is_some_and(|e| e.whole_arm());

@@ -1,11 +1,13 @@
 //! The model that an investigation ends with, fitted.
 
+use aurt_traits::RobotModel;
+
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::deviations::Resampled;
-use crate::evidence::problem::TotalFit;
+use crate::evidence::problem::{Problem, TotalFit};
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::FittedColumn;
-use crate::hypotheses::group::Switch;
+use crate::hypotheses::effects::{self, FittedColumn, OwnFriction, Parameters};
+use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 
 /// Coefficients, their deviations, and the weights that they were fitted with.
@@ -26,11 +28,40 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// Fits switches to all rows that fit.
     pub(crate) fn new(investigation: &Investigation, switches: Vec<Switch>) -> Self {
-        let problem = &investigation.problem;
-        let (fit, weights) = weighted_fit(problem, &switches, &investigation.floor);
+        let Investigation { problem, floor, mean_independent_share, .. } = investigation;
+        Self::of(problem, floor, *mean_independent_share, switches)
+    }
+
+    /// Fits switches to a problem, of whose rows a share is independent.
+    pub(super) fn of(problem: &Problem, floor: &[f64], independent_share: f64, switches: Vec<Switch>) -> Self {
+        let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
-        let deviations = resampled.deviations(&fit, investigation.mean_independent_share);
+        let deviations = resampled.deviations(&fit, independent_share);
         Self { switches, fit, weights, deviations, resampled }
+    }
+
+    /// The coefficients of the model's own columns: those of a baseline, and the fitted ones where these were fitted.
+    pub(super) fn own(&self, baseline: &[f64], base: &[Switch]) -> Vec<f64> {
+        let mut own = baseline.to_vec();
+        for (switch, value) in base.iter().zip(&self.fit.coefficients) {
+            own[switch.column] = *value;
+        }
+        own
+    }
+
+    /// The parameters of a hypothesis, beside the friction that the model's `own` coefficients have.
+    pub(super) fn parameters(
+        &self,
+        group: &Group,
+        candidate: &Candidate,
+        model: &RobotModel,
+        own: &[f64],
+    ) -> Parameters {
+        let friction = OwnFriction::of(model, candidate.proposal.joints[0], own);
+        let columns = self.columns(candidate, group.target_only());
+        effects::find(group.effect)
+            .map(|e| e.parameters_beside(&candidate.proposal, &columns, &friction))
+            .unwrap_or_default()
     }
 
     /// Place of a coefficient.

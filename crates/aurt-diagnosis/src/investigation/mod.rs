@@ -27,7 +27,7 @@ use crate::contact::Contact;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, GAP_PERIODS, extended_load, own_switches, partition};
 use crate::evidence::judged::{Judged, bound_floors, prepare};
-use crate::evidence::problem::Problem;
+use crate::evidence::problem::{Problem, TotalFit};
 use crate::hypotheses::candidates::{Candidate, candidates};
 use crate::hypotheses::effects::Context;
 use crate::hypotheses::group::{Group, Switch};
@@ -175,6 +175,16 @@ fn selected(
 /// The effect that shifting undoes.
 const DELAY: &str = "time_delay";
 
+/// The travel of each joint below which positions are not told apart in the coarsest recording: the step of the encoder,
+/// and three deviations of the noise beside it.
+fn resolution_rad(noise: &[RecordingNoise], joints: usize) -> Vec<f64> {
+    let of = |recording: &RecordingNoise, joint: usize| {
+        let position = recording.positions.get(joint);
+        position.map_or(0.0, |p| p.step_rad.unwrap_or(0.0).max(3.0 * p.white_rad))
+    };
+    (0..joints).map(|j| noise.iter().map(|r| of(r, j)).fold(0.0, f64::max)).collect()
+}
+
 /// Investigates recordings as they are.
 fn investigate_as_it_is(
     question: &Question<'_>,
@@ -243,6 +253,7 @@ fn investigate_as_it_is(
         recordings: &context_rows,
         residual: &context_residual,
         inertial: &inertial,
+        resolution_rad: &resolution_rad(&noise, question.model.joints()),
     };
     let unasked = |effect: &str| question.without.iter().any(|w| w == effect);
     let (proposed, untried) = registered::proposals(question, registry);
@@ -274,6 +285,7 @@ fn investigate_as_it_is(
         partition: &partition,
         layout: &layout,
         base: &base_switches,
+        own: &baseline.coefficients,
         floor: &floor,
     };
     let mut selected = parts.select(&mut rows, progress);
@@ -294,10 +306,9 @@ fn investigate_as_it_is(
         groups,
         free,
         mut selection,
+        fitted: Fitted { switches, fit: TotalFit { coefficients, .. }, .. },
         mean_independent_share,
         misfit,
-        switches,
-        coefficients,
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
     floor = mean_floor(&rows, &partition, &floors);

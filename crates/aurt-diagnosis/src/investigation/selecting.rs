@@ -7,13 +7,15 @@ use crate::evidence::decidable::groups;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
 use crate::hypotheses::candidates::Candidate;
+use crate::hypotheses::effects;
 use crate::hypotheses::group::{Group, Switch};
+use crate::investigation::fitted::Fitted;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::Question;
 use crate::search;
 use crate::search::ground::{Ground, Recorded};
-use crate::search::selection::{Selection, Selector};
+use crate::search::selection::{Chosen, Selection, Selector};
 
 /// What selection works on, beside the rows.
 pub(super) struct Parts<'a> {
@@ -23,6 +25,8 @@ pub(super) struct Parts<'a> {
     pub(super) partition: &'a Partition,
     pub(super) layout: &'a Layout,
     pub(super) base: &'a [Switch],
+    /// The baseline's coefficients.
+    pub(super) own: &'a [f64],
     pub(super) floor: &'a [f64],
 }
 
@@ -32,8 +36,7 @@ pub(super) struct Selected {
     pub(super) groups: Vec<Group>,
     pub(super) free: Vec<[f64; 2]>,
     pub(super) selection: Selection,
-    pub(super) switches: Vec<Switch>,
-    pub(super) coefficients: Vec<f64>,
+    pub(super) fitted: Fitted,
     pub(super) mean_independent_share: f64,
     pub(super) misfit: Vec<f64>,
 }
@@ -42,7 +45,7 @@ impl Parts<'_> {
     pub(super) fn select(&mut self, rows: &mut [RecordingRows], progress: &mut impl FnMut(&str)) -> Selected {
         let problem = Problem::new(self.layout, BlockMoments::accumulate(rows, self.partition));
         let (_, weights) = weighted_fit(&problem, self.base, self.floor);
-        let (groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
+        let (mut groups, free) = groups(self.candidates, &problem, self.base, &weights, self.question);
         progress("selecting");
         let misfit = misfit(&problem, self.base, &weights, self.floor);
         let mut ground = Recorded {
@@ -54,25 +57,39 @@ impl Parts<'_> {
             question: self.question,
             registry: self.registry,
         };
-        let (base, floor) = (self.base, self.floor);
-        let mut select = |groups: &[Group]| {
+        let (base, floor, question) = (self.base, self.floor, self.question);
+        let (selection, fitted, mean_independent_share) = loop {
             let mut selector = Selector {
                 ground: &mut ground,
                 baseline: base,
-                groups,
+                groups: &groups,
                 floor,
-                options: &self.question.selection,
+                options: &question.selection,
             };
-            let selection = search::registered::choose(&mut selector, groups, &mut *progress);
+            let selection = search::registered::choose(&mut selector, &groups, &mut *progress);
             let switches = selector.final_switches(&selection);
             let (fit, _) = weighted_fit(&ground.problem, &switches, floor);
-            (selection, switches, fit.coefficients)
+            let shares = ground.independent_shares(&switches, &fit.coefficients);
+            let independent_share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+            let fitted = Fitted::of(&ground.problem, floor, independent_share, switches);
+            let own = fitted.own(self.own, base);
+            let impossible = |chosen: &Chosen| {
+                let group = &groups[chosen.group];
+                let parameters =
+                    fitted.parameters(group, &ground.candidates[group.candidate], question.model, &own);
+                effects::find(group.effect).is_some_and(|e| e.impossible(&parameters, f64::INFINITY).is_some())
+            };
+            let refused: Vec<usize> =
+                selection.chosen.iter().filter(|c| impossible(c)).map(|c| c.group).collect();
+            if refused.is_empty() {
+                break (selection, fitted, independent_share);
+            }
+            // What it describes may be of another law, one that is possible.
+            let mut k = 0..groups.len();
+            groups.retain(|_| k.next().is_some_and(|k| !refused.contains(&k)));
         };
-        let (selection, switches, coefficients) = select(&groups);
-        let final_shares = ground.independent_shares(&switches, &coefficients);
-        let mean_independent_share = final_shares.iter().sum::<f64>() / final_shares.len().max(1) as f64;
         let Recorded { problem, .. } = ground;
-        Selected { problem, groups, free, selection, switches, coefficients, mean_independent_share, misfit }
+        Selected { problem, groups, free, selection, fitted, mean_independent_share, misfit }
     }
 }
 

@@ -92,6 +92,8 @@ pub struct Context<'a> {
     pub residual: &'a [Vec<Vec<f64>>],
     /// Indices of the baseline's standard inertial parameters and their fitted values.
     pub inertial: &'a [(usize, f64)],
+    /// The travel of each joint below which positions are not told apart, rad.
+    pub resolution_rad: &'a [f64],
 }
 
 /// In which recordings an effect may be present.

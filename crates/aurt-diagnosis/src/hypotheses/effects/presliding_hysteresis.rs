@@ -43,7 +43,8 @@ const ELEMENTS: usize = 5;
 /// Smallest and largest threshold from which the search begins, rad; those between are evenly spaced in logarithms.
 const THRESHOLDS_RAD: [f64; 2] = [0.0005, 0.12];
 
-/// Where the smallest threshold is sought: encoders resolve no less, …
+/// Where the smallest threshold is sought, and in no case below what the recordings resolve of the travel: an element
+/// that slips within one step of the encoder is sgn q̇ at an uncertain time. …
 const SMALLEST: Shape = Shape::logarithmic("smallest_rad", "/hysteresis/smallest_rad", [1e-4, 0.01], 0.7);
 /// … and the largest: presliding over a quarter of a radian is a spring.
 const LARGEST: Shape = Shape::logarithmic("largest_rad", "/hysteresis/largest_rad", [0.012, 0.25], 0.5);
@@ -81,13 +82,18 @@ impl Effect for PreslidingHysteresis {
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let [smallest, largest] = THRESHOLDS_RAD;
-        let elements = json!({
-            "model": "maxwell_slip", "elements": ELEMENTS, "smallest_rad": smallest, "largest_rad": largest,
-        });
+        let [least, most] = SMALLEST.bounds;
         (0..context.joints)
+            .filter(|j| context.resolution_rad[*j] < most)
             .map(|j| {
-                let term = joint_friction(j, json!({"model": "none"}), elements.clone(), &[]);
-                Proposal::on_joint(j, term, vec![true; ELEMENTS]).shaped(SMALLEST).shaped(LARGEST)
+                let least = context.resolution_rad[j].max(least);
+                let elements = json!({
+                    "model": "maxwell_slip", "elements": ELEMENTS, "smallest_rad": smallest.max(least),
+                    "largest_rad": largest,
+                });
+                let term = joint_friction(j, json!({"model": "none"}), elements, &[]);
+                let resolved = Shape { bounds: [least, most], ..SMALLEST };
+                Proposal::on_joint(j, term, vec![true; ELEMENTS]).shaped(resolved).shaped(LARGEST)
             })
             .collect()
     }
