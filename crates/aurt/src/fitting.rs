@@ -1,7 +1,7 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, Comparison, Estimator, LoadTorqueChoice,
+    Calibration, CalibrationError, CalibrationOptions, Comparison, Deviations, Estimator, LoadTorqueChoice,
     NamedRecording, Rest, ShapeOptions, TermScopes, ValidatedRows, calibrate_shapes, compare, predict,
     validate,
 };

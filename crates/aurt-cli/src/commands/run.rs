@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt_experiment::Experiment;
+use aurt_rbd::RobotDescription;
 use clap::Args;
 use serde_json::json;
 

@@ -45,8 +45,13 @@ impl Prepared<'_> {
                     joints: alone,
                 });
             }
-            let context =
-                Context { joints: joint + 1, recordings: &recordings, residual: &left, inertial: &[] };
+            let context = Context {
+                joints: joint + 1,
+                recordings: &recordings,
+                residual: &left,
+                inertial: &[],
+                resolution_rad: &[],
+            };
             let proposals = effect.proposals(&context).into_iter().filter(|p| p.joints == [joint]);
             let open = |k: &usize| {
                 candidates[*k].effect == effect.id()

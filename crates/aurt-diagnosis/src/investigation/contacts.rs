@@ -62,7 +62,12 @@ impl Parts<'_> {
         let body = self.question.model.rigid_body();
         let mut searched = Vec::new();
         for r in &asked {
-            let left = residuals(&rows[*r], self.layout, &selected.fitted.switches, &selected.fitted.fit.coefficients);
+            let left = residuals(
+                &rows[*r],
+                self.layout,
+                &selected.fitted.switches,
+                &selected.fitted.fit.coefficients,
+            );
             let out: Vec<Vec<bool>> =
                 rows[*r].joints.iter().map(|j| j.counts.iter().map(|counts| !counts).collect()).collect();
             searched.push((left, out, force_columns(&**body, &rows[*r])?));

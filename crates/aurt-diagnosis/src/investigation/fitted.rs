@@ -33,7 +33,12 @@ impl Fitted {
     }
 
     /// Fits switches to a problem, of whose rows a share is independent.
-    pub(super) fn of(problem: &Problem, floor: &[f64], independent_share: f64, switches: Vec<Switch>) -> Self {
+    pub(super) fn of(
+        problem: &Problem,
+        floor: &[f64],
+        independent_share: f64,
+        switches: Vec<Switch>,
+    ) -> Self {
         let (fit, weights) = weighted_fit(problem, &switches, floor);
         let resampled = Resampled::new(problem, &switches, &weights);
         let deviations = resampled.deviations(&fit, independent_share);

@@ -77,7 +77,8 @@ impl Parts<'_> {
                 let group = &groups[chosen.group];
                 let parameters =
                     fitted.parameters(group, &ground.candidates[group.candidate], question.model, &own);
-                effects::find(group.effect).is_some_and(|e| e.impossible(&parameters, f64::INFINITY).is_some())
+                effects::find(group.effect)
+                    .is_some_and(|e| e.impossible(&parameters, f64::INFINITY).is_some())
             };
             let refused: Vec<usize> =
                 selection.chosen.iter().filter(|c| impossible(c)).map(|c| c.group).collect();
