@@ -168,11 +168,17 @@ pub(super) fn own_coefficients(
 ) -> Vec<f64> {
     let mut switches = own_switches(question.model);
     let own = switches.len();
-    if problem.has_reference() && problem.has_target() && !investigation.undetermined {
-        let of_targets = |s: &Switch| Switch { target_only: true, ..*s };
-        switches.extend(switches.clone().iter().map(of_targets));
+    if !(problem.has_reference() && problem.has_target()) || investigation.undetermined {
+        return weighted_fit(problem, &switches, &[]).0.coefficients;
     }
-    let mut coefficients = weighted_fit(problem, &switches, &[]).0.coefficients;
+    let of_targets = |s: &Switch| Switch { target_only: true, ..*s };
+    switches.extend(switches.clone().iter().map(of_targets));
+    // The joints' weights are of the calibration recordings alone.
+    let (_, [errors, _]) = problem.least_squares(&switches, &vec![1.0; problem.joints()]);
+    let weights: Vec<f64> = (0..problem.joints())
+        .map(|j| (problem.rows(j, false) - problem.rows(j, true)).max(1.0) / errors[j].max(f64::MIN_POSITIVE))
+        .collect();
+    let mut coefficients = problem.fit(&switches, &weights).coefficients;
     coefficients.truncate(own);
     coefficients
 }

@@ -74,8 +74,12 @@ impl<'a> Background<'a> {
         Self { known: undeclared.chain(claimed).collect() }
     }
 
+    /// What is known of an effect. Which recordings lost rows is a fact of each of them, and no change of the machine.
     fn of(&self, effect: &str, change: bool) -> impl Iterator<Item = &Known<'a>> {
-        self.known.iter().filter(move |k| k.change == change && Sameness::Class.same(k.effect, effect))
+        let anywhen = effect == "dropped_samples";
+        self.known
+            .iter()
+            .filter(move |k| (anywhen || k.change == change) && Sameness::Class.same(k.effect, effect))
     }
 
     /// Whether an effect on a joint is known.

@@ -118,6 +118,12 @@ fn the_background_and_the_reference_are_no_news() {
     assert_eq!(both(&[0, 2], "calibration").beside, 1);
     assert_eq!(both(&[0], "target").beside, 1, "a background has not changed");
 
+    let lost: TrueEffect =
+        serde_json::from_value(effect("dropped_samples", &[0, 1, 2], "calibration")).unwrap();
+    rough.background.push(lost);
+    let rows = claim("named", &[claimed("dropped_samples", &[0, 1, 2], "target"), claimed("spring", &[2], "target")]);
+    assert_eq!(score(&rough, &rows, None, None).beside, 0, "which recordings lost rows is a fact of each");
+
     let before = claim("named", &[claimed("rotor_inertia", &[0, 1], "calibration")]);
     let after = claim("named", &[claimed("rotor_inertia", &[0, 1], "calibration"), right.clone()]);
     assert!(score(&spring(), &after, None, Some(&before)).right);
