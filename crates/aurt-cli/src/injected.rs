@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use aurt_plugins::{Experiment, Registry, experiment::RecordingSource};
+use aurt_plugins::{
+    Experiment, Registry,
+    experiment::{RecordingSource, escaped},
+};
 use aurt_rbd::SerialChain;
 use aurt_recording::Recording;
 use aurt_simulation::{
@@ -79,11 +82,11 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     let mut options = pipeline.options(unit, Purpose::Calibration);
     (options.gains, options.offsets) = (None, None);
     let table = &experiment.robot.table;
-    let mdh = std::fs::read(&experiment.robot.mdh)
+    let mdh = aurt_files::read_text(&experiment.robot.mdh, aurt_files::MOST_TEXT_BYTES)
         .map_err(|source| aurt_plugins::Error::Read { path: experiment.robot.mdh.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
-        mdh_csv: String::from_utf8_lossy(&mdh).into_owned(),
+        mdh_csv: mdh,
         chain: SerialChain::from_mdh(table, experiment.robot.gravity_m_s2)?,
         unit,
         experiment_toml: without_recordings(experiment).map_err(|reason| refuse(&reason, "simplify it"))?,
@@ -123,7 +126,7 @@ fn without_recordings(experiment: &Experiment) -> Result<String, String> {
     if let Some(plugins) = table.get_mut("plugins").and_then(toml::Value::as_table_mut) {
         let libraries = experiment.libraries.iter().map(|library| {
             let absolute = std::path::absolute(library).unwrap_or_else(|_| library.clone());
-            toml::Value::from(absolute.to_string_lossy().into_owned())
+            toml::Value::from(escaped(&absolute.to_string_lossy()))
         });
         plugins.insert("libraries".into(), toml::Value::Array(libraries.collect()));
     }

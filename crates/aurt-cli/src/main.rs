@@ -12,6 +12,7 @@ mod fitting;
 mod glossary;
 mod injected;
 mod inspection;
+mod interrupt;
 mod output;
 mod proof;
 mod rendering;
@@ -21,6 +22,7 @@ mod sensitivity;
 mod simulated;
 mod streaming;
 mod sweeping;
+mod table_file;
 
 use std::process::ExitCode;
 
@@ -73,11 +75,16 @@ fn main() -> ExitCode {
         Err(error) => return refuse(&error),
     };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
+    interrupt::listen();
     match run(&arguments, &terminal) {
-        Ok(report) => {
-            terminal.print_report(&report);
-            if report.findings { ExitCode::from(FINDINGS) } else { ExitCode::SUCCESS }
-        }
+        Ok(report) => match terminal.print_report(&report) {
+            Ok(()) if report.findings => ExitCode::from(FINDINGS),
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => {
+                terminal.print_failure(&failure);
+                ExitCode::from(FAILURE)
+            }
+        },
         Err(failure) => {
             terminal.print_failure(&failure);
             ExitCode::from(FAILURE)

@@ -7,6 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use aurt_files::{PART_PREFIX, PART_SUFFIX, Publishing, Unfinished, publishing};
+
 use crate::failure::Failure;
 
 /// A file that a command is going to write.
@@ -58,7 +60,7 @@ impl OutputFile {
     /// # Errors
     /// [`Failure::Write`].
     pub fn write(&self, contents: &[u8]) -> Result<(), Failure> {
-        Staged::new(&self.path, contents)?.publish()
+        Staged::new(&self.path, contents)?.publish(&publishing())
     }
 }
 
@@ -141,7 +143,10 @@ impl OutputFolder {
         }
         let staged: Result<Vec<Staged>, Failure> =
             files.iter().map(|(name, contents)| Staged::new(&self.path.join(name), contents)).collect();
-        let result = staged.and_then(|staged| staged.into_iter().try_for_each(Staged::publish));
+        let result = staged.and_then(|staged| {
+            let publishing = publishing();
+            staged.into_iter().try_for_each(|one| one.publish(&publishing))
+        });
         if result.is_err() && created {
             // Nothing but our own temporary files was in it, and these are gone.
             let _ = fs::remove_dir(&self.path);
@@ -156,6 +161,7 @@ enum Staged {
     Regular {
         file: tempfile::NamedTempFile,
         path: PathBuf,
+        _unfinished: Unfinished,
     },
     /// A device or pipe cannot be renamed over.
     Special {
@@ -167,13 +173,14 @@ enum Staged {
 impl Staged {
     fn new(path: &Path, contents: &[u8]) -> Result<Self, Failure> {
         let fail = |source| Failure::Write { path: path.to_owned(), source };
-        // A link keeps its place: what it points to is replaced.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if fs::metadata(&path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-            return Ok(Self::Special { contents: contents.to_owned(), path });
+        check_finite(path, contents)?;
+        if is_of_the_system(path) || fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            return Ok(Self::Special { contents: contents.to_owned(), path: path.to_owned() });
         }
+        // A link keeps its place: what it points to is replaced, or made if it is not there yet.
+        let path = fs::canonicalize(path).or_else(|_| linked(path)).map_err(fail)?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".aurt-").suffix(".part");
+        builder.prefix(PART_PREFIX).suffix(PART_SUFFIX);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -181,21 +188,64 @@ impl Staged {
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut file = builder.tempfile_in(folder_of(&path)).map_err(fail)?;
+        let unfinished = Unfinished::new(file.path());
         file.write_all(contents).and_then(|()| file.flush()).map_err(fail)?;
-        Ok(Self::Regular { file, path })
+        Ok(Self::Regular { file, path, _unfinished: unfinished })
     }
 
-    fn publish(self) -> Result<(), Failure> {
+    fn publish(self, publishing: &Publishing) -> Result<(), Failure> {
+        publishing.kept_one();
         match self {
-            Self::Regular { file, path } => {
+            Self::Regular { file, path, .. } => {
                 file.persist(&path).map(drop).map_err(|e| Failure::Write { path, source: e.error })
             }
-            Self::Special { contents, path } => match fs::write(&path, contents) {
+            Self::Special { contents, path } => match append(&path, &contents) {
                 Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Failure::Write { path, source }),
                 _ => Ok(()),
             },
         }
     }
+}
+
+/// Refuses tables in which a number is none: whatever made it is worth more than the table.
+fn check_finite(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    if path.extension().is_none_or(|extension| extension != "csv") {
+        return Ok(());
+    }
+    let none = |cell: &[u8]| matches!(cell.trim_ascii(), b"NaN" | b"inf" | b"-inf");
+    let found = contents.split(|b| *b == b'\n').position(|line| line.split(|b| *b == b',').any(none));
+    found.map_or(Ok(()), |line| Err(Failure::NotFinite { path: path.to_owned(), line: line + 1 }))
+}
+
+/// Whether a name stands for something that the system keeps open (`/dev/stdout`, `/proc/self/fd/1`): what it leads to
+/// may have another name or none, and is written to as it is.
+fn is_of_the_system(path: &Path) -> bool {
+    let folder = fs::canonicalize(folder_of(path));
+    folder.is_ok_and(|folder| {
+        folder.starts_with("/dev") && !folder.starts_with("/dev/shm") || folder.starts_with("/proc")
+    })
+}
+
+/// Where a link leads that leads nowhere yet; the path itself if it is no link.
+fn linked(path: &Path) -> std::io::Result<PathBuf> {
+    match fs::read_link(path) {
+        Ok(target) => {
+            let target = folder_of(path).join(target);
+            match fs::symlink_metadata(&target) {
+                Ok(found) if found.is_symlink() => Err(std::io::Error::other(
+                    "it is a link to a link that leads nowhere; name the file itself",
+                )),
+                _ => Ok(target),
+            }
+        }
+        Err(_) => Ok(path.to_owned()),
+    }
+}
+
+/// Writes to what is there and stays there.
+fn append(path: &Path, contents: &[u8]) -> std::io::Result<()> {
+    let mut file = fs::File::options().append(true).open(path)?;
+    file.write_all(contents).and_then(|()| file.flush())
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -238,9 +238,7 @@ fn read(
     let mut recordings = Vec::new();
     for (loaded, role) in loaded {
         let simulated = match if role == questioned { predictions.next() } else { None } {
-            Some(source) => {
-                Some(simulated::read(&source.file, pipeline.joints, loaded.recording.time_s.len())?)
-            }
+            Some(source) => Some(simulated::read(&source.file, pipeline.joints, &loaded.recording.time_s)?),
             None => None,
         };
         let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use aurt_rbd::{MdhRows, MdhTable};
+use aurt_rbd::{MdhRows, MdhTable, gravity_complaint};
 
 use super::{errors::Complaint, joint_count::JointCheck, section::Section};
 
@@ -34,7 +34,13 @@ impl Robot {
             .unwrap_or_default();
         let gravity_m_s2 =
             section.require("gravity_m_s2", "gravity_m_s2 = [0.0, 0.0, -9.81]").and_then(|node| {
-                section.numbers_exactly("gravity_m_s2", node, "x, y, z in m/s² in the base frame")
+                let gravity =
+                    section.numbers_exactly("gravity_m_s2", node, "x, y, z in m/s² in the base frame")?;
+                if let Some(reason) = gravity_complaint(gravity) {
+                    section.complain("gravity_m_s2", node, &reason, None);
+                    return None;
+                }
+                Some(gravity)
             });
         let torque_constants_nm_per_a = section.take("torque_constants_nm_per_a").and_then(|node| {
             let key = "torque_constants_nm_per_a";

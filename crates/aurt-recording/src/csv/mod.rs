@@ -11,7 +11,6 @@ mod number;
 mod plausibility;
 mod rows;
 
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
@@ -140,7 +139,7 @@ fn read(
     }
     let reader = Reader { path, options, piece_rows };
     let unreadable = |source| reader.unreadable(source);
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = aurt_files::open(path).map_err(unreadable)?;
     let bytes = file.metadata().map_or(0, |m| m.len());
     let mut sample = Vec::with_capacity(SAMPLE_BYTES);
     file.by_ref().take(SAMPLE_BYTES as u64).read_to_end(&mut sample).map_err(unreadable)?;
@@ -164,6 +163,9 @@ impl Reader<'_> {
     ) -> Result<Recording, RecordingError> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
+        }
+        if sample.starts_with(&[0x1f, 0x8b]) {
+            return Err(self.no_rows("it is compressed with gzip; unpack it first, with gunzip"));
         }
         if sample.contains(&0) {
             return Err(self.no_rows("it is a binary file; recordings are read from text (CSV)"));
@@ -316,6 +318,15 @@ impl Reader<'_> {
             std::io::ErrorKind::NotFound => "no such file; check the path",
             std::io::ErrorKind::PermissionDenied => {
                 "reading it is not permitted; check the file's permissions"
+            }
+            std::io::ErrorKind::InvalidInput => {
+                "it is a device or a socket; save the recording to a file and name that"
+            }
+            std::io::ErrorKind::TimedOut => {
+                "it is a pipe that nobody writes to within 5 s; start its writer first"
+            }
+            std::io::ErrorKind::InvalidData => {
+                "it has a line of more than 16 MB, so it is no table; recordings have one row per sample and line"
             }
             _ => "it cannot be read",
         };

@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use super::folder::write_case;
 use super::make::{Case, make_case, make_case_in};
 use super::plan::Plan;
 use super::truth::Truth;
@@ -137,15 +138,7 @@ impl Case {
     /// # Errors
     /// [`SimulationError::Io`].
     pub fn write(&self, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
-        let write = |path: std::path::PathBuf, content: &[u8]| {
-            std::fs::write(&path, content).map_err(|source| SimulationError::Io { path, source })
-        };
-        let folder = cases.join(&self.name);
-        std::fs::create_dir_all(&folder)
-            .map_err(|source| SimulationError::Io { path: folder.clone(), source })?;
-        for (name, content) in &self.files {
-            write(folder.join(name), content)?;
-        }
-        write(sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())
+        let truth = (sealed.join(format!("{}.json", self.name)), self.truth.json()?.into_bytes());
+        write_case(cases, &self.name, &self.files, Some(truth))
     }
 }

@@ -2,6 +2,7 @@
 
 mod conceal;
 mod experiment;
+pub(crate) mod folder;
 mod laboratory;
 mod layout;
 mod make;

@@ -7,6 +7,7 @@ use aurt_traits::MeasurementUnit;
 use serde_json::json;
 
 use super::{Injection, Law, Presence, Split, build::Built, injection::preprocessed, kinds::Kind};
+use crate::case::folder::write_case;
 use crate::case::{Case, CaseRequest, CaseType, TrueEffect, Truth, ValidationFloor, World};
 use crate::effects::{self, Family};
 use crate::fit::mean_square;
@@ -294,16 +295,6 @@ impl Case {
     /// # Errors
     /// [`SimulationError::Io`].
     pub fn write_folder(&self, cases: &std::path::Path) -> Result<(), SimulationError> {
-        let folder = cases.join(&self.name);
-        let io = |path: &std::path::Path| {
-            let path = path.to_owned();
-            move |source| SimulationError::Io { path, source }
-        };
-        std::fs::create_dir_all(&folder).map_err(io(&folder))?;
-        for (name, content) in &self.files {
-            let path = folder.join(name);
-            std::fs::write(&path, content).map_err(io(&path))?;
-        }
-        Ok(())
+        write_case(cases, &self.name, &self.files, None)
     }
 }
