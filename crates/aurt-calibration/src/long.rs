@@ -9,7 +9,7 @@ use crate::{
     accumulate::{Accumulated, Folding, Measured},
     noise_bandwidth_factor,
     stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
-    validate::beyond,
+    validate::{beyond, forget_unread},
     wls::{Setting, estimate, finished},
 };
 
@@ -107,6 +107,7 @@ pub fn validate_long(
         })?;
         rows.finish(&mut |block| judge(&block, &waiting))?;
     }
+    forget_unread(model, &mut heaviest);
     Ok(Validation {
         samples,
         all: all.into_iter().collect(),

@@ -21,6 +21,7 @@ mod results;
 mod sensitivity;
 mod simulated;
 mod streaming;
+mod supervised;
 mod sweeping;
 mod table_file;
 
@@ -43,6 +44,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
         level.select().map_err(|error| Failure::Models(vec![error]))?;
     }
     let mut registry = Registry::linked()?;
+    registry.before_libraries(supervised::before_library);
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }

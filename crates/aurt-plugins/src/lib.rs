@@ -39,7 +39,7 @@ pub use assemble::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;
-pub use dynamic::{LibraryListing, LibraryProblem};
+pub use dynamic::{LibraryListing, LibraryProblem, Told, longest_call, watch_calls};
 pub use error::{BuildError, Error};
 pub use experiment::{Experiment, ExperimentErrors, Problem};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};

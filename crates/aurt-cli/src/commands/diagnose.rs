@@ -93,6 +93,7 @@ impl Diagnose {
             Some(calibrated) => calibrated.model.clone(),
             None => experiment.robot_model()?,
         };
+        check_joints(&self.experiment, structure.joints())?;
         let (preprocessing, instrument) = (Preprocessing::of(&experiment), Instrument::of(&experiment));
         let pipeline =
             Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
@@ -177,6 +178,21 @@ impl Diagnose {
         written.extend(drawn);
         Ok(finished(report, document, &verdict, warnings, &written))
     }
+}
+
+/// Joints of the largest arm that is diagnosed. Effects are weighed jointly over all joints, which takes memory with the
+/// square of their number and time with its cube.
+const MOST_JOINTS: usize = 20;
+
+fn check_joints(experiment: &Path, joints: usize) -> Result<(), Failure> {
+    if joints <= MOST_JOINTS {
+        return Ok(());
+    }
+    Err(Failure::ModelFile {
+        path: experiment.to_owned(),
+        reason: format!("the arm has {joints} joints, a diagnosis weighs effects on up to {MOST_JOINTS}"),
+        remedy: "diagnose parts of it: a geometry and recordings of the joints of each part".into(),
+    })
 }
 
 fn finished(

@@ -96,7 +96,9 @@ pub(crate) fn load(path: &Path) -> Result<(LibraryListing, Vec<Listed>), Error> 
     // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
     // that runs with the user's rights, like a linked crate.
     let library = unsafe { Library::new(&file) }.map_err(|e| {
-        fail(LibraryProblem::NotALibrary(e.to_string().replace(&format!("{}: ", file.display()), "")))
+        // What the loader says stands in the error's source.
+        let said = std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string);
+        fail(LibraryProblem::NotALibrary(said.replace(&format!("{}: ", file.display()), "")))
     })?;
     let declaration = {
         // SAFETY: a function of this name is the ABI's entry; what it returns is checked before it is believed.
@@ -179,6 +181,10 @@ unsafe fn read_model(
     let named = |t, what| unsafe { text(t, what) };
     let name = named(table.name, "name of a model")?;
     let faulty = |what: &str| LibraryProblem::Faulty(format!("model `{name}` {what}"));
+    if name.is_empty() || name.contains(|c: char| c.is_whitespace() || c.is_control() || c == '`') {
+        let reason = format!("a model is called `{}`; names are words", aurt_files::clipped(name));
+        return Err(LibraryProblem::Faulty(reason));
+    }
     let slot = match table.slot {
         abi::COULOMB => Slot::Coulomb,
         abi::HYSTERESIS => Slot::Hysteresis,
