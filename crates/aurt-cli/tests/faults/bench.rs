@@ -21,7 +21,7 @@ viscous = { model = "polynomial", powers = [1] }
 calibration = ["a.csv"]
 validation = ["b.csv"]
 [preprocess]
-f_dyn_hz = 10.0
+f_dyn_hz = 5.0
 "#;
 const SWEEP: &str = "[sweep.grid]\n\"joint_dynamics.coulomb.model\" = [\"none\", \"square\"]\n";
 const SCENARIO: &str = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 3.0\nharmonics = 5\n\
