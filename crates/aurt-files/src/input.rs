@@ -118,8 +118,6 @@ pub fn text_of(mut bytes: Vec<u8>) -> Result<String> {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
-
     use super::*;
 
     fn said(bytes: &[u8]) -> String {

@@ -86,15 +86,21 @@ fn what_is_interrupted_is_whole_or_absent() {
     let mut draws = Draws(20_261_120);
     let (mut ended, mut done, mut slowest) = (0, 0, Duration::ZERO);
     for (line, resumes) in COMMANDS {
-        let undisturbed = bench.copy();
+        // Sweeps know where they are, so everything happens in one folder.
+        let folder = bench.copy();
         let begin = Instant::now();
-        assert!(start(undisturbed.path(), line).wait().unwrap().success(), "{line}");
+        assert!(start(folder.path(), line).wait().unwrap().success(), "{line}");
         let takes_ms = begin.elapsed().as_millis() as usize + 1;
-        let expected = results(undisturbed.path());
+        let expected = results(folder.path());
         assert!(!expected.is_empty(), "{line}");
         for signal in SIGNALS {
             for _ in 0..moments {
-                let folder = bench.copy();
+                for place in ["out", "sealed"].map(|name| folder.path().join(name)) {
+                    let _ = if place.is_dir() { fs::remove_dir_all(place) } else { fs::remove_file(place) };
+                }
+                for part in parts(folder.path()) {
+                    let _ = if part.is_dir() { fs::remove_dir_all(part) } else { fs::remove_file(part) };
+                }
                 let mut child = start(folder.path(), line);
                 std::thread::sleep(Duration::from_millis(draws.below(takes_ms) as u64));
                 let sent = Instant::now();
