@@ -161,6 +161,15 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The same, said of the file that asks for it where the failure is one of its values and names no file itself.
+    pub fn of_value_in(self, path: &Path) -> Self {
+        match self {
+            Self::Recording(RecordingError::InvalidOption { .. })
+            | Self::Calibration(CalibrationError::NothingToCalibrateOn) => self.in_file(path),
+            other => other,
+        }
+    }
+
     /// The same, said of the file that asks for it.
     pub fn in_file(self, path: &Path) -> Self {
         match self {

@@ -209,7 +209,7 @@ impl Staged {
 
 /// Refuses tables in which a number is none: whatever made it is worth more than the table.
 fn check_finite(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    if path.extension().is_none_or(|extension| extension != "csv") {
+    if path.extension().is_some_and(|extension| extension != "csv") {
         return Ok(());
     }
     let none = |cell: &[u8]| matches!(cell.trim_ascii(), b"NaN" | b"inf" | b"-inf");

@@ -81,8 +81,12 @@ impl Damage {
     /// The bytes of a file after it; `None` where it is no matter of bytes.
     pub fn of(self, bytes: &[u8], draws: &mut Draws) -> Option<Vec<u8>> {
         let lines = || bytes.split_inclusive(|b| *b == b'\n').collect::<Vec<_>>();
-        let cells = |change: &dyn Fn(Vec<&[u8]>) -> Vec<&[u8]>| -> Vec<u8> {
-            let of_line = |line: &[u8]| change(line.split(|b| *b == b',').collect()).join(&b","[..]);
+        let cells = |change: fn(&mut Vec<&[u8]>)| -> Vec<u8> {
+            let of_line = |line: &[u8]| {
+                let mut cells: Vec<&[u8]> = line.split(|b| *b == b',').collect();
+                change(&mut cells);
+                cells.join(&b","[..])
+            };
             let lines: Vec<Vec<u8>> = bytes.split(|b| *b == b'\n').map(of_line).collect();
             lines.join(&b"\n"[..])
         };
@@ -131,17 +135,15 @@ impl Damage {
                 lines.remove(draws.below(lines.len()));
                 lines.concat()
             }
-            Self::DoubledColumn => cells(&|mut cells| {
+            Self::DoubledColumn => cells(|cells| {
                 if cells.len() > 1 {
                     cells.insert(1, cells[1]);
                 }
-                cells
             }),
-            Self::MissingColumn => cells(&|mut cells| {
+            Self::MissingColumn => cells(|cells| {
                 if cells.len() > 1 {
                     cells.remove(1);
                 }
-                cells
             }),
             Self::Nested(depth) => {
                 let mut bytes = bytes.to_vec();

@@ -93,6 +93,10 @@ type Listed = (ModelListing, Arc<LibraryModel>);
 pub(crate) fn load(path: &Path) -> Result<(LibraryListing, Vec<Listed>), Error> {
     let fail = |problem| Error::Library { path: path.to_owned(), problem };
     let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
+    if !file.is_file() {
+        // The loader would wait at a pipe for ever.
+        return Err(fail(LibraryProblem::NotALibrary("it is no regular file".to_owned())));
+    }
     // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
     // that runs with the user's rights, like a linked crate.
     let library = unsafe { Library::new(&file) }.map_err(|e| {
