@@ -58,8 +58,9 @@ impl OutputFile {
     /// Writes the whole file or, on failure, nothing.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, contents: &[u8]) -> Result<(), Failure> {
+        check_finite(&self.path, contents)?;
         Ok(write_file(&self.path, contents)?)
     }
 }
@@ -134,8 +135,9 @@ impl OutputFolder {
     /// Writes all files, given by their names, or, on failure, none.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+        files.iter().try_for_each(|(name, contents)| check_finite(&self.path.join(name), contents))?;
         Ok(write_folder(&self.path, files)?)
     }
 }
@@ -182,8 +184,9 @@ impl Outputs {
     /// Writes everything or, on failure, nothing.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(self) -> Result<(), Failure> {
+        self.files.iter().try_for_each(|(path, contents)| check_finite(path, contents))?;
         let within = self.new_folder.as_ref().and_then(|folder| {
             let inside = |(path, contents): &(PathBuf, Vec<u8>)| {
                 Some((path.strip_prefix(folder).ok()?.to_owned(), contents.clone()))
@@ -203,6 +206,16 @@ impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         Self::Write { path: error.path, source: error.source }
     }
+}
+
+/// Refuses tables in which a number is none: whatever made it is worth more than the table.
+fn check_finite(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension != "csv") {
+        return Ok(());
+    }
+    let none = |cell: &[u8]| matches!(cell.trim_ascii(), b"NaN" | b"inf" | b"-inf");
+    let found = contents.split(|b| *b == b'\n').position(|line| line.split(|b| *b == b',').any(none));
+    found.map_or(Ok(()), |line| Err(Failure::NotFinite { path: path.to_owned(), line: line + 1 }))
 }
 
 fn folder_of(path: &Path) -> &Path {
