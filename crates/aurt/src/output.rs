@@ -240,6 +240,20 @@ mod tests {
     }
 
     #[test]
+    fn a_table_with_a_number_that_is_none_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| OutputFile::new("--out", &folder.path().join(name), &[]).unwrap();
+        let error = file("a.csv").write(b"x,y\n1,2\n3, NaN\n").unwrap_err();
+        assert!(matches!(error, Failure::NotFinite { line: 3, .. }), "{error}");
+        let mut outputs = Outputs::default();
+        outputs.file(&file("b.csv"), b"1\n".to_vec());
+        outputs.file(&file("a.csv"), b"-inf\n".to_vec());
+        assert!(matches!(outputs.write(), Err(Failure::NotFinite { line: 1, .. })));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        file("words.txt").write(b"NaN").unwrap();
+    }
+
+    #[test]
     fn impossible_outputs_are_refused_before_any_work() {
         let folder = tempfile::tempdir().unwrap();
         let input = folder.path().join("in.csv");
