@@ -29,10 +29,15 @@ fn nothing_is_computed_twice_and_what_is_lost_is_made_again() {
     // What a killed process was writing is no result and goes.
     let left = bench.path("out/results/.aurt-abc.part");
     fs::write(&left, "{").unwrap();
-    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
-    fs::File::options().write(true).open(&left).unwrap().set_modified(a_minute_ago).unwrap();
+    long_ago(&left);
     assert_eq!(bench.run("out").1.run, 2);
     assert_eq!(contents(&bench.path("out")), whole);
+}
+
+/// Makes a file look as if a process had left it a minute ago.
+fn long_ago(path: &std::path::Path) {
+    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
+    fs::File::options().write(true).open(path).unwrap().set_modified(a_minute_ago).unwrap();
 }
 
 #[test]
@@ -183,16 +188,17 @@ fn a_sweep_that_was_ended_while_it_was_planned_is_planned_again() {
     // Everything that a sweep makes before its plan, in the order in which it makes it.
     let made: [&[&str]; 4] = [
         &["lock"],
-        &["lock", "points/0001.toml", "points/.unfinished-abc"],
-        &["lock", "points/0001.toml", "results/.unfinished-abc", "experiment.toml"],
-        &["lock", "points/0001.toml", "results/.unfinished-abc", "experiment.toml", ".unfinished-abc"],
+        &["lock", "points/0001.toml", "points/.aurt-abc.part"],
+        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml"],
+        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml", ".aurt-abc.part"],
     ];
     for (k, files) in made.into_iter().enumerate() {
         let out = format!("out{k}");
         for file in files {
             let path = bench.path(&format!("{out}/{file}"));
             fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, "").unwrap();
+            fs::write(&path, "").unwrap();
+            long_ago(&path);
         }
         bench.run(&out);
         assert!(contents(&bench.path(&out)) == whole, "{files:?}");
