@@ -113,7 +113,6 @@ array="$(squeue --noheader --format=%F | head -n 1)"
 scancel "${array}_12"
 
 say "kill -9 of node2, its daemon and all that it runs, in the middle of a point"
-task_on() { tasks | awk -v node="$1" '$2 == "RUNNING" && $3 == node { print $1 }' | head -n 1; }
 # The processes of a node's jobs and the daemon's helpers above them, by what Slurm puts into their environment.
 processes_of() {
     local environment pid
@@ -127,21 +126,36 @@ processes_of() {
         grep -qE '^(slurmstepd|/bin/sh|.*slurm_script|.*aurt)' <(tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null) && echo "$pid"
     done
 }
-# A point that takes a while, so that it surely is in the middle.
-long_on_node2() {
-    lost="$(task_on node2)"
-    [[ -n "$lost" ]] && grep -q 'lugre' "sweep/points/$(printf %04d "$lost").toml"
+# Stops node2 and all that it runs where they are, so that nothing changes between looking and killing. Succeeds if a point
+# is being computed there: which one, its own process says.
+stopped_in_a_point() {
+    local pid
+    mapfile -t victims < <(pid_of node2; processes_of node2)
+    kill -STOP "${victims[@]}" 2>/dev/null || true
+    lost=""
+    for pid in "${victims[@]}"; do
+        grep -q aurt "/proc/$pid/comm" 2>/dev/null || continue
+        lost="$(tr '\0' '\n' <"/proc/$pid/environ" 2>/dev/null | sed -n 's/^SLURM_ARRAY_TASK_ID=//p')"
+        [[ -n "$lost" ]] && break
+    done
+    # A point whose result is there has been computed, though its process may still be ending.
+    if [[ -n "$lost" ]] && ! has_result "$lost"; then return 0; fi
+    kill -CONT "${victims[@]}" 2>/dev/null || true
+    return 1
 }
-wait_for 120 long_on_node2
-sleep 0.3
-mapfile -t victims < <(pid_of node2; processes_of node2)
+has_result() {
+    local key
+    key="$(grep -o '"key": *"[0-9a-f]*"' sweep/sweep.json | sed -n "${1}s/.*\"\([0-9a-f]*\)\"/\1/p")"
+    [[ -e "sweep/results/$key.json" ]]
+}
+wait_for 240 stopped_in_a_point
 kill -9 "${victims[@]}" 2>/dev/null || true
 echo "point $lost was running on node2; results so far: $(find sweep/results -name '*.json' | wc -l)"
 down() { sinfo --noheader --nodes=node2 --format=%t | grep -q down; }
-wait_for 60 down
+wait_for 180 down
 sinfo --Node --format='%N %t'
 restarted() { scontrol --oneliner show job | grep -E "ArrayTaskId=$lost .*Restarts=[1-9]" >restarted.txt; }
-wait_for 60 restarted
+wait_for 240 restarted
 sed -E 's/.*ArrayTaskId=([0-9]+) .*(Requeue=1 Restarts=[0-9]+).*/point \1: \2/' restarted.txt
 
 idle() { [[ -z "$(tasks)" ]]; }

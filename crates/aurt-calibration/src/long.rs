@@ -9,7 +9,7 @@ use crate::{
     accumulate::{Accumulated, Folding, Measured},
     noise_bandwidth_factor,
     stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
-    validate::beyond,
+    validate::{beyond, forget_unread},
     wls::{FittedTo, Setting, estimate, finished},
 };
 
@@ -109,6 +109,7 @@ pub fn validate_long(
         })?;
         rows.finish(&mut |block| judge(&block, &waiting))?;
     }
+    forget_unread(model, &mut heaviest);
     Ok(Validation {
         samples,
         all: all.into_iter().collect(),

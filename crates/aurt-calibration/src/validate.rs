@@ -159,7 +159,19 @@ pub fn extrapolations(
             }
         })?;
     }
+    forget_unread(model, &mut load);
     Ok(beyond(calibration, &velocity, &load))
+}
+
+/// Takes the loads of joints whose friction does not depend on them for none: nothing is extrapolated there.
+pub(crate) fn forget_unread(model: &RobotModel, load: &mut [f64]) {
+    for (load, stack) in load.iter_mut().zip(model.stacks()) {
+        let reads =
+            stack.coulomb().reads_load() || stack.hysteresis().reads_load() || stack.viscous().reads_load();
+        if !reads {
+            *load = 0.0;
+        }
+    }
 }
 
 /// Warnings for joints whose largest speeds, rad/s, and load torques lie beyond what calibration covered.

@@ -6,6 +6,7 @@ use std::{
     path::PathBuf,
 };
 
+use aurt_rbd::gravity_complaint;
 use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::commands::{Command, GROUPS};
@@ -56,7 +57,17 @@ pub fn definition() -> clap::Command {
 /// Why they say nothing, or that help was asked for.
 pub fn parse(words: impl Iterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let mut definition = definition();
-    let matches = definition.try_get_matches_from_mut(join_vector_values(words))?;
+    let words = join_vector_values(words);
+    // Experiments, models and reports name files in texts, which are UTF-8.
+    if let Some(word) = words.iter().skip(1).find(|word| word.to_str().is_none()) {
+        let message = format!(
+            "{} is no UTF-8 text, so no result could name it; rename the file or folder, or make a link with another \
+             name to it\n",
+            word.display()
+        );
+        return Err(clap::Error::raw(clap::error::ErrorKind::InvalidUtf8, message));
+    }
+    let matches = definition.try_get_matches_from_mut(words)?;
     Arguments::from_arg_matches(&matches).map_err(|e| e.format(&mut definition))
 }
 
@@ -119,12 +130,13 @@ impl fmt::Display for Gravity {
 /// A gravity vector in m/s².
 pub fn parse_gravity(text: &str) -> Result<Gravity, String> {
     let numbers = parse_numbers(text)?;
-    <[f64; 3]>::try_from(numbers).map(Gravity).map_err(|n| {
+    let gravity = <[f64; 3]>::try_from(numbers).map_err(|n| {
         format!(
             "expected three numbers, x y z in m/s² in the base frame, found {}; for example 0 0 -9.81",
             n.len()
         )
-    })
+    })?;
+    gravity_complaint(gravity).map_or(Ok(Gravity(gravity)), |reason| Err(format!("gravity {reason}")))
 }
 
 /// One positive number per joint.

@@ -4,7 +4,9 @@
 
 mod arguments;
 mod commands;
+mod interrupt;
 mod rendering;
+mod supervised;
 
 /// The library's error, under the name that commands use.
 mod failure {
@@ -34,6 +36,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
         level.select().map_err(|error| Failure::Models(vec![error]))?;
     }
     let mut registry = Registry::linked()?;
+    registry.before_libraries(supervised::before_library);
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
@@ -66,11 +69,16 @@ fn main() -> ExitCode {
         Err(error) => return refuse(&error),
     };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
+    interrupt::listen();
     match run(&arguments, &terminal) {
-        Ok(report) => {
-            terminal.print_report(&report);
-            if report.findings { ExitCode::from(FINDINGS) } else { ExitCode::SUCCESS }
-        }
+        Ok(report) => match terminal.print_report(&report) {
+            Ok(()) if report.findings => ExitCode::from(FINDINGS),
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => {
+                terminal.print_failure(&failure);
+                ExitCode::from(FAILURE)
+            }
+        },
         Err(failure) => {
             terminal.print_failure(&failure);
             ExitCode::from(FAILURE)

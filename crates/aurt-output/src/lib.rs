@@ -11,10 +11,14 @@
 //! by one under a journal: an error takes back what was renamed before it; after a killed process or a power failure, the
 //! next write into that folder completes the renames. What a killed process left staged is removed then, too.
 //!
+//! What is staged is noted, so that [`abandon`] takes it along when a command is interrupted; renames that have begun are
+//! done first.
+//!
 //! Links keep their place (what they point to is replaced); devices and pipes are written to directly, last.
 
 mod journal;
 mod staging;
+mod unfinished;
 
 use std::{
     fs, io,
@@ -23,11 +27,12 @@ use std::{
 
 use thiserror::Error;
 
-pub use crate::journal::clear_unfinished;
 use crate::{
     journal::Journal,
-    staging::{Staged, folder_of, new_folder, sync_folder, write_special},
+    staging::{Staged, StagedFolder, folder_of, is_of_the_system, meant, sync_folder, write_special},
+    unfinished::publishing,
 };
+pub use crate::{journal::clear_unfinished, unfinished::abandon};
 
 /// What names of staged files begin with.
 pub const STAGED: &str = ".aurt-";
@@ -70,7 +75,7 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`]; then the file is as it was.
 pub fn write_file_unsynced(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
-    Staged::new(path, contents, Durability::Unsynced)?.publish()
+    Staged::new(path, contents, Durability::Unsynced)?.publish(&publishing())
 }
 
 /// Writes several files, all or none. Folders that do not exist are made.
@@ -83,12 +88,12 @@ pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(
     let mut staged = Vec::new();
     let mut special = Vec::new();
     for (path, contents) in files {
-        // A link keeps its place: what it points to is replaced.
-        let path = fs::canonicalize(path.as_ref()).unwrap_or_else(|_| path.as_ref().to_owned());
-        if fs::metadata(&path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-            special.push((path, contents.as_ref()));
+        let path = path.as_ref();
+        if is_of_the_system(path) || fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            special.push((path.to_owned(), contents.as_ref()));
             continue;
         }
+        let path = meant(path)?;
         let folder = folder_of(&path).to_owned();
         if !folders.contains(&folder) {
             made.make(&folder)?;
@@ -102,7 +107,12 @@ pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(
     for folder in &folders {
         sync_folder(folder);
     }
-    special.into_iter().try_for_each(|(path, contents)| write_special(&path, contents))
+    let publishing = publishing();
+    special.into_iter().try_for_each(|(path, contents)| {
+        write_special(&path, contents)?;
+        publishing.kept_one();
+        Ok(())
+    })
 }
 
 /// Folders that are made for files; they go when the files cannot be written.
@@ -138,8 +148,9 @@ impl Drop for MadeFolders {
 
 /// Renames staged files to their targets, all or none.
 fn publish(mut staged: Vec<Staged>) -> Result<(), WriteError> {
+    let publishing = publishing();
     if staged.len() < 2 {
-        return staged.pop().map_or(Ok(()), Staged::publish);
+        return staged.pop().map_or(Ok(()), |one| one.publish(&publishing));
     }
     for one in &mut staged {
         one.keep_old()?;
@@ -155,7 +166,10 @@ fn publish(mut staged: Vec<Staged>) -> Result<(), WriteError> {
             }
         }
     }
-    drop(journal);
+    published.iter().for_each(|_| publishing.kept_one());
+    // The journal and the second names go before an interruption may come.
+    drop((journal, published));
+    drop(publishing);
     Ok(())
 }
 
@@ -176,18 +190,22 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
     let parent = folder_of(folder);
     fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
     clear_unfinished(parent);
-    let (staging, _lock) = new_folder(parent)?;
+    let staging = StagedFolder::new(parent)?;
+    let staged = staging.folder.path();
     for (name, contents) in files {
-        let path = staging.path().join(name);
+        let path = staged.join(name);
         let fail = || WriteError::at(&folder.join(name));
         fs::create_dir_all(folder_of(&path)).map_err(fail())?;
         let mut file = fs::File::create_new(&path).map_err(fail())?;
         io::Write::write_all(&mut file, contents.as_ref()).and_then(|()| file.sync_data()).map_err(fail())?;
     }
-    sync_folder(staging.path());
-    fs::rename(staging.path(), folder).map_err(WriteError::at(folder))?;
+    sync_folder(staged);
+    let publishing = publishing();
+    fs::rename(staged, folder).map_err(WriteError::at(folder))?;
+    files.iter().for_each(|_| publishing.kept_one());
     // Nothing is left under its name to be removed.
     drop(staging);
+    drop(publishing);
     sync_folder(parent);
     Ok(())
 }

@@ -8,7 +8,10 @@ use std::{
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-use crate::{Durability, STAGED, WriteError};
+use crate::{
+    Durability, STAGED, WriteError,
+    unfinished::{Publishing, Unfinished},
+};
 
 /// What names of staged contents end with.
 pub(crate) const PART: &str = ".part";
@@ -49,11 +52,21 @@ pub(crate) fn sync_folder(folder: &Path) {
 }
 
 /// A folder to stage files in, with the mark of this process.
-pub(crate) fn new_folder(parent: &Path) -> Result<(TempDir, Option<File>), WriteError> {
-    let staging = named(PART, 0o777).tempdir_in(parent).map_err(WriteError::at(parent))?;
-    let marked = File::open(staging.path()).ok();
-    marked.iter().for_each(mark);
-    Ok((staging, marked))
+#[derive(Debug)]
+pub(crate) struct StagedFolder {
+    _unfinished: Unfinished,
+    _marked: Option<File>,
+    pub(crate) folder: TempDir,
+}
+
+impl StagedFolder {
+    pub(crate) fn new(parent: &Path) -> Result<Self, WriteError> {
+        let folder = named(PART, 0o777).tempdir_in(parent).map_err(WriteError::at(parent))?;
+        let unfinished = Unfinished::new(folder.path());
+        let marked = File::open(folder.path()).ok();
+        marked.iter().for_each(mark);
+        Ok(Self { _unfinished: unfinished, _marked: marked, folder })
+    }
 }
 
 /// Contents that are on the disk under a temporary name.
@@ -62,18 +75,20 @@ pub(crate) struct Staged {
     file: NamedTempFile,
     target: PathBuf,
     old: Option<NamedTempFile<()>>,
+    unfinished: Unfinished,
 }
 
 impl Staged {
     pub(crate) fn new(target: &Path, contents: &[u8], durability: Durability) -> Result<Self, WriteError> {
         let fail = || WriteError::at(target);
         let mut file = named(PART, 0o666).tempfile_in(folder_of(target)).map_err(fail())?;
+        let unfinished = Unfinished::new(file.path());
         mark(file.as_file());
         file.write_all(contents).map_err(fail())?;
         if durability == Durability::Synced {
             file.as_file().sync_data().map_err(fail())?;
         }
-        Ok(Self { file, target: target.to_owned(), old: None })
+        Ok(Self { file, target: target.to_owned(), old: None, unfinished })
     }
 
     /// The temporary name.
@@ -106,14 +121,17 @@ impl Staged {
     }
 
     /// Gives the contents their right name.
-    pub(crate) fn publish(self) -> Result<(), WriteError> {
-        self.rename().map(drop)
+    pub(crate) fn publish(self, publishing: &Publishing) -> Result<(), WriteError> {
+        self.rename()?;
+        publishing.kept_one();
+        Ok(())
     }
 
     /// The same, and it can be taken back.
     pub(crate) fn rename(self) -> Result<Published, WriteError> {
-        let Self { file, target, old } = self;
+        let Self { file, target, old, unfinished } = self;
         file.persist(&target).map_err(|e| WriteError { path: target.clone(), source: e.error })?;
+        drop(unfinished);
         Ok(Published { target, old })
     }
 }
@@ -137,10 +155,38 @@ impl Published {
 
 /// Writes to a device or pipe, which cannot be renamed over. A reader that has seen enough is no failure.
 pub(crate) fn write_special(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
-    match fs::OpenOptions::new().write(true).open(path).and_then(|mut file| file.write_all(contents)) {
+    // What standard output leads to may be a file that something stands in already.
+    match fs::OpenOptions::new().append(true).open(path).and_then(|mut file| file.write_all(contents)) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {
             Err(WriteError { path: path.to_owned(), source })
         }
         _ => Ok(()),
+    }
+}
+
+/// Whether a name stands for something that the system keeps open (`/dev/stdout`, `/proc/self/fd/1`): what it leads to
+/// may have another name or none, and is written to as it is.
+pub(crate) fn is_of_the_system(path: &Path) -> bool {
+    let folder = fs::canonicalize(folder_of(path));
+    folder.is_ok_and(|folder| {
+        folder.starts_with("/dev") && !folder.starts_with("/dev/shm") || folder.starts_with("/proc")
+    })
+}
+
+/// The file that a path means: links keep their place, and what they point to is replaced, or made if it is not there
+/// yet.
+pub(crate) fn meant(path: &Path) -> Result<PathBuf, WriteError> {
+    fs::canonicalize(path).or_else(|_| linked(path)).map_err(WriteError::at(path))
+}
+
+/// Where a link leads that leads nowhere yet; the path itself if it is no link.
+fn linked(path: &Path) -> std::io::Result<PathBuf> {
+    let Ok(target) = fs::read_link(path) else { return Ok(path.to_owned()) };
+    let target = folder_of(path).join(target);
+    match fs::symlink_metadata(&target) {
+        Ok(found) if found.is_symlink() => {
+            Err(std::io::Error::other("it is a link to a link that leads nowhere; name the file itself"))
+        }
+        _ => Ok(target),
     }
 }

@@ -129,6 +129,22 @@ fn new_files_and_folders_get_the_permissions_of_any_new_one() {
 
 #[cfg(unix)]
 #[test]
+fn a_link_to_nothing_keeps_its_place_and_gets_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::os::unix::fs::symlink("file", at("link")).unwrap();
+    std::os::unix::fs::symlink("second", at("first")).unwrap();
+    std::os::unix::fs::symlink("third", at("second")).unwrap();
+    write_file(&at("link"), b"new").unwrap();
+    assert!(fs::symlink_metadata(at("link")).unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(at("file")).unwrap(), "new");
+    let error = write_file(&at("first"), b"new").unwrap_err().to_string();
+    assert!(error.contains("a link to a link that leads nowhere"), "{error}");
+    assert!(!at("third").exists());
+}
+
+#[cfg(unix)]
+#[test]
 fn a_link_keeps_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let (file, link) = (folder.path().join("file"), folder.path().join("link"));

@@ -33,7 +33,7 @@ pub mod suggestion;
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;
-pub use dynamic::{LibraryListing, LibraryProblem};
+pub use dynamic::{LibraryListing, LibraryProblem, Told, longest_call, watch_calls};
 pub use error::{BuildError, Error};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};
 pub use registry::{ModelListing, Origin, Registry};

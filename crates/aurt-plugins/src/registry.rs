@@ -15,6 +15,8 @@ use crate::{
 pub struct Registry {
     models: BTreeMap<(Slot, String), Registered>,
     libraries: Vec<LibraryListing>,
+    /// Called before a library is loaded.
+    before_library: Option<fn(&Path)>,
 }
 
 #[derive(Debug, Clone)]
@@ -118,6 +120,9 @@ impl Registry {
         if path.canonicalize().is_ok_and(|file| self.libraries.iter().any(|known| known.path == file)) {
             return Ok(());
         }
+        if let Some(before) = self.before_library {
+            before(path);
+        }
         let (library, models) = dynamic::load(path)?;
         let mut with_library = self.clone();
         for (listing, model) in models {
@@ -126,6 +131,11 @@ impl Registry {
         with_library.libraries.push(library);
         *self = with_library;
         Ok(())
+    }
+
+    /// Has a function called before every library that is loaded, with the library's path: loading runs its code.
+    pub fn before_libraries(&mut self, before: fn(&Path)) {
+        self.before_library = Some(before);
     }
 
     /// The loaded libraries, in the order of loading.

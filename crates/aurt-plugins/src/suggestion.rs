@@ -3,13 +3,23 @@
 /// Similarity from which a known name is offered as what was probably meant.
 const LIKELY: f64 = 0.75;
 
+/// Longest name, in characters, that is compared with others: likeness takes time with the square of lengths.
+const LONGEST: usize = 64;
+/// Known names that are compared and listed.
+const MOST: usize = 500;
+
 /// The known name that `written` most probably stands for, if any is close.
 ///
 /// Beside mistyped letters this catches a name written without its unit (`gravity` for `gravity_m_s2`).
 #[must_use]
 pub fn likely<'k>(written: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    if written.chars().count() > LONGEST {
+        return None;
+    }
     known
         .into_iter()
+        .take(MOST)
+        .filter(|name| name.len() <= 4 * LONGEST)
         .map(|name| (similarity(written, name), name))
         .filter(|(score, _)| *score >= LIKELY)
         .max_by(|a, b| a.0.total_cmp(&b.0))

@@ -96,7 +96,7 @@ impl Reader<'_> {
         } else if lower.is_empty() {
             format!("ends too early; {FORMS}")
         } else {
-            format!("cannot be read from `{}` on; {FORMS}", self.rest)
+            format!("cannot be read from `{}` on; {FORMS}", aurt_files::clipped(self.rest))
         }
     }
 }

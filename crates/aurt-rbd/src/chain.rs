@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::{Place, sine_cosine_of};
+use crate::plausible::{angle_complaint, gravity_complaint, length_complaint};
 use crate::{MdhTable, RbdError};
 
 /// A chain of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints.
@@ -152,13 +153,16 @@ impl Placement {
 
     fn complaint(&self) -> Option<(&'static str, String)> {
         match *self {
-            Self::Mdh { alpha_rad, a_m, d_m } => [("alpha", alpha_rad), ("a", a_m), ("d", d_m)]
-                .into_iter()
-                .find(|(_, v)| !v.is_finite())
-                .map(|(name, v)| (name, format!("must be finite, is {v}"))),
+            Self::Mdh { alpha_rad, a_m, d_m } => [
+                ("alpha", angle_complaint(alpha_rad)),
+                ("a", length_complaint(a_m)),
+                ("d", length_complaint(d_m)),
+            ]
+            .into_iter()
+            .find_map(|(name, complaint)| complaint.map(|reason| (name, reason))),
             Self::Fixed { rotation: r, translation_m } => {
-                if !translation_m.iter().all(|v| v.is_finite()) {
-                    return Some(("translation", format!("must be finite, is {translation_m:?}")));
+                if let Some(reason) = translation_m.iter().find_map(|v| length_complaint(*v)) {
+                    return Some(("translation", reason));
                 }
                 let product = |i: usize, k: usize| -> f64 { (0..3).map(|c| r[i][c] * r[k][c]).sum() };
                 let orthonormal = (0..3)
@@ -202,8 +206,7 @@ impl SerialChain {
             if let Some((what, reason)) = j.placement.complaint() {
                 return Err(RbdError::Joint { joint, what, reason });
             }
-            if !j.theta_offset_rad.is_finite() {
-                let reason = format!("must be finite, is {}", j.theta_offset_rad);
+            if let Some(reason) = angle_complaint(j.theta_offset_rad) {
                 return Err(RbdError::Joint { joint, what: "theta offset", reason });
             }
             if j.sign.abs() != 1.0 {
@@ -211,8 +214,8 @@ impl SerialChain {
                 return Err(RbdError::Joint { joint, what: "sign", reason });
             }
         }
-        if !gravity_m_s2.iter().all(|g| g.is_finite()) {
-            return Err(RbdError::Gravity { gravity_m_s2 });
+        if let Some(reason) = gravity_complaint(gravity_m_s2) {
+            return Err(RbdError::Gravity { reason });
         }
         let frames: Vec<_> = joints.iter().map(Joint::frame).collect();
         let places = (0..joints.len())

@@ -22,11 +22,11 @@ pub enum RbdError {
     /// A chain without joints.
     #[error("a chain needs at least one joint")]
     NoJoints,
-    /// The gravity vector has an entry that is not finite.
-    #[error("gravity must be three finite numbers in m/s^2, is {gravity_m_s2:?}")]
+    /// The gravity vector has an entry that is not finite, or that no robot meets.
+    #[error("gravity {reason}")]
     Gravity {
-        /// The vector as given.
-        gravity_m_s2: [f64; 3],
+        /// What is wrong, as the rest of the sentence.
+        reason: String,
     },
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
@@ -92,6 +92,18 @@ pub enum MdhError {
         path: PathBuf,
         /// What is missing.
         reason: &'static str,
+    },
+    /// More rows than any arm has joints.
+    #[error(
+        "{}:{line}: there are more than {most} rows, one joint a row; this table is no arm's", path.display()
+    )]
+    TooManyRows {
+        /// The file.
+        path: PathBuf,
+        /// The first line too many.
+        line: usize,
+        /// How many there may be.
+        most: usize,
     },
     /// The first line holds numbers where the names of the columns belong.
     #[error(
@@ -191,7 +203,8 @@ impl MdhError {
     pub const fn line(&self) -> Option<usize> {
         match self {
             Self::Unreadable { .. } | Self::Empty { .. } => None,
-            Self::MissingHeader { line, .. }
+            Self::TooManyRows { line, .. }
+            | Self::MissingHeader { line, .. }
             | Self::MissingColumn { line, .. }
             | Self::UnknownColumn { line, .. }
             | Self::DuplicateColumn { line, .. }

@@ -43,6 +43,7 @@ mod kernel;
 mod kinematics;
 mod mass_matrix;
 mod mdh;
+mod plausible;
 mod random;
 mod regressor;
 mod rnea;
@@ -58,6 +59,10 @@ pub use inertia::{Inconsistency, LinkBody, inconsistencies};
 pub use kernel::Operations;
 pub use kinematics::LinkFrame;
 pub use mdh::{MdhRow, MdhRows, MdhTable};
+pub use plausible::{
+    LARGEST_ANGLE_RAD, LARGEST_GRAVITY_M_S2, LONGEST_LINK_M, angle_complaint, gravity_complaint,
+    length_complaint,
+};
 
 /// Number of standard inertial parameters of a link.
 pub const INERTIAL_PARAMETERS: usize = 10;

@@ -1,9 +1,11 @@
 use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
+use aurt_files::clipped;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};
+use crate::plausible::{angle_complaint, length_complaint};
 use crate::{Joint, JointKind, Placement, angle};
 
 /// Which joint the `alpha` and `a` of a row lead to.
@@ -50,6 +52,12 @@ pub struct MdhTable {
 
 /// The columns that a table may have.
 const COLUMNS: [&str; 6] = ["alpha", "a", "d", "theta", "sign", "type"];
+/// Characters of the longest of [`COLUMNS`].
+const LONGEST_COLUMN: usize = 5;
+/// Mistakes of one table that are told at once.
+const MOST_ERRORS: usize = 20;
+/// Joints of the longest chain that a table may describe; real arms have up to about twenty.
+const MOST_JOINTS: usize = 100;
 /// How many of [`COLUMNS`], from the first, every table needs.
 const NEEDED: usize = 3;
 
@@ -60,9 +68,9 @@ impl MdhTable {
     /// If the file cannot be read, and as [`Self::parse`].
     pub fn from_path(path: impl AsRef<Path>, reading: MdhRows) -> Result<Self, MdhErrors> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path)
+        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
             .map_err(|source| MdhErrors(vec![MdhError::Unreadable { path: path.into(), source }]))?;
-        Self::parse(&String::from_utf8_lossy(&bytes), path, reading)
+        Self::parse(&text, path, reading)
     }
 
     /// Reads a table from text; `path` is what errors call it.
@@ -91,9 +99,16 @@ impl MdhTable {
         if !errors.is_empty() {
             return Err(MdhErrors(errors));
         }
-        let rows: Vec<MdhRow> = lines
-            .filter_map(|(line, row)| read_row(&path, line, row, separator, &columns, &mut errors))
-            .collect();
+        let mut rows: Vec<MdhRow> = Vec::new();
+        for (line, row) in lines {
+            if rows.len() >= MOST_JOINTS {
+                errors.push(MdhError::TooManyRows { path: path.clone(), line, most: MOST_JOINTS });
+            }
+            if rows.len() >= MOST_JOINTS || errors.len() >= MOST_ERRORS {
+                break;
+            }
+            rows.extend(read_row(&path, line, row, separator, &columns, &mut errors));
+        }
         if !errors.is_empty() {
             return Err(MdhErrors(errors));
         }
@@ -179,25 +194,28 @@ fn read_header(
     let path = || PathBuf::from(path);
     let cells = separator.split(header);
     if cells.iter().all(|cell| angle::parse(cell).is_ok()) {
-        errors.push(MdhError::MissingHeader { path: path(), line, text: header.into() });
+        errors.push(MdhError::MissingHeader { path: path(), line, text: clipped(header) });
         return Vec::new();
     }
     let mut columns = Vec::new();
     for (i, cell) in cells.iter().enumerate() {
         let name = cell.to_lowercase();
+        if errors.len() >= MOST_ERRORS {
+            break;
+        }
         match COLUMNS.iter().position(|c| *c == name) {
             Some(column) if columns.contains(&column) => errors.push(MdhError::DuplicateColumn {
                 path: path(),
                 line,
                 column_number: i + 1,
-                text: (*cell).into(),
+                text: clipped(cell),
             }),
             Some(column) => columns.push(column),
             None => errors.push(MdhError::UnknownColumn {
                 path: path(),
                 line,
                 column_number: i + 1,
-                text: (*cell).into(),
+                text: clipped(cell),
                 meant: probably_meant(&name),
             }),
         }
@@ -211,7 +229,7 @@ fn read_header(
                 path: path(),
                 line,
                 column: name,
-                found: cells.iter().map(|c| format!("`{c}`")).collect(),
+                found: cells.iter().take(MOST_ERRORS).map(|c| format!("`{}`", clipped(c))).collect(),
             });
         }
     }
@@ -221,6 +239,10 @@ fn read_header(
 /// The column that an unknown name probably means.
 fn probably_meant(name: &str) -> Option<&'static str> {
     let stem = name.split(['_', ' ', '(', '[', '-']).next().unwrap_or_default();
+    // Likeness takes time with the length, and no slip of the pen is so long.
+    if stem.chars().count() > 2 * LONGEST_COLUMN {
+        return None;
+    }
     let synonym = match stem {
         "α" | "twist" => Some("alpha"),
         "r" | "length" => Some("a"),
@@ -253,7 +275,7 @@ fn read_row(
             line,
             expected: columns.len(),
             found: cells.len(),
-            text: text.into(),
+            text: clipped(text),
         });
         return None;
     }
@@ -265,11 +287,14 @@ fn read_row(
         let read = match values.get_mut(*column) {
             None => joint_kind(cell).map(|read| kind = read),
             Some(value) => angle::parse(cell).and_then(|read| {
-                if name == "sign" && read.abs() != 1.0 {
-                    return Err("is no sense of rotation; write 1 or -1".into());
-                }
+                let complaint = match name {
+                    "sign" if read.abs() != 1.0 => Some("is no sense of rotation; write 1 or -1".into()),
+                    "alpha" | "theta" => angle_complaint(read),
+                    "a" | "d" => length_complaint(read),
+                    _ => None,
+                };
                 *value = read;
-                Ok(())
+                complaint.map_or(Ok(()), Err)
             }),
         };
         if let Err(reason) = read {
@@ -278,7 +303,7 @@ fn read_row(
                 line,
                 column_number: i + 1,
                 column: name,
-                text: (*cell).into(),
+                text: clipped(cell),
                 reason,
             });
         }

@@ -160,7 +160,8 @@ pub enum RecordingError {
     /// More rows are corrupt than may be dropped.
     #[error(
         "{path}, line {line}, column {column}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
-         dropped (max_corrupt_share = {max_share}): repair the file or, if these rows may go, raise the share",
+         dropped ({max_percent} %): repair the file, delete these rows, or cut the recording with a window that leaves them out",
+        max_percent = 100.0 * max_share,
         path = path.display()
     )]
     CorruptRows {

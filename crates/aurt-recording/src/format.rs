@@ -62,7 +62,7 @@ impl<'a> RecordingInput<'a> {
             return Err(RecordingError::Directory { path: path.to_owned() });
         }
         let unreadable = |source| unreadable(path, source);
-        let mut file = File::open(path).map_err(unreadable)?;
+        let mut file = aurt_files::open(path).map_err(unreadable)?;
         let bytes = file.metadata().map_or(0, |m| m.len());
         let mut beginning = Vec::new();
         file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning).map_err(unreadable)?;
@@ -124,6 +124,15 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
     let remedy = match source.kind() {
         std::io::ErrorKind::NotFound => "no such file; check the path",
         std::io::ErrorKind::PermissionDenied => "reading it is not permitted; check the file's permissions",
+        std::io::ErrorKind::InvalidInput => {
+            "it is a device or a socket; save the recording to a file and name that"
+        }
+        std::io::ErrorKind::TimedOut => {
+            "it is a pipe that nobody writes to within 5 s; start its writer first"
+        }
+        std::io::ErrorKind::InvalidData => {
+            "it has a line of more than 16 MB, so it is no table; recordings have one row per sample and line"
+        }
         _ => "it cannot be read",
     };
     RecordingError::Unreadable { path: path.to_owned(), remedy, source }

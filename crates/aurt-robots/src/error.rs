@@ -25,24 +25,6 @@ pub enum RobotError {
         /// Why.
         source: std::io::Error,
     },
-    /// The file is larger than any robot description.
-    #[error("{}: has {bytes} bytes; robot descriptions of up to {most} bytes are read", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Its size.
-        bytes: u64,
-        /// The largest size.
-        most: u64,
-    },
-    /// The file is no UTF-8 text.
-    #[error("{}: is no UTF-8 text from byte {offset} on; a robot description is an XML file", path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-        /// The first byte that is no text.
-        offset: usize,
-    },
     /// The file is no well-formed XML.
     #[error("{}:{line}: {reason}", path.display())]
     Xml {

@@ -40,13 +40,7 @@ pub fn read(
 ) -> Result<DescribedRobot, RobotErrors> {
     let path = path.as_ref();
     let unreadable = |source| RobotErrors::from(RobotError::Unreadable { path: path.into(), source });
-    let bytes = std::fs::metadata(path).map_err(unreadable)?.len();
-    if bytes > MOST_BYTES {
-        return Err(RobotError::TooLarge { path: path.into(), bytes, most: MOST_BYTES }.into());
-    }
-    let text = std::fs::read(path).map_err(unreadable)?;
-    let text = String::from_utf8(text)
-        .map_err(|e| RobotError::NotText { path: path.into(), offset: e.utf8_error().valid_up_to() })?;
+    let text = aurt_files::read_text(path, MOST_BYTES).map_err(unreadable)?;
     parse(&text, path, base, tip)
 }
 

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_rbd::RbdError;
 use thiserror::Error;
@@ -143,6 +143,18 @@ pub enum SimulationError {
         /// Why.
         reason: String,
     },
+    /// A file that is not of its form, at a place.
+    #[error("{}:{line}:{column}: {reason}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column in characters, from 1.
+        column: usize,
+        /// What is wrong there.
+        reason: String,
+    },
     /// A file or folder that cannot be written or read.
     #[error("{}: {source}", path.display())]
     Io {
@@ -169,6 +181,18 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
+    /// What TOML says of a text, with its place.
+    pub(crate) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Self {
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        Self::Syntax {
+            path: path.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            reason: error.message().to_owned(),
+        }
+    }
+
     pub(crate) fn value(what: impl Into<String>, value: f64, reason: impl Into<String>) -> Self {
         Self::Value { what: what.into(), value, reason: reason.into() }
     }

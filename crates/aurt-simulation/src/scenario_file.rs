@@ -101,10 +101,7 @@ impl ScenarioFile {
     /// # Errors
     /// [`SimulationError::Unreadable`] with the place of what is wrong.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        toml::from_str(text).map_err(|error| SimulationError::Unreadable {
-            path: path.as_ref().into(),
-            reason: error.to_string(),
-        })
+        toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))
     }
 
     /// Reads a scenario from a file.
@@ -113,7 +110,7 @@ impl ScenarioFile {
     /// [`SimulationError::Io`], and as [`Self::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
+        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
             .map_err(|source| SimulationError::Io { path: path.into(), source })?;
         Self::parse(&text, path)
     }

@@ -1,8 +1,9 @@
 //! Experiments as TOML documents: paths made absolute, places found again.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use aurt_experiment::Span;
+use aurt_files::escaped;
 use toml::{
     Table, Value,
     de::{DeTable, DeValue},
@@ -14,6 +15,8 @@ pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
     // The folder of a bare file name is the empty path, which has no canonical form.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    // What is written is read again, and a `$` of the folder's name is no variable then.
+    let folder = PathBuf::from(escaped(&folder.to_string_lossy()));
     let fix = |value: &mut Value| {
         if let Value::String(text) = value
             && !text.starts_with('$')
@@ -117,10 +120,12 @@ mod tests {
             "[robot]\nmdh = \"a.csv\"\n[recordings]\ncalibration = [\"$D/b.csv\", { file = \"c.csv\" }]\nvalidation = \"/d.csv\"",
         )
         .unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        make_absolute(&mut document, folder.path());
-        let folder = folder.path().canonicalize().unwrap();
-        let here = |name: &str| folder.join(name).to_string_lossy().into_owned();
+        let above = tempfile::tempdir().unwrap();
+        let folder = above.path().join("of $5");
+        std::fs::create_dir(&folder).unwrap();
+        make_absolute(&mut document, &folder);
+        let folder = folder.canonicalize().unwrap();
+        let here = |name: &str| folder.join(name).to_string_lossy().replace('$', "$$");
         assert_eq!(document["robot"]["mdh"].as_str(), Some(&*here("a.csv")));
         assert_eq!(document["recordings"]["calibration"][0].as_str(), Some("$D/b.csv"));
         assert_eq!(document["recordings"]["calibration"][1]["file"].as_str(), Some(&*here("c.csv")));

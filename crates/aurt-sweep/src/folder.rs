@@ -10,25 +10,29 @@
 //!
 //! Files appear whole or not at all: they are written beside their place and renamed. A process that is killed leaves no
 //! half of one, and the results of others stay. After a power failure a file that the disk lost is a result that is not
-//! there, and is made again.
+//! there, and is made again; so is a result that no longer has its checksum.
 
 use std::{
+    collections::BTreeSet,
     fs::{self, File, TryLockError},
     io::ErrorKind,
     path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
 };
 
-use aurt_output::{clear_unfinished, write_file_unsynced};
-use serde::{Serialize, de::DeserializeOwned};
+use aurt_output::{STAGED, clear_unfinished, write_file_unsynced};
+use serde::Serialize;
 
 use crate::{
     Sweep, SweepError,
+    kept::{self, Found},
     plan::{self, Plan},
-    result::{self, PointResult},
+    result::PointResult,
 };
 
 const PLAN: &str = "sweep.json";
 const LOCK: &str = "lock";
+const EXPERIMENT: &str = "experiment.toml";
 const RESULTS: &str = "results";
 const POINTS: &str = "points";
 
@@ -38,6 +42,8 @@ pub struct Folder {
     path: PathBuf,
     /// Held as long as the folder is worked in; the system releases it however the process ends.
     _lock: Option<File>,
+    /// Keys of results whose file was there and could not be trusted.
+    damaged: Mutex<BTreeSet<String>>,
 }
 
 /// Who else may work in a folder at the same time.
@@ -50,24 +56,36 @@ enum Sharing {
 }
 
 impl Folder {
+    fn at(path: &Path) -> Self {
+        Self { path: path.to_owned(), _lock: None, damaged: Mutex::default() }
+    }
+
+    /// Whether everything in a folder without a plan may be from a sweep that was ended while it was planned. The lock
+    /// is the first thing that a sweep makes.
+    fn is_unfinished_plan(&self) -> bool {
+        let known =
+            |name: &str| [LOCK, POINTS, RESULTS, EXPERIMENT].contains(&name) || name.starts_with(STAGED);
+        let Ok(entries) = fs::read_dir(&self.path) else { return false };
+        let names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).collect();
+        names.is_empty()
+            || self.file(LOCK).is_file() && names.iter().all(|name| name.to_str().is_some_and(known))
+    }
+
     /// A folder for the sweep of an experiment, made if it does not exist, for this process alone.
     ///
     /// # Errors
     /// [`SweepError::Locked`] if another process works in it, [`SweepError::Folder`] if it holds another experiment's
     /// sweep or something else.
     pub fn for_sweep(path: &Path, sweep: &Sweep) -> Result<Self, SweepError> {
-        let folder = Self { path: path.to_owned(), _lock: None };
+        let folder = Self::at(path);
         let refuse = |reason: String, remedy: &str| SweepError::Folder {
             path: path.to_owned(),
             reason,
             remedy: remedy.to_owned(),
         };
         match fs::read_dir(path) {
-            Ok(mut entries) => {
-                let known = [PLAN, LOCK];
-                let foreign = !folder.file(PLAN).exists()
-                    && entries.any(|e| e.is_ok_and(|e| known.iter().all(|k| e.file_name() != *k)));
-                if foreign {
+            Ok(_) => {
+                if !folder.file(PLAN).exists() && !folder.is_unfinished_plan() {
                     return Err(refuse(
                         "holds files that are no sweep's".into(),
                         "name a new or an empty folder",
@@ -101,7 +119,7 @@ impl Folder {
     /// # Errors
     /// [`SweepError::Folder`] if there is no plan in it.
     pub fn planned(path: &Path) -> Result<Self, SweepError> {
-        let folder = Self { path: path.to_owned(), _lock: None };
+        let folder = Self::at(path);
         if !folder.file(PLAN).is_file() {
             return Err(SweepError::Folder {
                 path: path.to_owned(),
@@ -129,7 +147,7 @@ impl Folder {
             Sharing::Shared => file.try_lock_shared(),
         };
         match taken {
-            Ok(()) => Ok(Self { path: self.path, _lock: Some(file) }),
+            Ok(()) => Ok(Self { _lock: Some(file), ..self }),
             Err(TryLockError::WouldBlock) => Err(SweepError::Locked { path: self.path }),
             Err(TryLockError::Error(source)) => Err(fail(source)),
         }
@@ -157,7 +175,8 @@ impl Folder {
     /// [`SweepError::Read`]; [`SweepError::Folder`] if it is another version's.
     pub fn plan(&self) -> Result<Plan, SweepError> {
         let path = self.file(PLAN);
-        let text = fs::read_to_string(&path).map_err(|source| SweepError::Read { path, source })?;
+        let text = aurt_files::read_text(&path, aurt_files::MOST_MODEL_BYTES)
+            .map_err(|source| SweepError::Read { path, source })?;
         let refuse = |reason: String| SweepError::Folder {
             path: self.file(PLAN),
             reason,
@@ -194,15 +213,30 @@ impl Folder {
         while fs::remove_file(self.point_file(beyond)).is_ok() {
             beyond += 1;
         }
-        write_whole(&self.file("experiment.toml"), sweep.text.as_bytes())?;
+        write_whole(&self.file(EXPERIMENT), sweep.text.as_bytes())?;
         write_json(&self.file(PLAN), plan)
     }
 
-    /// A point's result, if there is one; a file that cannot be understood is none.
+    /// A point's result, if there is one; a file that cannot be understood or was changed is none, see
+    /// [`Self::damaged`].
     #[must_use]
     pub fn result(&self, key: &str) -> Option<PointResult> {
-        let result: PointResult = read_json(&self.result_file(key))?;
-        (result.schema == result::SCHEMA && result.key == key).then_some(result)
+        let bytes = fs::read(self.result_file(key)).ok()?;
+        match kept::from_bytes(&bytes, key) {
+            Found::Whole(result) => Some(*result),
+            Found::Damaged => {
+                let mut damaged = self.damaged.lock().unwrap_or_else(PoisonError::into_inner);
+                damaged.insert(key.to_owned());
+                None
+            }
+        }
+    }
+
+    /// The files of results that were met so far and are not what was written: cut off, another version's, or changed.
+    #[must_use]
+    pub fn damaged(&self) -> Vec<PathBuf> {
+        let damaged = self.damaged.lock().unwrap_or_else(PoisonError::into_inner);
+        damaged.iter().map(|key| self.result_file(key)).collect()
     }
 
     /// Keeps a result.
@@ -210,7 +244,10 @@ impl Folder {
     /// # Errors
     /// [`SweepError::Write`].
     pub fn keep(&self, result: &PointResult) -> Result<(), SweepError> {
-        write_json(&self.result_file(&result.key), result)
+        let path = self.result_file(&result.key);
+        let bytes =
+            kept::to_bytes(result).map_err(|e| SweepError::Write { path: path.clone(), source: e.into() })?;
+        write_whole(&path, &bytes)
     }
 
     fn result_file(&self, key: &str) -> PathBuf {
@@ -223,10 +260,6 @@ impl Folder {
             clear_unfinished(&self.file(name));
         }
     }
-}
-
-fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    serde_json::from_slice(&fs::read(path).ok()?).ok()
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {

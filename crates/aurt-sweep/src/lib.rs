@@ -17,6 +17,7 @@ mod evaluation;
 mod family;
 mod folder;
 mod identity;
+mod kept;
 mod loading;
 mod place;
 mod plan;

@@ -5,7 +5,7 @@ use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
 /// Version of the file.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// What became of a point. Results are kept under a hash of all that they depend on, and hold nothing else: no times,
 /// no names of points.

@@ -148,8 +148,8 @@ pub fn run_point(
 
 /// A point's resolved experiment, as the plan wrote it.
 fn read_point(path: &Path, name: &str, registry: &mut Registry) -> Result<Point, SweepError> {
-    let written =
-        std::fs::read_to_string(path).map_err(|source| SweepError::Read { path: path.to_owned(), source })?;
+    let written = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
+        .map_err(|source| SweepError::Read { path: path.to_owned(), source })?;
     let experiment = Experiment::parse(&written, path, registry).map_err(SweepError::Definition)?;
     // Without the comment at its head, the text is the one that the key was made of.
     let text = toml::from_str::<toml::Table>(&written).map_or(written, |document| document.to_string());

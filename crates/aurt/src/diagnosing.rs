@@ -99,6 +99,21 @@ pub fn is_found(verdict: &Verdict) -> bool {
         .any(|answer| answer != Answer::NoMismatch)
 }
 
+/// Joints of the largest arm that is diagnosed. Effects are weighed jointly over all joints, which takes memory with the
+/// square of their number and time with its cube.
+const MOST_JOINTS: usize = 20;
+
+fn check_joints(experiment: &Path, joints: usize) -> Result<(), Failure> {
+    if joints <= MOST_JOINTS {
+        return Ok(());
+    }
+    Err(Failure::ModelFile {
+        path: experiment.to_owned(),
+        reason: format!("the arm has {joints} joints, a diagnosis weighs effects on up to {MOST_JOINTS}"),
+        remedy: "diagnose parts of it: a geometry and recordings of the joints of each part".into(),
+    })
+}
+
 /// Diagnoses an experiment.
 ///
 /// # Errors
@@ -113,6 +128,7 @@ pub fn diagnose_experiment(
         Some(calibrated) => calibrated.model.clone(),
         None => experiment.robot_model()?,
     };
+    check_joints(&experiment.path, structure.joints())?;
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
     let pipeline =
         Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
@@ -305,7 +321,7 @@ fn questioned_recordings(
     let mut recordings = Vec::new();
     for (loaded, role) in loaded {
         let simulated = match if role == questioned { predictions.next() } else { None } {
-            Some(source) => Some(simulated::read(source, pipeline.joints, loaded.recording.time_s.len())?),
+            Some(source) => Some(simulated::read(source, pipeline.joints, &loaded.recording.time_s)?),
             None => None,
         };
         let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {

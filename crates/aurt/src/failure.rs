@@ -1,6 +1,6 @@
 //! Why a command failed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibrationError;
 use aurt_diagnosis::DiagnosisError;
@@ -52,6 +52,28 @@ pub enum Failure {
         /// What to do.
         remedy: String,
     },
+    /// A table of numbers is not what the command needs.
+    #[error("{}{}: {reason}; {remedy}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1, if it is about one.
+        line: Option<usize>,
+        /// The cell of that line, from 1, if it is about one.
+        cell: Option<usize>,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// Something that a file asks for cannot be.
+    #[error("{}: {failure}", path.display())]
+    In {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        failure: Box<Failure>,
+    },
     /// A robot model cannot be composed.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Models(Vec<ModelError>),
@@ -74,6 +96,18 @@ pub enum Failure {
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// A result is no number.
+    #[error(
+        "{}: a value of line {line} is not a finite number, so nothing is written; the model, its coefficients or the \
+         motion are far beyond those of a robot: look at them with `aurt check` and at the values in the model file",
+        path.display()
+    )]
+    NotFinite {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The line of it.
+        line: usize,
     },
     /// A model file is not what the command needs.
     #[error("{}: {reason}; {remedy}", path.display())]
@@ -133,6 +167,31 @@ impl From<aurt_experiment::Error> for Failure {
             aurt_experiment::Error::RigidBody(error) => error.into(),
             aurt_experiment::Error::Assembly(errors) => Self::Models(errors),
             other => Self::Plugins(other),
+        }
+    }
+}
+
+impl Failure {
+    /// The same, said of the file that asks for it where the failure is one of its values and names no file itself.
+    pub fn of_value_in(self, path: &Path) -> Self {
+        let is_value = match &self {
+            Self::Recording(error) => matches!(**error, RecordingError::InvalidOption { .. }),
+            Self::Calibration(error) => matches!(**error, CalibrationError::NothingToCalibrateOn),
+            _ => false,
+        };
+        if is_value { self.in_file(path) } else { self }
+    }
+
+    /// The same, said of the file that asks for it.
+    pub fn in_file(self, path: &Path) -> Self {
+        match self {
+            // These name their file already.
+            Self::Simulation(error)
+                if matches!(*error, SimulationError::Syntax { .. } | SimulationError::Io { .. }) =>
+            {
+                Self::Simulation(error)
+            }
+            other => Self::In { path: path.to_owned(), failure: Box::new(other) },
         }
     }
 }

@@ -6,6 +6,7 @@ use aurt_experiment::{
     Experiment, Registry,
     experiment::{Geometry, RecordingSource},
 };
+use aurt_files::escaped;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::{
@@ -87,11 +88,11 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
             "write the geometry as a table and name it with `mdh`",
         ));
     };
-    let mdh =
-        std::fs::read(path).map_err(|source| aurt_experiment::Error::Read { path: path.clone(), source })?;
+    let mdh = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
+        .map_err(|source| aurt_experiment::Error::Read { path: path.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
-        mdh_csv: String::from_utf8_lossy(&mdh).into_owned(),
+        mdh_csv: mdh,
         chain: experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?,
         unit,
         experiment_toml: without_recordings(experiment).map_err(|reason| refuse(&reason, "simplify it"))?,
@@ -131,7 +132,7 @@ fn without_recordings(experiment: &Experiment) -> Result<String, String> {
     if let Some(plugins) = table.get_mut("plugins").and_then(toml::Value::as_table_mut) {
         let libraries = experiment.libraries.iter().map(|library| {
             let absolute = std::path::absolute(library).unwrap_or_else(|_| library.clone());
-            toml::Value::from(absolute.to_string_lossy().into_owned())
+            toml::Value::from(escaped(&absolute.to_string_lossy()))
         });
         plugins.insert("libraries".into(), toml::Value::Array(libraries.collect()));
     }

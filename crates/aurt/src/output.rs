@@ -58,8 +58,9 @@ impl OutputFile {
     /// Writes the whole file or, on failure, nothing.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, contents: &[u8]) -> Result<(), Failure> {
+        check_finite(&self.path, contents)?;
         Ok(write_file(&self.path, contents)?)
     }
 }
@@ -134,8 +135,9 @@ impl OutputFolder {
     /// Writes all files, given by their names, or, on failure, none.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(&self, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+        files.iter().try_for_each(|(name, contents)| check_finite(&self.path.join(name), contents))?;
         Ok(write_folder(&self.path, files)?)
     }
 }
@@ -182,8 +184,9 @@ impl Outputs {
     /// Writes everything or, on failure, nothing.
     ///
     /// # Errors
-    /// [`Failure::Write`].
+    /// [`Failure::Write`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(self) -> Result<(), Failure> {
+        self.files.iter().try_for_each(|(path, contents)| check_finite(path, contents))?;
         let within = self.new_folder.as_ref().and_then(|folder| {
             let inside = |(path, contents): &(PathBuf, Vec<u8>)| {
                 Some((path.strip_prefix(folder).ok()?.to_owned(), contents.clone()))
@@ -205,6 +208,16 @@ impl From<WriteError> for Failure {
     }
 }
 
+/// Refuses tables in which a number is none: whatever made it is worth more than the table.
+fn check_finite(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension != "csv") {
+        return Ok(());
+    }
+    let none = |cell: &[u8]| matches!(cell.trim_ascii(), b"NaN" | b"inf" | b"-inf");
+    let found = contents.split(|b| *b == b'\n').position(|line| line.split(|b| *b == b',').any(none));
+    found.map_or(Ok(()), |line| Err(Failure::NotFinite { path: path.to_owned(), line: line + 1 }))
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -224,6 +237,20 @@ mod tests {
         OutputFile::new("--out", &path, &[]).unwrap().write(b"new").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_table_with_a_number_that_is_none_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| OutputFile::new("--out", &folder.path().join(name), &[]).unwrap();
+        let error = file("a.csv").write(b"x,y\n1,2\n3, NaN\n").unwrap_err();
+        assert!(matches!(error, Failure::NotFinite { line: 3, .. }), "{error}");
+        let mut outputs = Outputs::default();
+        outputs.file(&file("b.csv"), b"1\n".to_vec());
+        outputs.file(&file("a.csv"), b"-inf\n".to_vec());
+        assert!(matches!(outputs.write(), Err(Failure::NotFinite { line: 1, .. })));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        file("words.txt").write(b"NaN").unwrap();
     }
 
     #[test]

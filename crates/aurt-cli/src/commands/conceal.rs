@@ -41,10 +41,16 @@ pub struct Conceal {
     sealed: PathBuf,
 }
 
+/// Reads a plan; what is wrong with it is said of its file.
+pub fn read_plan(path: impl AsRef<Path>) -> Result<Plan, Failure> {
+    let path = path.as_ref();
+    Plan::read(path).map_err(|error| Failure::from(error).in_file(path))
+}
+
 impl Conceal {
     /// Conceals.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let plan = self.plan.as_ref().map_or_else(|| Ok(Plan::small()), Plan::read)?;
+        let plan = self.plan.as_ref().map_or_else(|| Ok(Plan::small()), read_plan)?;
         if let Some(experiment) = &self.into {
             return self.run_into(experiment, plan, session);
         }

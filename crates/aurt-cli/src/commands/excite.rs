@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use aurt::table_file::TableFile;
 use aurt_rbd::{MdhRow, MdhRows, MdhTable};
 use aurt_simulation::{
     Motion, MotionLimits, Robot, Trajectory,
@@ -207,48 +208,53 @@ fn in_next_reading(table: MdhTable) -> Vec<MdhRow> {
 /// The columns of a table of limits.
 const COLUMNS: [&str; 4] = ["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"];
 
+/// Largest angle of a joint's limits, rad: two turns. Half a turn in degrees is beyond it.
+const LARGEST_ANGLE_RAD: f64 = aurt_rbd::LARGEST_ANGLE_RAD;
+/// Highest velocity of a joint, rad/s.
+const HIGHEST_VELOCITY_RAD_S: f64 = 100.0;
+/// Highest acceleration of a joint, rad/s².
+const HIGHEST_ACCELERATION_RAD_S2: f64 = 1e4;
+
 /// Reads limits: a header with [`COLUMNS`] in any order, and a row for each joint.
 fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure> {
-    let refuse = |reason: String| Failure::ModelFile {
-        path: path.to_owned(),
-        reason,
-        remedy: format!("write the columns {} and a row for each joint", COLUMNS.join(", ")),
-    };
-    let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let header: Vec<&str> =
-        lines.next().map_or_else(Vec::new, |(_, l)| l.split(',').map(str::trim).collect());
+    let table = TableFile::read(
+        path,
+        "write the columns lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2 and a row for each joint",
+    )?;
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
-        *place = header
-            .iter()
-            .position(|name| *name == column)
-            .ok_or_else(|| refuse(format!("has no column `{column}`")))?;
+        *place = table
+            .column(column)
+            .ok_or_else(|| table.refuse(None, None, format!("has no column `{column}`")))?;
     }
     let mut limits = Vec::new();
-    for (number, line) in lines {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+    for row in table.rows() {
+        let row = row?;
         let mut values = [0.0; 4];
-        for ((value, place), column) in values.iter_mut().zip(places).zip(COLUMNS) {
-            *value = cells
-                .get(place)
-                .and_then(|cell| cell.parse::<f64>().ok())
-                .filter(|v| v.is_finite())
-                .ok_or_else(|| refuse(format!("line {}, column `{column}`: no finite number", number + 1)))?;
+        for (value, place) in values.iter_mut().zip(places) {
+            *value = row.number(place)?;
         }
         let [lower, upper, velocity_rad_s, acceleration_rad_s2] = values;
+        let highest =
+            [LARGEST_ANGLE_RAD, LARGEST_ANGLE_RAD, HIGHEST_VELOCITY_RAD_S, HIGHEST_ACCELERATION_RAD_S2];
+        if let Some(k) = (0..values.len()).find(|k| values[*k].abs() > highest[*k]) {
+            let reason = format!(
+                "column `{}`: {} is beyond what a joint has ({:.4}); angles are in radians, half a turn is 3.1416",
+                COLUMNS[k], values[k], highest[k]
+            );
+            return Err(table.refuse(Some(row.line), Some(places[k]), reason));
+        }
         if lower >= upper || velocity_rad_s <= 0.0 || acceleration_rad_s2 <= 0.0 {
-            return Err(refuse(format!(
-                "line {}: there is no room between these limits; lower_rad must be below upper_rad, velocity and \
-                 acceleration above 0",
-                number + 1
-            )));
+            let reason = "there is no room between these limits; lower_rad must be below upper_rad, velocity and \
+                          acceleration above 0";
+            return Err(table.refuse(Some(row.line), None, reason.to_owned()));
         }
         limits.push(MotionLimits { position_rad: [lower, upper], velocity_rad_s, acceleration_rad_s2 });
     }
     if limits.len() == joints {
         Ok(limits)
     } else {
-        Err(refuse(format!("has limits of {} joints, the geometry has {joints}", limits.len())))
+        let reason = format!("has limits of {} joints, the geometry has {joints}", limits.len());
+        Err(table.refuse(None, None, reason))
     }
 }

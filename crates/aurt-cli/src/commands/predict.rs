@@ -50,8 +50,9 @@ impl Predict {
         let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
-        let contents = calibrated.predict_file(&loaded)?;
-        let prepared = pipeline.preprocess(&loaded, Purpose::Prediction)?;
+        let of_model = |failure: Failure| failure.of_value_in(&self.model);
+        let contents = calibrated.predict_file(&loaded).map_err(of_model)?;
+        let prepared = pipeline.preprocess(&loaded, Purpose::Prediction).map_err(of_model)?;
         let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
         out.write(&contents)?;
 

@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::{
-    commands::Session,
+    commands::{Session, conceal::read_plan},
     failure::Failure,
     output::OutputFolder,
     proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
@@ -141,7 +141,7 @@ impl Prove {
 
     fn plan(&self, world: World) -> Result<Plan, Failure> {
         Ok(match &self.plan {
-            Some(path) => Plan::read(path)?,
+            Some(path) => read_plan(path)?,
             None if self.small => proof::small(world),
             None => {
                 let mut plan = Plan::small();

@@ -43,7 +43,8 @@ impl Run {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
-        let outcome = fit_experiment_watched(&experiment, session.terminal)?;
+        let outcome = fit_experiment_watched(&experiment, session.terminal)
+            .map_err(|failure| failure.of_value_in(&experiment.path))?;
         write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)
     }
 }

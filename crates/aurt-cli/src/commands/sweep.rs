@@ -250,14 +250,15 @@ impl Show {
             RowChoice::Moving => Rows::Moving,
         };
         let ranking = Ranking::of(&folder, &folder.plan()?, rows);
+        let damaged = folder.damaged();
         let text = if self.csv {
             ranking.to_csv()
         } else {
-            sweep_table::to_text(&ranking, session.terminal.style())
+            sweep_table::to_text(&ranking, session.terminal.style()) + &damaged_text(&damaged)
         };
-        let mut json = json!({ "command": "sweep show" });
+        let mut json = json!({ "command": "sweep show", "damaged": damaged });
         json["ranking"] = json!(ranking);
-        Ok(Report { text, json, findings: false })
+        Ok(Report { text, json, findings: !damaged.is_empty() })
     }
 }
 
@@ -287,13 +288,28 @@ fn collected(
     let mut written = outputs.paths();
     let drawn = outputs.figures(&page, plots.as_ref());
     outputs.write()?;
+    let damaged = folder.damaged();
     text.push_str(&sweep_table::to_text(&ranking, session.terminal.style()));
+    text.push_str(&damaged_text(&damaged));
     text.push_str(&written_text(&written));
     text.push_str(&drawn_text(&drawn, plots.as_ref()));
     written.extend(drawn);
     json["ranking"] = json!(ranking);
+    json["damaged"] = json!(damaged);
     json["outputs"] = json!(written);
     Ok(Report { text, json, findings: !ranking.failed.is_empty() || !ranking.missing.is_empty() })
+}
+
+/// The results that were not what had been written; a run has made them again.
+fn damaged_text(damaged: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| {
+        format!(
+            "warning: {} is not what was written, it is cut off, changed or another version's; it does not count, \
+             and `aurt sweep run` makes it again\n",
+            path.display()
+        )
+    };
+    damaged.iter().map(line).collect()
 }
 
 fn summary_text(summary: &Summary) -> String {

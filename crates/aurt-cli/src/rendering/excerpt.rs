@@ -1,14 +1,20 @@
 //! The line of a file that a problem is about.
 
 use std::{
+    borrow::Cow,
     fs::File,
-    io::{BufRead, BufReader},
+    io::{BufRead, BufReader, Read},
     ops::Range,
     path::Path,
 };
 
 /// Characters shown on either side of the place, where a line is longer than fits.
 const CONTEXT: usize = 36;
+
+/// Longest text that is shown without being cropped around the place, bytes.
+const LONGEST_SHOWN: usize = 2000;
+/// Longest line of which an excerpt is made, bytes.
+const LONGEST_LINE: u64 = 1 << 22;
 
 /// A piece of a text file with a part of it to be underlined.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,12 +36,32 @@ impl Excerpt {
         let start = span.start.min(end);
         let from = text[..start].rfind('\n').map_or(0, |at| at + 1);
         let to = text[end..].find('\n').map_or(text.len(), |at| end + at);
+        let line = text[..from].matches('\n').count() + 1;
+        if to - from > LONGEST_SHOWN {
+            return Self::cropped(path, line, &text[from..to], start - from..end - from);
+        }
         Self {
             name: path.display().to_string(),
             text: text[from..to].to_owned(),
-            first_line: text[..from].matches('\n').count() + 1,
+            first_line: line,
             span: start - from..end - from,
         }
+        .harmless()
+    }
+
+    /// Control characters replaced one by one, so that the underlined part stays where it is in characters.
+    fn harmless(self) -> Self {
+        if matches!(aurt_files::harmless(&self.text), Cow::Borrowed(_)) {
+            return self;
+        }
+        let replaced = |text: &str| -> String {
+            text.chars().map(|c| if aurt_files::is_harmful(c) { '\u{fffd}' } else { c }).collect()
+        };
+        let (before, marked) = (&self.text[..self.span.start], &self.text[self.span.clone()]);
+        let (before, marked, after) =
+            (replaced(before), replaced(marked), replaced(&self.text[self.span.end..]));
+        let span = before.len()..before.len() + marked.len();
+        Self { text: before + &marked + &after, span, ..self }
     }
 
     /// A cell of a line of a table, or the whole line; `None` if it cannot be read again.
@@ -72,15 +98,21 @@ impl Excerpt {
             first_line: line,
             span: shift(span.start)..shift(shown_end),
         }
+        .harmless()
     }
 }
 
 fn read_line(path: &Path, line: usize) -> Option<String> {
+    // A pipe cannot be read again.
+    if !path.metadata().ok()?.is_file() {
+        return None;
+    }
     let mut reader = BufReader::new(File::open(path).ok()?);
     let mut bytes = Vec::new();
     for _ in 0..line {
         bytes.clear();
-        if reader.read_until(b'\n', &mut bytes).ok()? == 0 {
+        let read = reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).ok()?;
+        if read == 0 || read as u64 == LONGEST_LINE {
             return None;
         }
     }

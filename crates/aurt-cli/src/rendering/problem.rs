@@ -8,8 +8,10 @@ use std::{
 };
 
 use aurt_experiment::{Error, suggestion};
+use aurt_files::harmless;
 use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
+use aurt_simulation::SimulationError;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents,
     SourceCode, SourceSpan, SpanContents,
@@ -97,7 +99,33 @@ fn problems_to_json(problems: Vec<Problem>) -> Value {
     json!({ "error": { "problems": problems } })
 }
 
+/// Characters of one message; what a file says can be much longer.
+const MOST_CHARACTERS: usize = 4000;
+
+/// What is wrong, fit to be shown: what messages quote from files commands no terminal and fits on a page.
 fn problems(failure: &Failure) -> Vec<Problem> {
+    let mut problems = found(failure);
+    let beyond = problems.len().saturating_sub(MOST_PROBLEMS);
+    if beyond > 0 {
+        problems.truncate(MOST_PROBLEMS);
+        problems.push(Problem::plain(format!("{beyond} more problems are not shown")));
+    }
+    let shown = |text: &str| {
+        let end = text.char_indices().nth(MOST_CHARACTERS).map_or(text.len(), |(at, _)| at);
+        let cut = if end < text.len() { format!("… ({} bytes in all)", text.len()) } else { String::new() };
+        harmless(&text[..end]).into_owned() + &cut
+    };
+    for problem in &mut problems {
+        problem.message = shown(&problem.message);
+        problem.help = problem.help.as_deref().map(shown);
+    }
+    problems
+}
+
+/// Problems that are shown at once.
+const MOST_PROBLEMS: usize = 100;
+
+fn found(failure: &Failure) -> Vec<Problem> {
     match failure {
         Failure::Experiment(errors) => errors
             .problems
@@ -129,11 +157,44 @@ fn problems(failure: &Failure) -> Vec<Problem> {
             vec![missing(path)]
         }
         Failure::Plugins(Error::Read { path, .. } | Error::Write { path, .. })
+        | Failure::NotFinite { path, .. }
         | Failure::Output { path, .. }
         | Failure::Write { path, .. }
         | Failure::ModelFile { path, .. } => {
             vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
         }
+        Failure::Simulation(error) => match &**error {
+            SimulationError::Syntax { path, line, column, reason } => vec![Problem {
+                message: format!("{}:{line}:{column}: {reason}", path.display()),
+                path: Some(path.clone()),
+                line: Some(*line),
+                column: Some(*column),
+                excerpt: Excerpt::of_place(path, *line, *column),
+                help: None,
+            }],
+            SimulationError::Io { path, .. } => {
+                vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+            }
+            SimulationError::Several(errors) => errors.iter().map(Problem::plain).collect(),
+            other => vec![Problem::plain(other)],
+        },
+        Failure::Table { path, line: Some(line), cell, .. } => {
+            vec![Problem::in_file(failure, path, *line, *cell)]
+        }
+        Failure::Table { path, line: None, .. } | Failure::Simulated { path, .. } => {
+            vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
+        }
+        Failure::In { path, failure } => found(failure)
+            .into_iter()
+            .map(|problem| match &problem.path {
+                Some(_) => problem,
+                None => Problem {
+                    message: format!("{}: {}", path.display(), problem.message),
+                    path: Some(path.clone()),
+                    ..problem
+                },
+            })
+            .collect(),
         Failure::Stretches { path, reason, remedy } => {
             vec![Problem { path: path.clone(), help: Some(remedy.clone()), ..Problem::plain(reason) }]
         }
@@ -188,7 +249,8 @@ fn mdh(error: &MdhError) -> Problem {
         | MdhError::DuplicateColumn { path, line, column_number, .. } => {
             Problem::in_file(error, path, *line, Some(*column_number))
         }
-        MdhError::MissingHeader { path, line, .. }
+        MdhError::TooManyRows { path, line, .. }
+        | MdhError::MissingHeader { path, line, .. }
         | MdhError::MissingColumn { path, line, .. }
         | MdhError::CellCount { path, line, .. } => Problem::in_file(error, path, *line, None),
         MdhError::Unreadable { path, .. } | MdhError::Empty { path, .. } => {

@@ -1,7 +1,7 @@
 //! Where reports, notes and failures go, and whether they are coloured.
 
 use std::{
-    io::{IsTerminal, Write},
+    io::{ErrorKind, IsTerminal, Write},
     time::Duration,
 };
 
@@ -10,6 +10,7 @@ use aurt::{
     progress::{Observer, Progress},
     rendering::style::Style,
 };
+use aurt_files::harmless;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
@@ -60,31 +61,38 @@ impl Terminal {
     }
 
     /// Prints what a command has to say.
-    pub fn print_report(&self, report: &Report) {
+    ///
+    /// # Errors
+    /// [`Failure::Write`] if standard output takes no more (a full disk): half a document is none.
+    pub fn print_report(&self, report: &Report) -> Result<(), Failure> {
         let text = if self.json {
             json::pretty(&report.json)
         } else if self.quiet {
-            return;
+            return Ok(());
         } else {
-            report.text.clone()
+            harmless(&report.text).into_owned()
         };
-        write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &text);
+        write_unless_closed(&mut std::io::stdout().lock(), &text)
+            .map_err(|source| Failure::Write { path: "standard output".into(), source })
     }
 
     /// Prints why a command failed: for people to standard error, for programs to standard output.
     pub fn print_failure(&self, failure: &Failure) {
         if self.json {
             let document = json::pretty(&problem::to_json(failure));
-            write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &document);
+            // What went wrong is said on standard error all the same, and the exit status tells.
+            let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
         }
         let text = problem::render(failure, self.colour_err);
-        write_ignoring_closed_pipe(&mut std::io::stderr().lock(), &text);
+        // Nothing is left to do where standard error is closed.
+        let _ = write_unless_closed(&mut std::io::stderr().lock(), &text);
     }
 
     /// Prints a problem with the arguments for programs.
     pub fn print_problem(&self, message: &str) {
         let document = json::pretty(&problem::plain_to_json(message));
-        write_ignoring_closed_pipe(&mut std::io::stdout().lock(), &document);
+        // The exit status tells all the same.
+        let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
     }
 
     /// A bar over `steps` steps on standard error, where a person looks at it.
@@ -138,6 +146,9 @@ impl Drop for Bar {
 }
 
 /// A reader that has seen enough (`aurt models | head`) is no failure.
-fn write_ignoring_closed_pipe(out: &mut impl Write, text: &str) {
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+fn write_unless_closed(out: &mut impl Write, text: &str) -> std::io::Result<()> {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+        _ => Ok(()),
+    }
 }

@@ -130,7 +130,13 @@ fn a_new_c_plugin_is_calibrated_and_swept() {
 fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
     let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
-    for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
+    for (fault, reason) in [
+        ("PANICS", "it panicked"),
+        ("NOT_FINITE", "is NaN at sample"),
+        ("OVERRUN", "writes 1 values too many into column 0"),
+        ("STATE_OVERRUN", "writes beyond its state"),
+        ("BEYOND_BOUND", "declares that it is bounded by one in magnitude, but column 0 at sample 0"),
+    ] {
         let defined = format!("-D{fault}");
         let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
@@ -145,4 +151,39 @@ fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
         let error = table["failed"][0]["error"].as_str().unwrap();
         assert!(error.contains("model `faulty` failed") && error.contains(reason), "{error}");
     }
+}
+
+#[test]
+fn a_library_that_crashes_or_never_returns_is_named() {
+    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
+    for (fault, reason) in [("CRASHES", "crashed (signal 11)"), ("LOOPS", "has not returned for")] {
+        let defined = format!("-D{fault}");
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
+            return;
+        };
+        let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
+        let hysteresis = "hysteresis = { model = \"sign\" }";
+        assert!(base.contains(hysteresis), "{base}");
+        folder.write("experiment.toml", &base.replace(hysteresis, "hysteresis = { model = \"faulty\" }"));
+        let limit = [("AURT_LIBRARY_TIME_LIMIT_S", "2")];
+        let run = folder.aurt_with(limit, ["run", "experiment.toml", "--out", fault]);
+        let said = run.refused(&["model `faulty` of the library", fault, reason]);
+        assert!(!folder.path(fault).exists(), "{said}");
+    }
+}
+
+#[test]
+fn names_of_a_library_are_words_and_each_is_there_once() {
+    let folder = Folder::new();
+    for (fault, reason) in [("NO_NAME", "names are words"), ("TWICE", "faulty")] {
+        let defined = format!("-D{fault}");
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
+            return;
+        };
+        folder.aurt(["--plugin", &text(&library), "models"]).refused(&[reason]);
+    }
+    folder.write("none.so", "no library");
+    let said = folder.aurt(["--plugin", "none.so", "models"]).refused(&["none.so"]);
+    assert!(!said.contains("dlopen failed"), "{said}");
 }

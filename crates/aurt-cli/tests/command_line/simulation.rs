@@ -158,5 +158,5 @@ fn absurd_excitation_is_refused() {
     run("excite --robot ur10e --kind triangles --speed-rad-s 9 --amplitude-rad 1").refused(&["limit"]);
     run("excite --robot nobody").refused(&["nobody", "ur10e"]);
     run("excite --mdh mdh.csv --limits few.csv").refused(&["few.csv", "1 joints", "6"]);
-    run("excite --mdh mdh.csv --limits none.csv").refused(&["none.csv", "line 2", "lower_rad"]);
+    run("excite --mdh mdh.csv --limits none.csv").refused(&["none.csv:2", "lower_rad"]);
 }

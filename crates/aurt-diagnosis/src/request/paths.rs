@@ -2,6 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use aurt_files::escaped;
 use toml_edit::{DocumentMut, Item, Value};
 
 use crate::error::DiagnosisError;
@@ -14,6 +15,9 @@ const KEYS: [(&str, &[&str]); 4] = [
     // The recordings in which a term acts, by the names that `[recordings]` gives them.
     ("arm_terms", &["recordings"]),
 ];
+
+/// Stands for a variable's `$` while a name is rewritten; no file name has this character of Unicode's private use area.
+const VARIABLE: char = '\u{f8fe}';
 
 /// The experiment with every relative file name replaced by what `rewrite` makes of it; comments and order are kept.
 /// Names that begin with an environment variable say themselves where they are and stay, as do absolute ones.
@@ -74,7 +78,10 @@ fn name(value: &mut Value, rewrite: &dyn Fn(&Path) -> PathBuf) {
             if text.value().starts_with('$') || !written.is_relative() {
                 return;
             }
-            let mut moved = Value::from(rewrite(written).to_string_lossy().into_owned());
+            // A `$` of the name as written is a variable's; those that folders bring along stand for themselves.
+            let variables = text.value().replace('$', &VARIABLE.to_string());
+            let moved = escaped(&rewrite(Path::new(&variables)).to_string_lossy());
+            let mut moved = Value::from(moved.replace(VARIABLE, "$"));
             *moved.decor_mut() = text.decor().clone();
             *value = moved;
         }
@@ -121,6 +128,9 @@ mod tests {
         let tables = "[[recordings.target]]\nfile = \"a.csv\"\n";
         let moved = with_file_names(tables, &|p| Path::new("x").join(p)).unwrap();
         assert!(moved.contains("file = \"x/a.csv\""), "{moved}");
+        let moved =
+            with_file_names("[robot]\nmdh = \"a/$B/$$c.csv\"", &|p| Path::new("/of $5").join(p)).unwrap();
+        assert_eq!(moved, "[robot]\nmdh = \"/of $$5/a/$B/$$c.csv\"");
         assert!(with_file_names("= 1", &Path::to_owned).is_err());
     }
 

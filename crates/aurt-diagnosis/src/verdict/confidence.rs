@@ -95,7 +95,8 @@ impl Learnt {
     /// # Errors
     /// [`DiagnosisError::Learnt`].
     pub fn read(path: &Path) -> Result<Self, DiagnosisError> {
-        let text = std::fs::read_to_string(path).map_err(|error| refusal(path, error.to_string()))?;
+        let text = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES)
+            .map_err(|error| refusal(path, error.to_string()))?;
         Self::parse(&text, path)
     }
 

@@ -4,6 +4,9 @@ use thiserror::Error;
 
 use crate::{BuildError, Span};
 
+/// Problems of one experiment that are told at once.
+const MOST_PROBLEMS: usize = 100;
+
 /// Everything that is wrong with an experiment, in the order of the text.
 ///
 /// `Display` gives one line a problem, `file:line:column: message; help`; the spans serve those who can
@@ -51,10 +54,17 @@ impl fmt::Display for ExperimentErrors {
 
 impl ExperimentErrors {
     pub(crate) fn new(path: PathBuf, source_text: String, complaints: Vec<Complaint>) -> Self {
+        let mut complaints = complaints;
+        complaints.sort_by_key(|c| (c.span.start, c.span.end));
+        complaints.dedup();
+        let beyond = complaints.len().saturating_sub(MOST_PROBLEMS);
+        complaints.truncate(MOST_PROBLEMS);
         let mut problems: Vec<Problem> =
             complaints.into_iter().map(|complaint| complaint.located(&source_text)).collect();
-        problems.sort_by_key(|p| (p.span.start, p.span.end));
-        problems.dedup();
+        if let (Some(last), 1..) = (problems.last_mut(), beyond) {
+            let more = format!("{beyond} more problems are not shown");
+            last.help = Some(last.help.take().map_or_else(|| more.clone(), |help| format!("{help}; {more}")));
+        }
         Self { path, source_text, problems }
     }
 }

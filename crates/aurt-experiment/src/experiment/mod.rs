@@ -18,6 +18,7 @@ mod section;
 
 use std::path::{Path, PathBuf};
 
+use aurt_files::{MOST_TEXT_BYTES, read_text};
 use aurt_recording::PreprocessOptions;
 use aurt_traits::ArmTerm;
 use toml::de::DeTable;
@@ -78,8 +79,8 @@ impl Experiment {
     /// [`Error::Read`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
     pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, MOST_TEXT_BYTES)
+            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
         Ok(Self::parse(&text, path, registry)?)
     }
 

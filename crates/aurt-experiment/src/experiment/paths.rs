@@ -19,12 +19,12 @@ impl PathError {
     pub(super) fn help(&self) -> String {
         match self {
             Self::Unset(name) => format!("set it to the folder that is meant: {name}=/path/to/folder aurt …"),
-            Self::NoName => "write ${NAME} or $NAME".to_owned(),
+            Self::NoName => "write ${NAME} or $NAME, and $$ where a `$` itself is meant".to_owned(),
         }
     }
 }
 
-/// `text` with `$NAME` and `${NAME}` replaced, relative to `folder`.
+/// `text` with `$NAME` and `${NAME}` replaced and `$$` read as `$`, relative to `folder`.
 pub(super) fn resolve(text: &str, folder: &Path) -> Result<PathBuf, PathError> {
     resolve_with(text, folder, |name| std::env::var(name).ok())
 }
@@ -39,6 +39,11 @@ fn resolve_with(
     while let Some(at) = rest.find('$') {
         path.push_str(&rest[..at]);
         rest = &rest[at + 1..];
+        if let Some(literal) = rest.strip_prefix('$') {
+            path.push('$');
+            rest = literal;
+            continue;
+        }
         let name = if let Some(braced) = rest.strip_prefix('{') {
             let end = braced.find('}').ok_or(PathError::NoName)?;
             rest = &braced[end + 1..];
@@ -60,6 +65,8 @@ fn resolve_with(
 
 #[cfg(test)]
 mod tests {
+    use aurt_files::escaped;
+
     use super::*;
 
     fn resolve(text: &str) -> Result<PathBuf, PathError> {
@@ -72,6 +79,8 @@ mod tests {
         assert_eq!(resolve("${DATA}/b.csv"), Ok("/data/b.csv".into()));
         assert_eq!(resolve("$DATA/b.csv"), Ok("/data/b.csv".into()));
         assert_eq!(resolve("x${DATA}y"), Ok("/home/r/x/datay".into()));
+        assert_eq!(resolve("/of $$5/$DATA"), Ok("/of $5//data".into()));
+        assert_eq!(resolve(&escaped("/a$DATA$$/b")), Ok("/a$DATA$$/b".into()));
     }
 
     #[test]

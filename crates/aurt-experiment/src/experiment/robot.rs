@@ -1,4 +1,4 @@
-use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
+use aurt_rbd::{MdhRows, MdhTable, RobotDescription, gravity_complaint};
 use aurt_robots::known_robot;
 
 use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, section::Section};
@@ -28,7 +28,13 @@ impl Robot {
         let geometry = read_geometry(&mut section);
         let gravity_m_s2 =
             section.require("gravity_m_s2", "gravity_m_s2 = [0.0, 0.0, -9.81]").and_then(|node| {
-                section.numbers_exactly("gravity_m_s2", node, "x, y, z in m/s² in the base frame")
+                let gravity =
+                    section.numbers_exactly("gravity_m_s2", node, "x, y, z in m/s² in the base frame")?;
+                if let Some(reason) = gravity_complaint(gravity) {
+                    section.complain("gravity_m_s2", node, &reason, None);
+                    return None;
+                }
+                Some(gravity)
             });
         let torque_constants_nm_per_a = section.take("torque_constants_nm_per_a").and_then(|node| {
             let key = "torque_constants_nm_per_a";

@@ -2,8 +2,13 @@
 
 use std::{cell::RefCell, path::PathBuf};
 
+use aurt_files::clipped;
+
 use super::{errors::Complaint, joint_count::JointCheck, paths};
 use crate::{Node, NodeKind, Span, suggestion};
+
+/// Unknown keys of one table that are complained about; whoever has more has another problem than a slip of the pen.
+const MOST_UNKNOWN_KEYS: usize = 50;
 
 /// What all sections share while an experiment is read.
 #[derive(Debug, Default)]
@@ -257,15 +262,18 @@ impl<'n, 'r> Section<'n, 'r> {
 
     /// Complains about keys that nobody asked for.
     pub(super) fn finish(self) {
-        for entry in self.node.entries().iter().filter(|e| !self.asked.contains(&e.key.as_str())) {
-            // Keys that stand already are no candidates for what this one was meant to be.
-            let free = self.asked.iter().copied().filter(|k| self.node.get(k).is_none());
-            let meant = suggestion::likely(&entry.key, free).map(|k| format!("did you mean `{k}`? "));
-            let mut known = self.asked.clone();
-            known.sort_unstable();
-            let known = known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
+        // Keys that stand already are no candidates for what another one was meant to be.
+        let free: Vec<&str> = self.asked.iter().copied().filter(|k| self.node.get(k).is_none()).collect();
+        let mut known = self.asked.clone();
+        known.sort_unstable();
+        let known = known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
+        let unknown = self.node.entries().iter().filter(|e| !self.asked.contains(&e.key.as_str()));
+        for entry in unknown.take(MOST_UNKNOWN_KEYS) {
+            let meant =
+                suggestion::likely(&entry.key, free.iter().copied()).map(|k| format!("did you mean `{k}`? "));
+            let key = clipped(&entry.key);
             self.reader.complain(
-                Complaint::new(entry.key_span.clone(), format!("{} has no key `{}`", self.title, entry.key))
+                Complaint::new(entry.key_span.clone(), format!("{} has no key `{key}`", self.title))
                     .help(format!("{}known keys: {known}", meant.unwrap_or_default())),
             );
         }

@@ -1,6 +1,6 @@
 //! JSON values with a trail of where in the file they stand, so that errors can name the place.
 
-use std::{collections::HashMap, fs, path::Path};
+use std::{collections::HashMap, path::Path};
 
 use aurt_output::write_file;
 use serde_json::{Map, Value, value::RawValue};
@@ -113,7 +113,8 @@ impl<'v> At<'v> {
 /// # Errors
 /// [`Error::Read`] if the file cannot be read, [`Error::ModelFile`] with line and column if it is no JSON.
 pub fn read_json(path: &Path) -> Result<(Value, String), Error> {
-    let text = fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let text = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES)
+        .map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let value = serde_json::from_str(&text).map_err(|e| Error::ModelFile {
         path: path.to_owned(),
         line: e.line(),

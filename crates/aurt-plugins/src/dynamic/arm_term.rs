@@ -135,6 +135,8 @@ impl ArmTerm for LibraryArmTerm {
             .describe(series.motion.joints())
             .map_err(|Fault(reason)| self.instance.failed(reason))?;
         let columns = described.joints.len() * described.columns.len();
-        evaluate(&self.instance, &described, columns, &Series::of_arm(series), state, out, &self.failure)
+        let guarded = self.instance.is_new();
+        let series = Series::of_arm(series);
+        evaluate(&self.instance, &described, columns, &series, state, out, &self.failure, guarded)
     }
 }

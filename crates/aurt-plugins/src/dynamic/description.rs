@@ -68,6 +68,15 @@ impl Described {
                 Ok(ShapeParameter { name, unit, value: s.value, lower: s.lower, upper: s.upper, scale })
             })
             .collect::<Result<Vec<_>, String>>()?;
+        let mut named: Vec<&String> = columns.iter().map(|c| &c.name).collect();
+        named.extend(shapes.iter().map(|s| &s.name));
+        if named.iter().any(|name| name.is_empty()) {
+            return Err("a column or a shape parameter has an empty name".to_owned());
+        }
+        named.sort_unstable();
+        if let Some(twice) = named.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(format!("two of its columns or shape parameters are called `{}`", twice[0]));
+        }
         if !joints.is_sorted_by(|a, b| a < b) {
             return Err(format!("its joints do not ascend: {joints:?}"));
         }

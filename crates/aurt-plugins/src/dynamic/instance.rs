@@ -3,7 +3,10 @@ use std::{
     collections::BTreeMap,
     ffi::{CStr, c_char, c_void},
     fmt, ptr,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
 use aurt_traits::{
@@ -12,10 +15,12 @@ use aurt_traits::{
 };
 use serde_json::{Map, Value};
 
-use super::{description::Described, library::LibraryModel};
+use super::{calls, description::Described, library::LibraryModel};
 
 /// Bytes for a library's messages.
 const MESSAGE_BYTES: usize = 4096;
+/// Batches that a new instance evaluates between guards.
+const GUARDED_BATCHES: usize = 2;
 
 /// A model of a library, made from a configuration. Never changed: other shape parameters are another instance.
 pub(crate) struct Instance {
@@ -25,6 +30,8 @@ pub(crate) struct Instance {
     pointer: *mut c_void,
     /// What it said of itself, by number of joints; locked while it is asked.
     described: Mutex<BTreeMap<usize, Arc<Described>>>,
+    /// How many batches it has evaluated between guards.
+    guarded: AtomicUsize,
 }
 
 // SAFETY: the ABI demands that instances may be used from any thread, and `describe` is called under a lock.
@@ -99,16 +106,18 @@ impl Instance {
         let mut pointer = ptr::null_mut();
         let function = model.table.create.ok_or_else(|| missing("create"))?;
         // SAFETY: the table is the library's own, the text has the given length, and the pointers are to local values.
+        let _running = calls::enter(&model);
         call(|error| unsafe {
             function(model.address, text.as_ptr().cast(), text.len(), &raw mut pointer, error)
         })?;
-        Ok(Self { model, config, pointer, described: Mutex::default() })
+        Ok(Self { model, config, pointer, described: Mutex::default(), guarded: AtomicUsize::new(0) })
     }
 
     /// The same model with other shape parameters, as another instance.
     pub(crate) fn with_shape(&self, values: &[f64]) -> Result<Self, Fault> {
         let other = Self::create(self.model.clone(), self.config.clone())?;
         let function = other.model.table.set_shape.ok_or_else(|| missing("set_shape"))?;
+        let _running = calls::enter(&other.model);
         // SAFETY: nobody else knows the new instance; the values have the given length.
         call(|error| unsafe { function(other.pointer, values.as_ptr(), values.len(), error) })?;
         Ok(other)
@@ -124,8 +133,10 @@ impl Instance {
         // A library of a later minor version writes a longer description.
         let mut place = vec![0_u64; self.model.description_size.div_ceil(8)];
         let description = place.as_mut_ptr().cast::<abi::Description>();
+        let running = calls::enter(&self.model);
         // SAFETY: the place has the size that the library declares; the lock keeps other descriptions away.
         call(|error| unsafe { function(self.pointer, robot_joints, description, error) })?;
+        drop(running);
         // SAFETY: the library has filled the description; what it points to lives until the next one.
         let described = unsafe { Described::read(&*description) }.map_err(Fault)?;
         let described = Arc::new(described);
@@ -137,6 +148,7 @@ impl Instance {
     pub(crate) fn initial_state(&self, first: &Series, state_len: usize) -> Result<Vec<f64>, Fault> {
         let mut state = vec![0.0; state_len];
         if let Some(function) = self.model.table.initial_state {
+            let _running = calls::enter(&self.model);
             // SAFETY: series and state are ours for the time of the call, of the lengths given.
             call(|error| unsafe { function(self.pointer, first, state.as_mut_ptr(), state_len, error) })?;
         }
@@ -152,6 +164,7 @@ impl Instance {
     ) -> Result<(), Fault> {
         let function = self.model.table.evaluate.ok_or_else(|| missing("evaluate"))?;
         let columns = out.columns();
+        let _running = calls::enter(&self.model);
         let (out, stride) = out.raw_mut();
         // SAFETY: series, state and output are ours for the time of the call, of the lengths given.
         call(|error| unsafe {
@@ -166,6 +179,12 @@ impl Instance {
                 error,
             )
         })
+    }
+
+    /// Whether the next batch is to be evaluated between guards: the first ones of every instance are.
+    pub(crate) fn is_new(&self) -> bool {
+        self.guarded.load(Ordering::Relaxed) < GUARDED_BATCHES
+            && self.guarded.fetch_add(1, Ordering::Relaxed) < GUARDED_BATCHES
     }
 
     /// The keys with the present values of the shape parameters, and where the model is from: what is saved.

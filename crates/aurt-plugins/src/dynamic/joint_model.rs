@@ -10,6 +10,7 @@ use serde_json::{Map, Value};
 
 use super::{
     description::Described,
+    guarded,
     instance::{Fault, Instance},
     library::LibraryModel,
 };
@@ -80,15 +81,19 @@ impl JointModel for LibraryJointModel {
         out: &mut Columns<'_>,
     ) -> Result<(), ModelError> {
         let columns = self.described.columns.len();
-        evaluate(
-            &self.instance,
-            &self.described,
-            columns,
-            &Series::of_joint(series),
-            state,
-            out,
-            &self.failure,
-        )
+        let described = &*self.described;
+        if !self.instance.is_new() {
+            let of_joint = Series::of_joint(series);
+            return evaluate(&self.instance, described, columns, &of_joint, state, out, &self.failure, false);
+        }
+        let before = state.to_vec();
+        let of_joint = Series::of_joint(series);
+        evaluate(&self.instance, described, columns, &of_joint, state, out, &self.failure, true)?;
+        let mut again = |series: &JointSeries<'_>, out: &mut Columns<'_>| {
+            self.instance.evaluate(&Series::of_joint(series), &mut before.clone(), out)
+        };
+        guarded::check_invariants(described.invariants, series, out, &mut again)
+            .map_err(|Fault(reason)| self.instance.failed(reason))
     }
 }
 
@@ -142,6 +147,7 @@ pub(super) fn evaluate(
     state: &mut [f64],
     out: &mut Columns<'_>,
     failure: &Mutex<Option<String>>,
+    guarded: bool,
 ) -> Result<(), ModelError> {
     for (what, expected, found) in [
         ("state variables", described.state_len, state.len()),
@@ -161,7 +167,12 @@ pub(super) fn evaluate(
         );
         return Err(instance.failed(reason));
     }
-    instance.evaluate(series, state, out).map_err(|Fault(reason)| instance.failed(reason))?;
+    let evaluated = if guarded {
+        guarded::evaluate(instance, series, state, out)
+    } else {
+        instance.evaluate(series, state, out)
+    };
+    evaluated.map_err(|Fault(reason)| instance.failed(reason))?;
     let per_joint = described.columns.len().max(1);
     for k in 0..columns {
         if let Some(sample) = out.column(k).iter().position(|x| !x.is_finite()) {

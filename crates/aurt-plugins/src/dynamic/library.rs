@@ -93,10 +93,16 @@ type Listed = (ModelListing, Arc<LibraryModel>);
 pub(crate) fn load(path: &Path) -> Result<(LibraryListing, Vec<Listed>), Error> {
     let fail = |problem| Error::Library { path: path.to_owned(), problem };
     let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
+    if !file.is_file() {
+        // The loader would wait at a pipe for ever.
+        return Err(fail(LibraryProblem::NotALibrary("it is no regular file".to_owned())));
+    }
     // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
     // that runs with the user's rights, like a linked crate.
     let library = unsafe { Library::new(&file) }.map_err(|e| {
-        fail(LibraryProblem::NotALibrary(e.to_string().replace(&format!("{}: ", file.display()), "")))
+        // What the loader says stands in the error's source.
+        let said = std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string);
+        fail(LibraryProblem::NotALibrary(said.replace(&format!("{}: ", file.display()), "")))
     })?;
     let declaration = {
         // SAFETY: a function of this name is the ABI's entry; what it returns is checked before it is believed.
@@ -179,6 +185,10 @@ unsafe fn read_model(
     let named = |t, what| unsafe { text(t, what) };
     let name = named(table.name, "name of a model")?;
     let faulty = |what: &str| LibraryProblem::Faulty(format!("model `{name}` {what}"));
+    if name.is_empty() || name.contains(|c: char| c.is_whitespace() || c.is_control() || c == '`') {
+        let reason = format!("a model is called `{}`; names are words", aurt_files::clipped(name));
+        return Err(LibraryProblem::Faulty(reason));
+    }
     let slot = match table.slot {
         abi::COULOMB => Slot::Coulomb,
         abi::HYSTERESIS => Slot::Hysteresis,

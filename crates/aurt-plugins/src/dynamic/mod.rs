@@ -5,15 +5,20 @@
 //! and constants of a library may be in use anywhere.
 
 mod arm_term;
+mod calls;
 mod description;
+mod guarded;
 mod instance;
 mod joint_model;
 mod library;
 
-pub use self::library::{LibraryListing, LibraryProblem};
 pub(crate) use self::{
     arm_term::LibraryArmTerm,
     instance::Fault,
     joint_model::LibraryJointModel,
     library::{LibraryModel, load},
+};
+pub use self::{
+    calls::{Told, longest_call, watch_calls},
+    library::{LibraryListing, LibraryProblem},
 };

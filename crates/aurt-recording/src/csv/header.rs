@@ -1,6 +1,11 @@
 use crate::csv::dialect::Dialect;
 use crate::csv::number;
 
+/// Longest name, in characters, that is compared with others to say what was meant.
+const LONGEST_COMPARED: usize = 64;
+/// Names that it is compared with.
+const MOST_COMPARED: usize = 4096;
+
 /// The names of a file's columns.
 #[derive(Debug)]
 pub(super) struct Header {
@@ -64,8 +69,14 @@ impl Header {
     /// The name that is most like `wanted`, if any is.
     pub(super) fn most_similar(&self, wanted: &str) -> Option<&str> {
         let wanted = wanted.to_lowercase();
+        // Nobody mistypes a name into one that is so much longer, and likeness takes time with the square of lengths.
+        if wanted.chars().count() > LONGEST_COMPARED {
+            return None;
+        }
         self.names
             .iter()
+            .filter(|name| name.len() <= 4 * LONGEST_COMPARED)
+            .take(MOST_COMPARED)
             .map(|name| (strsim::jaro_winkler(&wanted, &name.to_lowercase()), name))
             .filter(|(similarity, _)| *similarity > 0.75)
             .max_by(|a, b| a.0.total_cmp(&b.0))

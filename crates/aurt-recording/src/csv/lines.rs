@@ -2,6 +2,8 @@ use std::io::{self, Read};
 
 /// Bytes asked for at a time.
 const CHUNK: usize = 1 << 18;
+/// Longest line that is read; 10⁵ columns of full precision take 2.5 MB.
+const LONGEST_LINE: usize = 1 << 24;
 
 /// The lines of a text, one after the other, in a buffer that is reused.
 pub(super) struct Lines<R> {
@@ -63,6 +65,10 @@ impl<R: Read> Lines<R> {
         self.buffer.copy_within(self.start..self.end, 0);
         self.end -= self.start;
         self.start = 0;
+        if self.end >= LONGEST_LINE {
+            let reason = format!("line {} is longer than {} MB", self.number + 1, LONGEST_LINE >> 20);
+            return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
+        }
         if self.end == self.buffer.len() {
             self.buffer.resize(2 * self.end, 0);
         }

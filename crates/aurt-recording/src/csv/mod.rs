@@ -149,6 +149,9 @@ impl Reader<'_> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));
         }
+        if sample.starts_with(&[0x1f, 0x8b]) {
+            return Err(self.no_rows("it is compressed with gzip; unpack it first, with gunzip"));
+        }
         if sample.contains(&0) {
             return Err(self.no_rows("it is a binary file; recordings are read from text (CSV)"));
         }

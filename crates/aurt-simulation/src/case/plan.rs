@@ -89,6 +89,9 @@ pub struct NullPlan {
     pub count: usize,
 }
 
+/// Cases of the largest plan; case numbers have four digits up to 9999 and grow beyond.
+const MOST_CASES: usize = 1_000_000;
+
 /// Draws after which a pair that fits a robot is given up.
 const MOST_DRAWS: usize = 200;
 
@@ -98,11 +101,14 @@ impl Plan {
     /// # Errors
     /// [`SimulationError::Unreadable`] with what is wrong; unknown robots and effects with what is known.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        let plan: Self = toml::from_str(text).map_err(|error| SimulationError::Unreadable {
-            path: path.as_ref().into(),
-            reason: error.to_string(),
+        let plan: Self =
+            toml::from_str(text).map_err(|error| SimulationError::syntax(path.as_ref(), text, &error))?;
+        plan.requests(0).map_err(|error| match error {
+            SimulationError::Unreadable { reason, .. } => {
+                SimulationError::Unreadable { path: path.as_ref().into(), reason }
+            }
+            other => other,
         })?;
-        plan.requests(0)?;
         Ok(plan)
     }
 
@@ -112,7 +118,7 @@ impl Plan {
     /// [`SimulationError::Io`], and as [`Self::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path)
+        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
             .map_err(|source| SimulationError::Io { path: path.into(), source })?;
         Self::parse(&text, path)
     }
@@ -139,6 +145,7 @@ impl Plan {
     /// # Errors
     /// Unknown robots and effects; effects that fit none of the robots.
     pub fn requests(&self, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
+        self.check_counts()?;
         let mut random = Random::labelled(seed, "plan");
         let mut requests = Vec::new();
         if let Some(plan) = &self.singles {
@@ -161,6 +168,32 @@ impl Plan {
         }
         random.shuffle(&mut requests);
         Ok(requests)
+    }
+}
+
+impl Plan {
+    /// Refuses plans of more cases than anybody makes before there is a list of them.
+    fn check_counts(&self) -> Result<(), SimulationError> {
+        let of = |plan: &Option<SinglePlan>, known: &[EffectKind]| {
+            plan.as_ref().map_or(0, |plan| {
+                let effects = if plan.effects.is_empty() { known.len() } else { plan.effects.len() };
+                effects.saturating_mul(plan.strengths.len()).saturating_mul(plan.trials)
+            })
+        };
+        let cases = of(&self.singles, catalogue())
+            .saturating_add(of(&self.strangers, strangers()))
+            .saturating_add(self.pairs.as_ref().map_or(0, |plan| plan.count))
+            .saturating_add(self.nulls.as_ref().map_or(0, |plan| plan.count));
+        if cases <= MOST_CASES {
+            return Ok(());
+        }
+        Err(SimulationError::Unreadable {
+            path: "plan".into(),
+            reason: format!(
+                "asks for {cases} cases, a plan has at most {MOST_CASES}; lower `trials` or `count`, or make several \
+                 plans with seeds of their own"
+            ),
+        })
     }
 }
 

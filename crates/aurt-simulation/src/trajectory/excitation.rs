@@ -60,6 +60,7 @@ pub fn excite(
     let mut complaints = Complaints::default();
     complaints.within("number of multi-sines that are tried", options.tries as f64, 1.0, 1e6);
     complaints.finish()?;
+    options.sines.validate()?;
     let regressor = Regressor::new(robot, options)?;
     let mut random = Random::labelled(seed, "excitation");
     let mut best: Option<(f64, Vec<[f64; 2]>, MultiSine)> = None;

@@ -242,6 +242,7 @@ impl Trajectory {
     pub fn csv(&self, rate_hz: f64) -> Result<Vec<u8>, SimulationError> {
         let mut complaints = crate::error::Complaints::default();
         complaints.within("rate of the trajectory in Hz", rate_hz, 1e-3, 1e5);
+        complaints.within("number of rows of the motion", self.duration_s() * rate_hz, 0.0, MOST_ROWS);
         complaints.finish()?;
         let n = self.joints();
         let mut text = String::from("time");
@@ -295,6 +296,9 @@ fn smooth_step(x: f64) -> [f64; 3] {
 const STEP_PEAK_VELOCITY: f64 = 2.1875;
 /// Largest second derivative of [`smooth_step`], 84√5/25, at (1 − 1/√5)/2.
 const STEP_PEAK_ACCELERATION: f64 = 7.513_188_404_399_293;
+
+/// Rows of the longest motion that is written; an hour at 500 Hz.
+const MOST_ROWS: f64 = 1.8e6;
 
 /// Complains about a duration or share that makes no sense.
 fn check_options(duration_s: f64, share: f64) -> Result<(), SimulationError> {

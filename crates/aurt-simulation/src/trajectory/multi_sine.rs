@@ -54,8 +54,21 @@ pub(crate) fn draw(
     options: &MultiSineOptions,
     random: &mut Random,
 ) -> Result<Trajectory, SimulationError> {
+    options.validate()?;
     let amplitudes = draw_amplitudes(robot, options, random);
     Ok(Trajectory::new(MultiSine::fitted(robot, options, &amplitudes)?))
+}
+
+impl MultiSineOptions {
+    /// Refuses values that no multi-sine has, before anything is made as large as they say.
+    pub(crate) fn validate(&self) -> Result<(), SimulationError> {
+        check_options(self.duration_s, self.share)?;
+        let mut complaints = Complaints::default();
+        complaints.within("number of harmonics", self.harmonics as f64, 1.0, 40.0);
+        complaints.within("highest frequency of the trajectory in Hz", self.top_hz, 1e-3, 50.0);
+        complaints.within("duration of a multi-sine in s", self.duration_s, 3.0, 3600.0);
+        complaints.finish()
+    }
 }
 
 /// Random amplitudes and phases, falling with the harmonic so that velocities rather than accelerations
@@ -83,12 +96,7 @@ impl MultiSine {
         options: &MultiSineOptions,
         shape: &[[f64; 2]],
     ) -> Result<Self, SimulationError> {
-        check_options(options.duration_s, options.share)?;
-        let mut complaints = Complaints::default();
-        complaints.within("number of harmonics", options.harmonics as f64, 1.0, 40.0);
-        complaints.within("highest frequency of the trajectory in Hz", options.top_hz, 1e-3, 50.0);
-        complaints.within("duration of a multi-sine in s", options.duration_s, 3.0, 3600.0);
-        complaints.finish()?;
+        options.validate()?;
         let joints = robot.joints();
         let fundamental_rad_s = std::f64::consts::TAU * options.top_hz / options.harmonics as f64;
         let mut path = Self {

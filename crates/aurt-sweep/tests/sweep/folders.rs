@@ -29,10 +29,15 @@ fn nothing_is_computed_twice_and_what_is_lost_is_made_again() {
     // What a killed process was writing is no result and goes.
     let left = bench.path("out/results/.aurt-abc.part");
     fs::write(&left, "{").unwrap();
-    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
-    fs::File::options().write(true).open(&left).unwrap().set_modified(a_minute_ago).unwrap();
+    long_ago(&left);
     assert_eq!(bench.run("out").1.run, 2);
     assert_eq!(contents(&bench.path("out")), whole);
+}
+
+/// Makes a file look as if a process had left it a minute ago.
+fn long_ago(path: &std::path::Path) {
+    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
+    fs::File::options().write(true).open(path).unwrap().set_modified(a_minute_ago).unwrap();
 }
 
 #[test]
@@ -173,4 +178,50 @@ fn a_plugin_that_panics_fails_its_point_alone() {
     assert_eq!((summary.run, summary.failed), (6, 6));
     let result = folder.result(&plan.points[0].key).unwrap();
     assert!(matches!(&result.outcome, Outcome::Failed(e) if e.contains("out of cheese")));
+}
+
+#[test]
+fn a_sweep_that_was_ended_while_it_was_planned_is_planned_again() {
+    let bench = Bench::new(GRID);
+    bench.run("whole");
+    let whole = contents(&bench.path("whole"));
+    // Everything that a sweep makes before its plan, in the order in which it makes it.
+    let made: [&[&str]; 4] = [
+        &["lock"],
+        &["lock", "points/0001.toml", "points/.aurt-abc.part"],
+        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml"],
+        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml", ".aurt-abc.part"],
+    ];
+    for (k, files) in made.into_iter().enumerate() {
+        let out = format!("out{k}");
+        for file in files {
+            let path = bench.path(&format!("{out}/{file}"));
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, "").unwrap();
+            long_ago(&path);
+        }
+        bench.run(&out);
+        assert!(contents(&bench.path(&out)) == whole, "{files:?}");
+    }
+    // A folder of somebody else's that merely has such names is not taken.
+    fs::create_dir_all(bench.path("mine/points")).unwrap();
+    fs::write(bench.path("mine/experiment.toml"), "").unwrap();
+    assert!(Folder::for_sweep(&bench.path("mine"), &bench.read().unwrap()).is_err());
+}
+
+#[test]
+fn a_result_that_was_changed_is_none() {
+    let bench = Bench::new(GRID);
+    let (plan, _) = bench.run("out");
+    let whole = contents(&bench.path("out"));
+    let path = bench.path(&format!("out/results/{}.json", plan.points[1].key));
+    let text = fs::read_to_string(&path).unwrap();
+    let at = text.find("\"squared_error\": ").unwrap() + "\"squared_error\": ".len();
+    let digit = if &text[at..=at] == "9" { "1" } else { "9" };
+    fs::write(&path, format!("{}{digit}{}", &text[..at], &text[at + 1..])).unwrap();
+    let folder = Folder::planned(&bench.path("out")).unwrap();
+    let ranking = Ranking::of(&folder, &plan, Rows::All);
+    assert_eq!((ranking.missing, folder.damaged()), (vec![2], vec![path]));
+    assert_eq!(bench.run("out").1.run, 1);
+    assert!(contents(&bench.path("out")) == whole);
 }

@@ -44,7 +44,7 @@ pub const TERMS: &[Term] = &[
         name: "file",
         title: "file of a recording",
         text: "The file's name, from the folder of the experiment; `$NAME` and `${NAME}` stand for variables of the \
-            environment. An entry of [recordings] is the name alone, or a table with more: \
+            environment, `$$` for a `$`. An entry of [recordings] is the name alone, or a table with more: \
             { file = \"monday.csv\", window_s = [0.0, 30.0] }.",
     },
     Term {

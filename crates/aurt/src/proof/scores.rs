@@ -125,7 +125,7 @@ fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// What a method said of a case, from its comparison file.
 fn method(path: &Path, name: &str) -> Result<Option<Claim>, Failure> {
-    let Ok(text) = fs::read_to_string(path) else { return Ok(None) };
+    let Ok(text) = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES) else { return Ok(None) };
     let refuse = |reason: String| Failure::ModelFile {
         path: path.to_owned(),
         reason,

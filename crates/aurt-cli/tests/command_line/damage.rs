@@ -1,0 +1,370 @@
+//! What hostile runs from outside have found, each once more.
+#![cfg(unix)]
+
+use std::{
+    ffi::OsString,
+    fs,
+    io::Read,
+    os::unix::{ffi::OsStringExt, fs::symlink},
+    process::{Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use crate::support::Folder;
+
+fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// The demo's experiment without validation.
+fn experiment() -> Folder {
+    Folder::new().with_whole_demo()
+}
+
+#[test]
+fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
+    let folder = experiment();
+    let bad = OsString::from_vec(b"bad\xff".to_vec());
+    fs::create_dir(folder.path("").join(&bad)).unwrap();
+    let before = fs::read_dir(folder.path("")).unwrap().count();
+    for line in [
+        "run experiment.toml --out",
+        "check exciting_motion.csv --out",
+        "demo --out",
+        "diagnose experiment.toml --out",
+        "sweep run experiment.toml --out",
+        "compile-rbd --mdh mdh.csv --out",
+        "conceal --seed 1 --cases c --sealed",
+        "excite --robot ur10e --seed 1 --out",
+        "check",
+    ] {
+        for json in [&[][..], &["--json"]] {
+            let mut arguments: Vec<OsString> = words(line).into_iter().map(Into::into).collect();
+            arguments.push(bad.clone());
+            arguments.extend(json.iter().map(|j| (*j).into()));
+            let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+                .args(&arguments)
+                .current_dir(folder.path(""))
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+            assert!(said.contains("no UTF-8 text") && !said.contains("panicked"), "{line}: {said}");
+        }
+    }
+    assert_eq!(fs::read_dir(folder.path("")).unwrap().count(), before);
+    // A folder of such a name that nobody names in an argument is in nobody's way.
+    for name in ["mdh.csv", "exciting_motion.csv"] {
+        fs::copy(folder.path(name), folder.path("").join(&bad).join(name)).unwrap();
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        .args(words("check exciting_motion.csv --json"))
+        .current_dir(folder.path("").join(&bad))
+        .output()
+        .unwrap();
+    assert!(output.status.code().is_some_and(|code| code < 2), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_link_to_a_deleted_file_is_written_to_and_stays() {
+    let folder = experiment();
+    let link = folder.path("devices");
+    fs::create_dir(&link).unwrap();
+    // What /dev/stdout is: a link to the descriptor, whose file has another name or none.
+    let gone = folder.path("gone.csv");
+    let file = fs::File::create(&gone).unwrap();
+    fs::remove_file(&gone).unwrap();
+    let motion =
+        "excite --robot ur10e --kind multi-sine --duration-s 5 --seed 1 --quiet --out /proc/self/fd/1";
+    let status = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        .args(words(motion))
+        .current_dir(folder.path(""))
+        .stdout(file.try_clone().unwrap())
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(0));
+    assert!(!gone.exists());
+    assert!(file.metadata().unwrap().len() > 1000);
+    // A link that leads nowhere yet keeps its place too.
+    symlink("target.csv", folder.path("link.csv")).unwrap();
+    folder.aurt(words(&motion.replace("/proc/self/fd/1", "link.csv"))).succeeded();
+    assert!(fs::symlink_metadata(folder.path("link.csv")).unwrap().is_symlink());
+    assert!(folder.read("target.csv").starts_with("time,"));
+}
+
+#[test]
+fn a_document_that_nobody_could_take_is_a_failure() {
+    let Ok(full) = fs::File::options().write(true).open("/dev/full") else {
+        println!("skipped: there is no /dev/full");
+        return;
+    };
+    let mut child = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        .args(words("models --json"))
+        .stdout(full)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let status = child.wait().unwrap();
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(status.code(), Some(2), "{said}");
+    assert!(said.contains("standard output") && said.contains("cannot be written"), "{said}");
+}
+
+#[test]
+fn counts_are_checked_before_memory_is_taken_for_them() {
+    let folder = Folder::new();
+    for harmonics in ["18446744073709551615", "4294967296", "0"] {
+        for kind in ["optimised", "multi-sine"] {
+            let line =
+                format!("excite --robot ur10e --kind {kind} --harmonics {harmonics} --seed 1 --out m.csv");
+            folder.aurt(words(&line)).refused(&["number of harmonics", "between 1 and 40"]);
+        }
+    }
+    let scenario = "robot = \"ur10e\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 5.0\n\
+                    harmonics = 4294967296\ntop_hz = 0.8\nshare = 0.5\n";
+    folder.write("scenario.toml", scenario);
+    folder
+        .aurt(words("simulate --scenario scenario.toml --out m.csv"))
+        .refused(&["scenario.toml", "number of harmonics"]);
+    folder.write("plan.toml", "[singles]\ntrials = 9223372036854775807\n");
+    folder
+        .aurt(words("conceal --plan plan.toml --seed 1 --cases c --sealed s"))
+        .refused(&["plan.toml", "at most 1000000"]);
+    folder
+        .aurt(words(
+            "excite --robot ur10e --kind sweeps --duration-s 3600 --rate-hz 100000 --seed 1 --out m.csv",
+        ))
+        .refused(&["number of rows"]);
+    assert_eq!(folder.names(), ["plan.toml", "scenario.toml"]);
+}
+
+#[test]
+fn limits_are_radians_and_rows_are_whole() {
+    let folder = Folder::new();
+    folder.write("mdh.csv", "alpha,a,d\n0,0.5,0\n0,0,0\n");
+    let header = "lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n";
+    let excite =
+        "excite --mdh mdh.csv --limits limits.csv --kind sweeps --seed 1 --out m.csv --gravity 0 -9.81 0";
+    let refusal = |rows: &str, said: &[&str]| {
+        folder.write("limits.csv", &format!("{header}{rows}"));
+        folder.aurt(words(excite)).refused(said);
+        let run = folder.aurt(words(&format!("{excite} --json")));
+        let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+        let problem = &document["error"]["problems"][0];
+        assert_eq!((&problem["file"], &problem["line"]), (&"limits.csv".into(), &3.into()), "{document}");
+    };
+    refusal("-3,3,1,3\n-3,1,3,1,2,0,8,0\n", &["limits.csv", "8 cells, the header has 4"]);
+    refusal("-3,3,1,3\n-180,180,1,3\n", &["limits.csv", "lower_rad", "radians"]);
+    refusal("-3,3,1,3\n-3,x,1,3\n", &["limits.csv", "`x` is no finite number"]);
+    folder.write("limits.csv", &format!("{header}-3,3,1,3\n-3,3,1,3\n"));
+    folder.aurt(words(excite)).succeeded();
+}
+
+#[test]
+fn unknown_names_take_no_time_and_no_page() {
+    let folder = experiment();
+    let quick = |arguments: &str, said: &[&str]| {
+        let begin = Instant::now();
+        let said = folder.aurt(words(arguments)).refused(said);
+        // Generous: a slow machine builds no quadratic algorithm.
+        assert!(begin.elapsed() < Duration::from_secs(10), "{arguments} took {:?}", begin.elapsed());
+        assert!(said.len() < 100_000, "{arguments} says {} bytes", said.len());
+    };
+    let names: Vec<String> = (0..100_000).map(|k| format!("alpha{k}")).collect();
+    folder.write("wide.csv", &format!("{}\n{}\n", names.join(","), vec!["0"; 100_000].join(",")));
+    quick("compile-rbd --mdh wide.csv --gravity 0 0 -9.81 --out r.json", &["wide.csv:1", "alpha0"]);
+    let keys: String = (0..30_000).map(|k| format!("key_{k} = 1\n")).collect();
+    folder.write("keys.toml", &format!("{keys}{}", folder.read("experiment.toml")));
+    quick("run keys.toml --out out", &["keys.toml:1:1", "has no key `key_0`"]);
+    folder.write("cell.csv", &format!("alpha,a,d\n0,{},0\n", "9x".repeat(5_000_000)));
+    quick("compile-rbd --mdh cell.csv --gravity 0 0 -9.81 --out r.json", &["cell.csv:2", "bytes in all"]);
+}
+
+#[test]
+fn a_dollar_in_a_folder_is_no_variable() {
+    let folder = Folder::new();
+    let inner = folder.path("of $HOME");
+    fs::create_dir(&inner).unwrap();
+    let demo = experiment();
+    for name in
+        ["mdh.csv", "exciting_motion.csv", "other_motion.csv", "point_to_point.csv", "experiment.toml"]
+    {
+        fs::copy(demo.path(name), inner.join(name)).unwrap();
+    }
+    let mut text = fs::read_to_string(inner.join("experiment.toml")).unwrap();
+    text.push_str("\n[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 6.0]\n");
+    fs::write(inner.join("sweep.toml"), text).unwrap();
+    let run = |line: &str| {
+        let mut arguments = words(line);
+        let path = inner.join(arguments.pop().unwrap());
+        arguments.push(path.to_str().unwrap());
+        folder.aurt(arguments)
+    };
+    run("sweep plan --out swept sweep.toml").succeeded();
+    folder.aurt(words("sweep point 1 --out swept")).succeeded();
+}
+
+#[test]
+fn what_a_cell_says_commands_no_terminal() {
+    let folder = Folder::new();
+    folder.write("mdh.csv", "alpha,a,d\n0,\u{1b}[2J\u{1b}]0;title\u{7},0\n");
+    let said = folder
+        .aurt(words("compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out r.json"))
+        .refused(&["mdh.csv:2"]);
+    assert!(!said.contains('\u{1b}') && !said.contains('\u{7}'), "{said:?}");
+}
+
+#[test]
+fn numbers_that_no_robot_has_are_refused_and_none_leave() {
+    let folder = experiment();
+    for (table, said) in [
+        ("alpha,a,d\n0,0.5,1e308\n0,0,0\n", "metres"),
+        ("alpha,a,d\n90,0.5,0\n0,0,0\n", "pi/2"),
+        ("alpha,a,d\n0,612.7,0\n0,0,0\n", "metres"),
+    ] {
+        folder.write("odd.csv", table);
+        folder
+            .aurt(words("compile-rbd --mdh odd.csv --gravity 0 0 -9.81 --out r.json"))
+            .refused(&["odd.csv:2", said]);
+    }
+    folder.aurt(words("compile-rbd --mdh mdh.csv --gravity 0 0 1e300 --out r.json")).refused(&["gravity"]);
+    folder.aurt(words("run experiment.toml --out out")).succeeded();
+    // A saved model with a coefficient that overflows.
+    let mut model = folder.json("out/rd_calibrated.json");
+    let mut changed = 0;
+    change_numbers(&mut model["calibration"]["parameters"], &mut changed);
+    assert!(changed > 0);
+    folder.write("odd.json", &model.to_string());
+    folder
+        .aurt(words("predict --model odd.json --data other_motion.csv --out p.csv"))
+        .refused(&["p.csv", "not a finite number"]);
+    assert!(!folder.names().contains(&"p.csv".to_owned()));
+    // The geometry that a model carries is held to the same bounds.
+    let text = folder.read("out/rd_calibrated.json");
+    let at = text.find("\"d_m\":").unwrap() + "\"d_m\":".len();
+    let end = at + text[at..].find([',', '}', '\n']).unwrap();
+    folder.write("far.json", &format!("{} 1e308{}", &text[..at], &text[end..]));
+    folder
+        .aurt(words("predict --model far.json --data other_motion.csv --out p.csv"))
+        .refused(&["far.json", "metres"]);
+}
+
+/// Replaces every `value` by one that no sum of torques can take.
+fn change_numbers(value: &mut serde_json::Value, changed: &mut usize) {
+    match value {
+        serde_json::Value::Array(items) => items.iter_mut().for_each(|item| change_numbers(item, changed)),
+        serde_json::Value::Object(entries) => {
+            if let Some(number) = entries.get_mut("value") {
+                *number = 1.7e308.into();
+                *changed += 1;
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn pipes_and_devices_end() {
+    let folder = experiment();
+    assert!(Command::new("mkfifo").arg(folder.path("pipe")).status().unwrap().success());
+    symlink("/dev/zero", folder.path("zero")).unwrap();
+    for (line, said) in [
+        ("run zero --out out", "device"),
+        ("check zero", "device"),
+        ("compile-rbd --mdh zero --gravity 0 0 -9.81 --out r.json", "device"),
+        ("predict --model zero --data other_motion.csv --out p.csv", "device"),
+        ("simulate --scenario zero --out p.csv", "device"),
+        ("conceal --plan zero --seed 1 --cases c --sealed s", "device"),
+        ("run pipe --out out", "nobody writes"),
+        ("check pipe", "nobody writes"),
+    ] {
+        let begin = Instant::now();
+        folder.aurt(words(line)).refused(&[said]);
+        assert!(begin.elapsed() < Duration::from_secs(20), "{line}: {:?}", begin.elapsed());
+    }
+}
+
+#[test]
+fn files_of_other_kinds_are_told_apart() {
+    let folder = experiment();
+    let toml = folder.read("experiment.toml");
+    let refused = |bytes: &[u8], said: &[&str]| {
+        fs::write(folder.path("odd.toml"), bytes).unwrap();
+        folder.aurt(words("run odd.toml --out out")).refused(said);
+    };
+    refused(b"\x1f\x8b\x08\0", &["odd.toml", "gunzip"]);
+    refused(&[b"\xff\xfe".as_slice(), toml.as_bytes()].concat(), &["UTF-16"]);
+    refused(&[toml.as_bytes(), b"\0"].concat(), &["zero byte"]);
+    refused(&[toml.as_bytes(), b"# \xff"].concat(), &["no UTF-8"]);
+    fs::write(folder.path("odd.toml"), [b"\xef\xbb\xbf".as_slice(), toml.as_bytes()].concat()).unwrap();
+    folder.aurt(words("run odd.toml --out out")).succeeded();
+}
+
+#[test]
+fn a_diagnosis_of_more_joints_than_it_can_weigh_is_refused_at_once() {
+    let folder = Folder::new();
+    let joints = 30;
+    folder.write("mdh.csv", &format!("alpha,a,d\n{}", "pi/2,0.1,0.1\n".repeat(joints)));
+    let names = |family: &str| (0..joints).map(|j| format!(",{family}_{j}")).collect::<String>();
+    let mut text = format!("time{}{}\n", names("q"), names("tau"));
+    for k in 0..400 {
+        let t = f64::from(k) / 100.0;
+        text.push_str(&format!("{t}"));
+        for j in 0..2 * joints {
+            text.push_str(&format!(",{:.6}", ((1.0 + 0.1 * j as f64) * t).sin()));
+        }
+        text.push('\n');
+    }
+    folder.write("a.csv", &text);
+    folder.write(
+        "experiment.toml",
+        "schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[joint_dynamics]\n\
+         coulomb = { model = \"none\" }\nhysteresis = { model = \"sign\" }\n\
+         viscous = { model = \"polynomial\", powers = [1] }\n[recordings]\ncalibration = [\"a.csv\"]\n",
+    );
+    folder.aurt(words("diagnose experiment.toml --out out")).refused(&[
+        "experiment.toml",
+        "30 joints",
+        "up to 20",
+    ]);
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn an_interrupted_command_answers_at_once_and_leaves_nothing_half_done() {
+    let folder = experiment();
+    let text = folder.read("experiment.toml");
+    folder.write("experiment.toml", &text);
+    for signal in ["INT", "TERM"] {
+        for after_ms in [30, 150, 400] {
+            let child = Command::new(env!("CARGO_BIN_EXE_aurt"))
+                .args(words("diagnose experiment.toml --out out"))
+                .current_dir(folder.path(""))
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap();
+            std::thread::sleep(Duration::from_millis(after_ms));
+            let begin = Instant::now();
+            assert!(
+                Command::new("kill")
+                    .args(["-s", signal, &child.id().to_string()])
+                    .status()
+                    .unwrap()
+                    .success()
+            );
+            let output = child.wait_with_output().unwrap();
+            assert!(begin.elapsed() < Duration::from_secs(1), "{signal}: {:?}", begin.elapsed());
+            let said = String::from_utf8_lossy(&output.stderr);
+            // Before the command listens, the system ends it by itself.
+            match output.status.code() {
+                Some(130) => assert!(said.contains("interrupted: "), "{said}"),
+                Some(code) => assert!(code < 2, "{code}: {said}"),
+                None => assert!(after_ms < 100, "{said}"),
+            }
+            let stray = folder.names().into_iter().find(|name| name.starts_with(".aurt-"));
+            assert_eq!(stray, None);
+        }
+    }
+}

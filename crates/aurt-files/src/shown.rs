@@ -1,0 +1,106 @@
+//! Text from files of users, fit to be shown.
+
+use std::{borrow::Cow, fmt::Write};
+
+/// Characters of a file that a message quotes at most.
+pub const MOST_QUOTED: usize = 80;
+
+/// A quotation from a file: control characters escaped, at most [`MOST_QUOTED`] characters, and the length of what was
+/// left out.
+///
+/// ```
+/// assert_eq!(aurt_files::clipped("1.5\u{1b}[2J"), "1.5\\u{1b}[2J");
+/// assert_eq!(aurt_files::clipped(&"9".repeat(1000)), format!("{}… ({} bytes in all)", "9".repeat(80), 1000));
+/// ```
+#[must_use]
+pub fn clipped(text: &str) -> String {
+    let end = text.char_indices().nth(MOST_QUOTED).map_or(text.len(), |(at, _)| at);
+    let mut shown = String::with_capacity(end);
+    for c in text[..end].chars() {
+        if is_harmful(c) || c == '\n' || c == '\t' {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    if end < text.len() {
+        let _ = write!(shown, "… ({} bytes in all)", text.len());
+    }
+    shown
+}
+
+/// A path as experiments write it: every `$` doubled, so that it stands for itself.
+#[must_use]
+pub fn escaped(path: &str) -> String {
+    path.replace('$', "$$")
+}
+
+/// Whether a terminal obeys a character rather than showing it, or shows it so that other text seems to stand elsewhere.
+#[must_use]
+pub fn is_harmful(c: char) -> bool {
+    let direction = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    direction || c.is_control() && c != '\n' && c != '\t'
+}
+
+/// Text for a terminal: control characters other than line feeds and tabs are escaped. Our own emphasis (`ESC [ 1 m`)
+/// remains.
+#[must_use]
+pub fn harmless(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_harmful) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find(is_harmful) {
+        shown.push_str(&rest[..at]);
+        rest = &rest[at..];
+        if let Some(length) = emphasis(rest) {
+            shown.push_str(&rest[..length]);
+            rest = &rest[length..];
+            continue;
+        }
+        let Some(c) = rest.chars().next() else { break };
+        // A carriage return before a line feed is a line end of another system.
+        if !rest.starts_with("\r\n") {
+            shown.extend(c.escape_default());
+        }
+        rest = &rest[c.len_utf8()..];
+    }
+    shown.push_str(rest);
+    Cow::Owned(shown)
+}
+
+/// Length of a sequence at the beginning that sets colour or weight, and nothing else.
+fn emphasis(text: &str) -> Option<usize> {
+    let parameters = text.strip_prefix("\u{1b}[")?;
+    let end = parameters.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    (end <= 16 && parameters[end..].starts_with('m')).then_some("\u{1b}[".len() + end + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn terminals_are_not_commanded_by_what_is_shown() {
+        assert_eq!(harmless("a\tb\nc"), "a\tb\nc");
+        assert_eq!(harmless("\u{1b}[1mtitle\u{1b}[0m\r\n"), "\u{1b}[1mtitle\u{1b}[0m\n");
+        assert_eq!(
+            harmless("x\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m"),
+            "x\\u{1b}]0;title\\u{7}\\u{1b}[2J\\u{9b}31m"
+        );
+        assert_eq!(harmless("a\u{202e}b"), "a\\u{202e}b");
+    }
+
+    proptest! {
+        #[test]
+        fn quotations_are_short_and_without_commands(text in "\\PC*|[\\x00-\\x1f\\u{80}-\\u{9f}a]{0,400}") {
+            let shown = clipped(&text);
+            prop_assert!(shown.chars().count() <= 8 * MOST_QUOTED + 40);
+            prop_assert!(!shown.contains(|c: char| c.is_control()));
+            prop_assert!(!harmless(&shown).contains(is_harmful));
+        }
+    }
+}

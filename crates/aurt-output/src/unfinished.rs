@@ -1,0 +1,73 @@
+//! Files that are being written, so that a command that is interrupted takes them along and leaves whole results alone.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
+
+/// What is being written now, in the whole process.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// Held while finished files take their names.
+static PUBLISHING: Mutex<()> = Mutex::new(());
+/// Files that have taken their names.
+static KEPT: AtomicUsize = AtomicUsize::new(0);
+
+/// A file or folder that is being written, until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Unfinished {
+    path: PathBuf,
+}
+
+impl Unfinished {
+    /// Notes that `path` is being written.
+    pub(crate) fn new(path: &Path) -> Self {
+        lock(&UNFINISHED).insert(path.to_owned());
+        Self { path: path.to_owned() }
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        lock(&UNFINISHED).remove(&self.path);
+    }
+}
+
+/// Held by whoever gives finished files their names: an interruption waits until all of them have theirs.
+#[derive(Debug)]
+pub(crate) struct Publishing {
+    _held: MutexGuard<'static, ()>,
+}
+
+/// Waits until nobody else publishes, or for ever if the command is being ended.
+pub(crate) fn publishing() -> Publishing {
+    Publishing { _held: lock(&PUBLISHING) }
+}
+
+impl Publishing {
+    /// Notes that a file has its name.
+    pub(crate) fn kept_one(&self) {
+        KEPT.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Removes everything that is being written and lets nothing be published any more; for the end of an interrupted
+/// command. Returns how many files had been written whole before.
+#[must_use]
+pub fn abandon() -> usize {
+    // Kept for good: whoever publishes from now on waits until the process ends.
+    std::mem::forget(publishing());
+    for path in lock(&UNFINISHED).iter() {
+        // What cannot be removed is left; its name tells what it is.
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    }
+    KEPT.load(Ordering::Relaxed)
+}
+
+fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

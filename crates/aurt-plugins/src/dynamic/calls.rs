@@ -1,0 +1,66 @@
+//! Which functions of libraries are running, for whoever has to say which library crashed or does not return.
+
+use std::{
+    cell::Cell,
+    collections::BTreeMap,
+    sync::{
+        Arc, Mutex, OnceLock, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use super::library::LibraryModel;
+
+/// Told the model and its library before the first call from a thread, and whenever a thread goes on to another model.
+pub type Told = fn(&str);
+
+static TOLD: OnceLock<Told> = OnceLock::new();
+static NEXT: AtomicU64 = AtomicU64::new(0);
+static RUNNING: Mutex<BTreeMap<u64, (Instant, Arc<LibraryModel>)>> = Mutex::new(BTreeMap::new());
+
+thread_local! {
+    /// Address of the model that was called last.
+    static LAST: Cell<usize> = const { Cell::new(0) };
+}
+
+/// From now on calls are noted, and `told` learns which models are called. Only the first `told` of a process counts.
+pub fn watch_calls(told: Told) {
+    // A second one is not needed: there is one command in a process.
+    let _ = TOLD.set(told);
+}
+
+/// The call that has been running for the longest time: its model and library, and for how long.
+#[must_use]
+pub fn longest_call() -> Option<(String, Duration)> {
+    let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    let (begin, model) = running.values().min_by_key(|(begin, _)| *begin)?;
+    Some((named(model), begin.elapsed()))
+}
+
+fn named(model: &LibraryModel) -> String {
+    format!("model `{}` of the library {}", model.name, model.library.path.display())
+}
+
+/// A running call, until this is dropped; nothing where calls are not watched.
+pub(super) struct Running(Option<u64>);
+
+pub(super) fn enter(model: &Arc<LibraryModel>) -> Running {
+    let Some(told) = TOLD.get() else { return Running(None) };
+    let address = Arc::as_ptr(model).addr();
+    if LAST.replace(address) != address {
+        told(&named(model));
+    }
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    running.insert(number, (Instant::now(), model.clone()));
+    Running(Some(number))
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(number) = self.0 {
+            RUNNING.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
+        }
+    }
+}
