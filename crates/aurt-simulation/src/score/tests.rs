@@ -121,7 +121,10 @@ fn the_background_and_the_reference_are_no_news() {
     let lost: TrueEffect =
         serde_json::from_value(effect("dropped_samples", &[0, 1, 2], "calibration")).unwrap();
     rough.background.push(lost);
-    let rows = claim("named", &[claimed("dropped_samples", &[0, 1, 2], "target"), claimed("spring", &[2], "target")]);
+    let rows = claim(
+        "named",
+        &[claimed("dropped_samples", &[0, 1, 2], "target"), claimed("spring", &[2], "target")],
+    );
     assert_eq!(score(&rough, &rows, None, None).beside, 0, "which recordings lost rows is a fact of each");
 
     let before = claim("named", &[claimed("rotor_inertia", &[0, 1], "calibration")]);

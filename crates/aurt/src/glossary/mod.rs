@@ -27,7 +27,7 @@ pub fn terms() -> Vec<&'static Term> {
 }
 
 /// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 11] = [
+const ALIASES: [(&str, &str); 15] = [
     ("delay_s", "instrument"),
     ("f_dyn_hz", "f_dyn"),
     ("gains", "instrument"),

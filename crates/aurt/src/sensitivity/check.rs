@@ -55,7 +55,7 @@ fn one(trials: &Trials<'_>, row: &Row, joints: &[usize], seed: u64) -> Result<Op
     let Some(joint) = row.joint.or_else(|| joints.first().copied()) else { return Ok(None) };
     let Some(shape) = shape(trials, &kind, joint, seed, 0) else { return Ok(None) };
     let Some(mut probe) = Probe::new(trials, kind, shape, 0.0)? else { return Ok(None) };
-    let Some(level) = probe.levels(None)?.named else { return Ok(None) };
+    let Some(level) = probe.named(None)? else { return Ok(None) };
     let named = |times: f64| -> Result<bool, Failure> {
         let claims = trials.whole(&probe.of_limit(level, times)?)?;
         Ok(claims.names(kind.identifier, row.joint))

@@ -43,15 +43,6 @@ pub struct Probe<'a> {
     said: BTreeMap<usize, Said>,
 }
 
-/// From which levels on an effect is named and noticed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Levels {
-    /// The first at which it is named.
-    pub named: Option<usize>,
-    /// The first at which something is noticed.
-    pub noticed: Option<usize>,
-}
-
 impl<'a> Probe<'a> {
     /// Nothing where the strongest that the machine can have is weaker than the weakest level.
     pub fn new(trials: &'a Trials<'a>, kind: Kind, shape: Added, turn: f64) -> Result<Option<Self>, Failure> {
@@ -134,20 +125,22 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// From which levels on it is named and noticed, sought from the levels of another draw.
-    pub fn levels(&mut self, guess: Option<Levels>) -> Result<Levels, Failure> {
-        let top = self.top;
-        let middle = top / 2;
-        let from = guess.map_or(middle, |g| g.named.unwrap_or(top - 1));
-        let named = smallest(top, from, |level| Ok::<_, Failure>(self.trial(level)?.named))?;
-        // What is named is noticed; less may be.
-        let below = named.unwrap_or(top);
-        let from = guess.and_then(|g| g.noticed).unwrap_or_else(|| below.saturating_sub(2));
+    /// From which level on it is named, sought from that of another draw.
+    pub fn named(&mut self, guess: Option<usize>) -> Result<Option<usize>, Failure> {
+        let from = guess.unwrap_or(self.top / 2);
+        smallest(self.top, from, |level| Ok::<_, Failure>(self.trial(level)?.named))
+    }
+
+    /// From which level on it is noticed: what is named is, and less may be.
+    pub fn noticed(&mut self, named: Option<usize>) -> Result<Option<usize>, Failure> {
+        let below = named.unwrap_or(self.top);
         let noticed = match below {
             0 => None,
-            _ => smallest(below, from, |level| Ok::<_, Failure>(self.trial(level)?.noticed))?,
+            _ => smallest(below, below.saturating_sub(2), |level| {
+                Ok::<_, Failure>(self.trial(level)?.noticed)
+            })?,
         };
-        Ok(Levels { named, noticed: noticed.or(named) })
+        Ok(noticed.or(named))
     }
 
     /// Between the last level that was not enough and the first that was.

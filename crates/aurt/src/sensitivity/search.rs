@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    probe::{Levels, Probe},
+    probe::Probe,
     trials::{Route, Trials},
 };
 use crate::failure::Failure;
@@ -59,7 +59,7 @@ pub struct Row {
     pub unit: String,
     /// From which size on it is named, in four of five draws.
     pub named_from: Option<Limit>,
-    /// From which size on something new is claimed at the joint, in as many draws; no larger than `named_from`.
+    /// From which size on something new is claimed at the joint, in the recordings' own noise; no larger than `named_from`.
     pub noticed_from: Option<Limit>,
     /// From which size on it is named in each draw; the first is the recordings' own noise.
     pub draws: Vec<Option<f64>>,
@@ -135,7 +135,7 @@ fn one(trials: &Trials<'_>, kind: &Kind, joint: usize, seed: u64) -> Result<Row,
     // What is claimed already cannot be told from what is added.
     let known = trials.reference.lists(kind.identifier, place);
     let mut found: Vec<Found> = Vec::new();
-    let mut guess: Option<Levels> = None;
+    let mut guess: Option<usize> = None;
     for draw in 0..draws(kind) {
         let Some(shape) = shape(trials, kind, joint, seed, draw) else { break };
         if known {
@@ -147,10 +147,11 @@ fn one(trials: &Trials<'_>, kind: &Kind, joint: usize, seed: u64) -> Result<Row,
             found.push(Found { shape, limits: None });
             continue;
         };
-        let levels = probe.levels(guess)?;
-        guess = Some(levels);
+        let named = probe.named(guess)?;
+        guess = named.or(guess);
+        let noticed = if draw == 0 { probe.noticed(named)? } else { None };
         let limit = |level: Option<usize>| level.map(|level| probe.limit(level)).transpose();
-        let limits = Limits { named: limit(levels.named)?, noticed: limit(levels.noticed)? };
+        let limits = Limits { named: limit(named)?, noticed: limit(noticed)? };
         found.push(Found { shape, limits: Some(limits) });
     }
     Ok(row(trials, kind, place, known, &found))
@@ -167,7 +168,11 @@ fn in_most(limits: impl Iterator<Item = Option<Limit>>) -> Option<Limit> {
 
 fn row(trials: &Trials<'_>, kind: &Kind, joint: Option<usize>, known: bool, found: &[Found]) -> Row {
     let named_from = in_most(found.iter().map(|f| f.limits.and_then(|l| l.named)));
-    let noticed_from = in_most(found.iter().map(|f| f.limits.and_then(|l| l.noticed)));
+    let noticed = found.first().and_then(|f| f.limits?.noticed);
+    let noticed_from = match (noticed, named_from) {
+        (Some(noticed), Some(named)) if noticed.size > named.size => Some(named),
+        (noticed, named) => noticed.or(named),
+    };
     let status = if found.is_empty() {
         Status::NotPossible
     } else if known {
