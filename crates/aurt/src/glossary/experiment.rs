@@ -12,6 +12,12 @@ pub const TERMS: &[Term] = &[
             `recordings = [...]` it acts in these alone: a load that was there on Tuesday only.",
     },
     Term {
+        name: "base",
+        title: "base and tip of the chain",
+        text: "Under [robot], with `urdf`: the links between which the chain of joints lies. Without them it begins at the \
+            file's root link and ends where its only moving chain does.",
+    },
+    Term {
         name: "calibration",
         title: "calibration",
         text: "Under [recordings]: the recordings that the model is fitted to. Let all joints move at once, slowly and fast, \
@@ -84,6 +90,12 @@ pub const TERMS: &[Term] = &[
             parameters with what you expect (36 for a UR10e standing upright).",
     },
     Term {
+        name: "name",
+        title: "name of a known robot",
+        text: "Under [robot], instead of `mdh` or `urdf`: a robot whose geometry is included, such as \"ur10e\". `aurt robots` \
+            lists them.",
+    },
+    Term {
         name: "parallel_cutoff_hz",
         title: "parallel_cutoff_hz",
         text: "Cut-off of the filter that regressor and measurement pass alike, by default 2 f_dyn: see parallel_filter.",
@@ -144,6 +156,11 @@ pub const TERMS: &[Term] = &[
             calibration recordings. Validation must then be of the robot as it is in the target.",
     },
     Term {
+        name: "tip",
+        title: "tip of the chain",
+        text: "Under [robot], with `urdf`: the last link of the chain; see base.",
+    },
+    Term {
         name: "trim_rest",
         title: "trim_rest",
         text: "Whether rest before and after the motion is cut, from what is fitted and from what a held-out recording is \
@@ -163,6 +180,12 @@ pub const TERMS: &[Term] = &[
             were recorded. Predictions of similar motions may be good all the same; simulations can be unstable, and the \
             value stands in for something else. Record what shows the parameter, leave it out, or ask `aurt diagnose` \
             what it stands in for.",
+    },
+    Term {
+        name: "urdf",
+        title: "urdf: a robot description file",
+        text: "Under [robot], instead of `mdh` or `name`: a URDF file, of which the geometry of one serial chain is read; `base` \
+            and `tip` choose it. Files of xacro have to be expanded first; docs/robots.md says what is read.",
     },
     Term {
         name: "validation",
