@@ -27,17 +27,13 @@ pub fn terms() -> Vec<&'static Term> {
 }
 
 /// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 15] = [
+const ALIASES: [(&str, &str); 11] = [
     ("delay_s", "instrument"),
     ("f_dyn_hz", "f_dyn"),
     ("gains", "instrument"),
     ("gravity_m_s2", "gravity"),
     ("libraries", "plugins"),
-    ("base", "mdh"),
     ("mdh_rows", "mdh"),
-    ("name", "mdh"),
-    ("tip", "mdh"),
-    ("urdf", "mdh"),
     ("not_physical", "unphysical"),
     ("nrmse", "nrms"),
     ("offsets", "instrument"),
