@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use aurt_calibration::CalibrationError;
 use aurt_diagnosis::DiagnosisError;
 use aurt_experiment::{BuildError, ExperimentErrors};
+use aurt_export::ExportError;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
@@ -52,6 +53,9 @@ pub enum Failure {
         /// What to do.
         remedy: String,
     },
+    /// A model cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// A robot model cannot be composed.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Models(Vec<ModelError>),

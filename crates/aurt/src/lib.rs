@@ -35,6 +35,7 @@ pub mod data;
 pub mod demo;
 pub mod diagnosing;
 mod failure;
+pub mod exporting;
 pub mod fitting;
 pub mod glossary;
 pub mod injected;
