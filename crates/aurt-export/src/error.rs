@@ -15,7 +15,9 @@ pub enum ExportError {
     #[error("the rigid bodies of the model are no serial chain, the only kind that can be exported")]
     NoChain,
     /// A name that the target cannot use.
-    #[error("the name `{name}` {reason}; name the robot with letters of a to z, digits and `_`, a letter first")]
+    #[error(
+        "the name `{name}` {reason}; name the robot with letters of a to z, digits and `_`, a letter first"
+    )]
     Name {
         /// The name.
         name: String,
@@ -41,7 +43,9 @@ pub enum ExportError {
     )]
     NoBodies,
     /// The standard parameters are those of no machine.
-    #[error("the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`")]
+    #[error(
+        "the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`"
+    )]
     Impossible {
         /// What is wrong with each link.
         complaints: String,

@@ -110,8 +110,10 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
                 place.map_or(0.0, |k| case.coefficients[k])
             })
             .collect();
-        let mut bodies =
-            ChainDynamics::new(case.chain.clone(), &case.standard).unwrap().with_rotor_inertia(&rotors).unwrap();
+        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard)
+            .unwrap()
+            .with_rotor_inertia(&rotors)
+            .unwrap();
         let states: Vec<_> = checks(&case, 32)
             .into_iter()
             .map(|check| {
@@ -130,7 +132,9 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
         let text = String::from_utf8_lossy(&run.stdout);
         assert!(run.status.success(), "{name}: {text}\n{}", String::from_utf8_lossy(&run.stderr));
         let worst: f64 = text.trim().parse().unwrap();
-        println!("{name}: largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint");
+        println!(
+            "{name}: largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint"
+        );
         assert!(worst <= 1e-9, "{name}: {worst:e}");
     }
 }
@@ -150,7 +154,9 @@ fn files_state_their_model_and_what_is_lost() {
     for word in ["armature=", "damping=", "frictionloss=", "stiffness=", "springref="] {
         assert!(xml.contains(word), "`{word}` is missing");
     }
-    for word in ["joint 1, coulomb friction `absolute`: F_C1 = ", "arm term current_offset", "hysteresis `tanh`"] {
+    for word in
+        ["joint 1, coulomb friction `absolute`: F_C1 = ", "arm term current_offset", "hysteresis `tanh`"]
+    {
         assert!(mjcf.lost.iter().any(|l| l.contains(word)), "`{word}` is missing in {:#?}", mjcf.lost);
     }
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use aurt_export::{Export, Provenance, Source, c, mjcf};
 use aurt_experiment::{Registry, model_file::read_json};
+use aurt_export::{Export, Provenance, Source, c, mjcf};
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
@@ -77,12 +77,14 @@ fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
     let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
     let mut states = Vec::with_capacity(STATES);
     for state in 0..STATES {
-        let mut draw = |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
+        let mut draw =
+            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
         let rests = state == 0;
         let speed = |j: usize| if rests { 0.0 } else { calibrated.calibration.ranges[j].velocity_rad_s };
         states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
     }
-    let by_joint = |k: usize| -> Vec<f64> { (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect() };
+    let by_joint =
+        |k: usize| -> Vec<f64> { (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect() };
     let times = (0..STATES).map(|n| n as f64).collect();
     let motion = Motion::new(joints, times, by_joint(0), by_joint(1), by_joint(2))?;
     let view: MotionView<'_> = motion.view();

@@ -56,7 +56,9 @@ fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
     match model.name() {
         "absent" => Ok(Vec::new()),
         "none" => Ok(vec![one]),
-        name @ ("absolute" | "square") => Ok([Some(one), load_power(tape, name)].into_iter().flatten().collect()),
+        name @ ("absolute" | "square") => {
+            Ok([Some(one), load_power(tape, name)].into_iter().flatten().collect())
+        }
         "stribeck" => {
             let decay = decay(tape, &description, at.velocity, &place())?;
             let mut columns = vec![one, decay];
@@ -113,7 +115,11 @@ fn viscous(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
     match model.name() {
         "polynomial" => {
             let powers = description.get("powers").and_then(Json::as_array).cloned().unwrap_or_default();
-            Ok(powers.iter().filter_map(Json::as_u64).map(|power| odd_power(tape, at.velocity, power)).collect())
+            Ok(powers
+                .iter()
+                .filter_map(Json::as_u64)
+                .map(|power| odd_power(tape, at.velocity, power))
+                .collect())
         }
         "saturating" => {
             let ratio = tape.divide(at.velocity, number(&description, "saturation_velocity_rad_s", &place)?);

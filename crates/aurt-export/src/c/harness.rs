@@ -25,7 +25,11 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Writes the program. Stored torques are those of the checks; gravity and mass matrix are those of
 /// [`ChainDynamics`], whose code the export does not share.
-pub(super) fn program(source: &Source<'_>, chain: &SerialChain, checks: &[Check]) -> Result<String, ExportError> {
+pub(super) fn program(
+    source: &Source<'_>,
+    chain: &SerialChain,
+    checks: &[Check],
+) -> Result<String, ExportError> {
     let joints = chain.joints().len();
     let mut bodies = ChainDynamics::new(chain.clone(), &source.bodies(|k| source.coefficients[k]))?
         .with_rotor_inertia(&source.rotor_inertia_kg_m2())?;
@@ -65,7 +69,10 @@ pub(super) fn program(source: &Source<'_>, chain: &SerialChain, checks: &[Check]
     }
     let mut lines = vec![
         format!("Compares {}.c with values that the model itself predicts.", source.name),
-        format!("cc -std=c99 -O2 {}.c main.c -lm -o check, then ./check: exit status 0 if all agree.", source.name),
+        format!(
+            "cc -std=c99 -O2 {}.c main.c -lm -o check, then ./check: exit status 0 if all agree.",
+            source.name
+        ),
     ];
     lines.extend(source.provenance.lines());
     let mut text = comment(&lines);

@@ -35,9 +35,14 @@ pub fn export(source: &Source<'_>, checks: &[Check]) -> Result<Export, ExportErr
         .iter()
         .map(|f| {
             let Operations { multiplications, additions, calls } = f.operations;
-            format!("{name}_{}: {multiplications} multiplications, {additions} additions, {calls} calls", f.name)
+            format!(
+                "{name}_{}: {multiplications} multiplications, {additions} additions, {calls} calls",
+                f.name
+            )
         })
         .collect();
-    let lost = vec!["the load torques and velocities of the calibration, beyond which predictions extrapolate".into()];
+    let lost = vec![
+        "the load torques and velocities of the calibration, beyond which predictions extrapolate".into(),
+    ];
     Ok(Export { files, lost, notes })
 }

@@ -30,7 +30,12 @@ impl Posture {
     /// # Errors
     /// None for a chain that exists: its joints are joined anew, one by one.
     pub fn new(tape: &mut Tape, chain: &SerialChain, q: &[Value]) -> Result<Self, RbdError> {
-        let places = chain.joints().iter().zip(q).map(|(joint, q)| Place::new(tape, joint, *q)).collect::<Result<_, _>>()?;
+        let places = chain
+            .joints()
+            .iter()
+            .zip(q)
+            .map(|(joint, q)| Place::new(tape, joint, *q))
+            .collect::<Result<_, _>>()?;
         Ok(Self { places })
     }
 
@@ -145,9 +150,14 @@ impl Place {
 }
 
 /// Moment and force that a body needs, about and at its frame's origin.
-fn wrench(tape: &mut Tape, body: &[f64], omega: Vector, omega_dot: Vector, accel: Vector) -> (Vector, Vector) {
-    let inertia =
-        [[body[0], body[1], body[2]], [body[1], body[3], body[4]], [body[2], body[4], body[5]]];
+fn wrench(
+    tape: &mut Tape,
+    body: &[f64],
+    omega: Vector,
+    omega_dot: Vector,
+    accel: Vector,
+) -> (Vector, Vector) {
+    let inertia = [[body[0], body[1], body[2]], [body[1], body[3], body[4]], [body[2], body[4], body[5]]];
     let h = [body[6], body[7], body[8]].map(Value::Constant);
     let by_mass = accel.map(|a| tape.multiply(Value::Constant(body[9]), a));
     let euler = cross(tape, omega_dot, h);

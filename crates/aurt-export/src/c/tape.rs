@@ -38,7 +38,6 @@ impl Function {
             Self::SignBeyond => "sign_beyond",
         }
     }
-
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -192,7 +191,8 @@ impl Tape {
             if !needed[node] || matches!(operation, Operation::Input(_)) {
                 continue;
             }
-            let _ = writeln!(text, "    const double {} = {};", names[node], self.right_side(operation, &names));
+            let _ =
+                writeln!(text, "    const double {} = {};", names[node], self.right_side(operation, &names));
         }
         for (target, result) in targets.iter().zip(results) {
             let _ = writeln!(text, "    {target} = {};", written((*result).into(), &names));

@@ -47,7 +47,8 @@ pub(super) fn header(source: &Source<'_>, chain: &SerialChain, functions: &[Func
     lines.push(format!("Gravity in the base frame: {x} {y} {z} m/s^2."));
     lines.push("Arguments and results must not overlap. Nothing is allocated, nothing is remembered.".into());
     let mut text = comment(&lines);
-    let _ = write!(text, "#ifndef {guard}\n#define {guard}\n\n#define {}_JOINTS {joints}\n", name.to_uppercase());
+    let _ =
+        write!(text, "#ifndef {guard}\n#define {guard}\n\n#define {}_JOINTS {joints}\n", name.to_uppercase());
     text.push_str("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n");
     for function in functions {
         let o = &function.operations;

@@ -46,7 +46,8 @@ pub(super) fn tree(
             JointKind::Revolute => "hinge",
             JointKind::Prismatic => "slide",
         };
-        let _ = write!(text, "{indent}  <joint name=\"joint_{j}\" type=\"{kind}\" axis=\"0 0 {}\"", joint.sign);
+        let _ =
+            write!(text, "{indent}  <joint name=\"joint_{j}\" type=\"{kind}\" axis=\"0 0 {}\"", joint.sign);
         for (attribute, value) in [
             ("armature", dynamics.armature),
             ("damping", dynamics.damping),

@@ -32,7 +32,9 @@ pub(super) fn dynamics(source: &Source<'_>) -> (Vec<JointDynamics>, Vec<String>)
                     if *value >= 0.0 {
                         joints[joint].armature += value;
                     } else {
-                        lost.push(format!("armature of joint {joint}: {value:.4} kg m^2, and MuJoCo takes none below 0"));
+                        lost.push(format!(
+                            "armature of joint {joint}: {value:.4} kg m^2, and MuJoCo takes none below 0"
+                        ));
                     }
                 }
             }
@@ -72,7 +74,9 @@ fn friction(source: &Source<'_>, j: usize, joint: &mut JointDynamics, lost: &mut
     }
     let hysteresis = stack.hysteresis().name();
     if hysteresis != "sign" && products > 0 {
-        lost.push(format!("joint {j}, hysteresis `{hysteresis}`: friction loss has a transition of MuJoCo's own"));
+        lost.push(format!(
+            "joint {j}, hysteresis `{hysteresis}`: friction loss has a transition of MuJoCo's own"
+        ));
     }
 }
 
@@ -80,7 +84,8 @@ fn friction(source: &Source<'_>, j: usize, joint: &mut JointDynamics, lost: &mut
 fn spring(term: &dyn ArmTerm, own: &[f64], joints: &mut [JointDynamics], lost: &mut Vec<String>) {
     let acting = term.joints(joints.len());
     let per_joint = own.len() / acting.len().max(1);
-    let rest = serde_json::to_value(term).ok().and_then(|d| d.get("rest_rad").and_then(serde_json::Value::as_f64));
+    let rest =
+        serde_json::to_value(term).ok().and_then(|d| d.get("rest_rad").and_then(serde_json::Value::as_f64));
     for (joint, own) in acting.iter().zip(own.chunks(per_joint.max(1))) {
         let (stiffness, constant) = match *own {
             [k, k_q0] => (k, k_q0),

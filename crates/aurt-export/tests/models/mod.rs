@@ -3,8 +3,9 @@
 use aurt_export::c::Check;
 use aurt_friction::{
     arm_terms::{
-        coulomb_asymmetric::CoulombAsymmetric, current_offset::CurrentOffset, joint_selection::JointSelection,
-        rotor_inertia::RotorInertia, spring::Spring, viscous_asymmetric::ViscousAsymmetric,
+        coulomb_asymmetric::CoulombAsymmetric, current_offset::CurrentOffset,
+        joint_selection::JointSelection, rotor_inertia::RotorInertia, spring::Spring,
+        viscous_asymmetric::ViscousAsymmetric,
     },
     coulomb::{
         absolute::Absolute,
@@ -73,19 +74,25 @@ pub fn gantry() -> SerialChain {
 }
 
 fn stack(joint: usize) -> JointStack {
-    let stribeck = |stribeck_exponent, load| Box::new(Stribeck { stribeck_velocity_rad_s: 0.3, stribeck_exponent, load });
+    let stribeck = |stribeck_exponent, load| {
+        Box::new(Stribeck { stribeck_velocity_rad_s: 0.3, stribeck_exponent, load })
+    };
     let tanh = || Box::new(Tanh { velocity_rad_s: 0.02 });
     let polynomial = |powers: &[u32]| Box::new(Polynomial { powers: powers.to_vec() });
     let made = match joint {
         0 => JointStack::new(Box::new(Constant {}), Box::new(Sign::default()), polynomial(&[1])),
         1 => JointStack::new(Box::new(Absolute {}), tanh(), polynomial(&[1, 2, 3])),
-        2 => JointStack::new(Box::new(Square {}), Box::new(Sign { rest_velocity_rad_s: 0.1 }), polynomial(&[])),
+        2 => {
+            JointStack::new(Box::new(Square {}), Box::new(Sign { rest_velocity_rad_s: 0.1 }), polynomial(&[]))
+        }
         3 => {
             let saturating = Saturating { saturation_velocity_rad_s: 0.7, linear: true };
             JointStack::new(stribeck(2.0, LoadDependence::Absolute), tanh(), Box::new(saturating))
         }
         4 => JointStack::new(stribeck(1.3, LoadDependence::Square), tanh(), polynomial(&[3])),
-        _ => JointStack::new(stribeck(1.0, LoadDependence::None), Box::new(Sign::default()), polynomial(&[2])),
+        _ => {
+            JointStack::new(stribeck(1.0, LoadDependence::None), Box::new(Sign::default()), polynomial(&[2]))
+        }
     };
     made.unwrap()
 }
@@ -96,7 +103,8 @@ fn bodies(numbers: &mut Numbers, count: usize) -> Vec<f64> {
             let [x, y, z] = [0; 3].map(|_| 0.02 + 0.01 * numbers.next());
             let com_m = [0; 3].map(|_| 0.2 * numbers.next());
             // Moments of three orthogonal rods meet the triangle inequality.
-            let inertia_at_com_kg_m2 = [y + z, 1e-3 * numbers.next(), 1e-3 * numbers.next(), x + z, 1e-3, x + y];
+            let inertia_at_com_kg_m2 =
+                [y + z, 1e-3 * numbers.next(), 1e-3 * numbers.next(), x + z, 1e-3, x + y];
             LinkBody { mass_kg: 3.0 + numbers.next(), com_m, inertia_at_com_kg_m2 }.standard_parameters()
         })
         .collect()
