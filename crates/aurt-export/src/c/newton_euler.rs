@@ -61,9 +61,9 @@ impl Posture {
             let centrifugal = cross(tape, omega, inner);
             let carried = sum(tape, euler, centrifugal);
             let total = sum(tape, accel, carried);
-            accel = place.into_link(tape, total);
-            omega = place.into_link(tape, omega);
-            omega_dot = place.into_link(tape, omega_dot);
+            accel = place.in_link(tape, total);
+            omega = place.in_link(tape, omega);
+            omega_dot = place.in_link(tape, omega_dot);
             match place.kind {
                 JointKind::Revolute => {
                     let coriolis = cross(tape, omega, [ZERO, ZERO, rate]);
@@ -94,8 +94,8 @@ impl Posture {
             };
             torques[i] = tape.multiply(Value::Constant(place.sign), carried);
             if i > 0 {
-                let force = place.into_previous(tape, force);
-                let moment = place.into_previous(tape, moment);
+                let force = place.in_previous(tape, force);
+                let moment = place.in_previous(tape, moment);
                 let lever = cross(tape, place.origin, force);
                 let moment = sum(tape, moment, lever);
                 loads[i - 1] = (sum(tape, loads[i - 1].0, moment), sum(tape, loads[i - 1].1, force));
@@ -131,7 +131,7 @@ impl Place {
     }
 
     /// A vector of the previous link frame in the coordinates of this link.
-    fn into_link(&self, tape: &mut Tape, v: Vector) -> Vector {
+    fn in_link(&self, tape: &mut Tape, v: Vector) -> Vector {
         let r = &self.rotation;
         let transposed = [0, 1, 2].map(|row| [r[0][row], r[1][row], r[2][row]]);
         let [x, y, z] = by_constants(tape, &transposed, v);
@@ -141,7 +141,7 @@ impl Place {
     }
 
     /// A vector of this link in the coordinates of the previous link frame.
-    fn into_previous(&self, tape: &mut Tape, [x, y, z]: Vector) -> Vector {
+    fn in_previous(&self, tape: &mut Tape, [x, y, z]: Vector) -> Vector {
         let (cx, sy) = (tape.multiply(self.cosine, x), tape.multiply(self.sine, y));
         let (cy, sx) = (tape.multiply(self.cosine, y), tape.multiply(self.sine, x));
         let turned = [tape.subtract(cx, sy), tape.add(cy, sx), z];
