@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use aurt_calibration::CalibrationError;
 use aurt_diagnosis::DiagnosisError;
 use aurt_experiment::{BuildError, ExperimentErrors};
+use aurt_export::ExportError;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
@@ -74,6 +75,9 @@ pub enum Failure {
         /// What is wrong.
         failure: Box<Failure>,
     },
+    /// A model cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// A robot model cannot be composed.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Models(Vec<ModelError>),

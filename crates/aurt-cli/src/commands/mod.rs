@@ -12,6 +12,7 @@ mod demo;
 mod diagnose;
 mod excite;
 mod explain;
+mod export;
 mod man;
 mod models;
 mod new_plugin;
@@ -55,16 +56,18 @@ pub enum Command {
     Models(models::Models),
     Robots(robots::Robots),
     Explain(explain::Explain),
+    Export(export::Export),
     NewPlugin(new_plugin::NewPlugin),
     Completions(completions::Completions),
     Man(man::Man),
 }
 
 /// The commands by what they are for, as `--help` shows them.
-pub const GROUPS: [(&str, &[&str]); 7] = [
+pub const GROUPS: [(&str, &[&str]); 8] = [
     ("Start here", &["demo", "check", "run"]),
     ("Which model, what is missing", &["sweep", "diagnose", "sensitivity"]),
     ("Motions and simulation", &["excite", "simulate"]),
+    ("Models in other programs", &["export"]),
     ("Proof", &["prove", "conceal", "score"]),
     (
         "Step by step, as in the paper",
@@ -109,6 +112,7 @@ impl Command {
             Self::Models(command) => command.run(session),
             Self::Robots(command) => command.run(session),
             Self::Explain(command) => command.run(session),
+            Self::Export(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Man(command) => command.run(),

@@ -1,0 +1,172 @@
+//! Equation (6) of a joint, τ_JD = f_C(τ_J)·H(q̇) + f_v(q̇), of models without memory.
+
+use aurt_traits::JointStack;
+use serde_json::Value as Json;
+
+use super::tape::{Function, Tape, Value};
+use crate::ExportError;
+
+/// What friction of a joint depends on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct At {
+    pub velocity: Value,
+    pub load: Value,
+}
+
+/// Writes the friction of joint `joint` with its coefficients, in the stack's order.
+///
+/// # Errors
+/// [`ExportError::Model`] for a model that cannot be written, by its name.
+pub(crate) fn torque(
+    tape: &mut Tape,
+    joint: usize,
+    stack: &JointStack,
+    coefficients: &[f64],
+    at: At,
+) -> Result<Value, ExportError> {
+    let levels = coulomb(tape, joint, stack, at)?;
+    let shapes = hysteresis(tape, joint, stack, at)?;
+    let (products, linear) = coefficients.split_at(levels.len() * shapes.len());
+    let mut sum = Value::Constant(0.0);
+    for (column, coefficient) in viscous(tape, joint, stack, at)?.into_iter().zip(linear) {
+        let term = tape.multiply(Value::Constant(*coefficient), column);
+        sum = tape.add(sum, term);
+    }
+    for (level, row) in levels.iter().zip(products.chunks_exact(shapes.len().max(1))) {
+        for (shape, coefficient) in shapes.iter().zip(row) {
+            let height = tape.multiply(Value::Constant(*coefficient), *level);
+            let term = tape.multiply(height, *shape);
+            sum = tape.add(sum, term);
+        }
+    }
+    Ok(sum)
+}
+
+/// The columns of f_C.
+fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<Vec<Value>, ExportError> {
+    let place = || format!("joint {joint}, coulomb");
+    let model = stack.coulomb();
+    let description = described(serde_json::to_value(model), place())?;
+    let one = Value::Constant(1.0);
+    let load_power = |tape: &mut Tape, name: &str| match name {
+        "absolute" => Some(tape.call(Function::Abs, &[at.load])),
+        "square" => Some(tape.multiply(at.load, at.load)),
+        _ => None,
+    };
+    match model.name() {
+        "absent" => Ok(Vec::new()),
+        "none" => Ok(vec![one]),
+        name @ ("absolute" | "square") => {
+            Ok([Some(one), load_power(tape, name)].into_iter().flatten().collect())
+        }
+        "stribeck" => {
+            let decay = decay(tape, &description, at.velocity, &place())?;
+            let mut columns = vec![one, decay];
+            let growth = description.get("load").and_then(Json::as_str).unwrap_or("none").to_owned();
+            if let Some(level) = load_power(tape, &growth) {
+                columns.extend([level, tape.multiply(level, decay)]);
+            }
+            Ok(columns)
+        }
+        name => Err(unknown(place(), name, model.state_len(), "absent, none, absolute, square, stribeck")),
+    }
+}
+
+/// e^(−|q̇/v_S|^δ).
+fn decay(tape: &mut Tape, description: &Json, velocity: Value, place: &str) -> Result<Value, ExportError> {
+    let scale = number(description, "stribeck_velocity_rad_s", place)?;
+    let exponent = number(description, "stribeck_exponent", place)?;
+    let ratio = tape.divide(velocity, scale);
+    let x = tape.call(Function::Abs, &[ratio]);
+    let power = if exponent == 2.0 {
+        tape.multiply(x, x)
+    } else if exponent == 1.0 {
+        x
+    } else {
+        tape.call(Function::Pow, &[x, Value::Constant(exponent)])
+    };
+    let minus = tape.negate(power);
+    Ok(tape.call(Function::Exp, &[minus]))
+}
+
+/// The columns of H.
+fn hysteresis(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<Vec<Value>, ExportError> {
+    let place = format!("joint {joint}, hysteresis");
+    let model = stack.hysteresis();
+    let description = described(serde_json::to_value(model), place.clone())?;
+    match model.name() {
+        "sign" => {
+            let rest = number(&description, "rest_velocity_rad_s", &place)?;
+            Ok(vec![tape.call(Function::SignBeyond, &[at.velocity, Value::Constant(rest)])])
+        }
+        "tanh" => {
+            let ratio = tape.divide(at.velocity, number(&description, "velocity_rad_s", &place)?);
+            Ok(vec![tape.call(Function::Tanh, &[ratio])])
+        }
+        name => Err(unknown(place, name, model.state_len(), "sign, tanh")),
+    }
+}
+
+/// The columns of f_v.
+fn viscous(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<Vec<Value>, ExportError> {
+    let place = format!("joint {joint}, viscous");
+    let model = stack.viscous();
+    let description = described(serde_json::to_value(model), place.clone())?;
+    match model.name() {
+        "polynomial" => {
+            let powers = description.get("powers").and_then(Json::as_array).cloned().unwrap_or_default();
+            Ok(powers
+                .iter()
+                .filter_map(Json::as_u64)
+                .map(|power| odd_power(tape, at.velocity, power))
+                .collect())
+        }
+        "saturating" => {
+            let ratio = tape.divide(at.velocity, number(&description, "saturation_velocity_rad_s", &place)?);
+            let mut columns = vec![tape.call(Function::Tanh, &[ratio])];
+            if description.get("linear").and_then(Json::as_bool) == Some(true) {
+                columns.push(at.velocity);
+            }
+            Ok(columns)
+        }
+        name => Err(unknown(place, name, model.state_len(), "polynomial, saturating")),
+    }
+}
+
+/// q̇ |q̇|^(power − 1).
+fn odd_power(tape: &mut Tape, velocity: Value, power: u64) -> Value {
+    let mut product = velocity;
+    for _ in 1..power {
+        let size = tape.call(Function::Abs, &[velocity]);
+        product = tape.multiply(product, size);
+    }
+    product
+}
+
+/// A key of a model's description.
+pub(crate) fn number(description: &Json, key: &str, place: &str) -> Result<f64, ExportError> {
+    description.get(key).and_then(Json::as_f64).ok_or_else(|| ExportError::Model {
+        place: place.to_owned(),
+        model: description.get("model").and_then(Json::as_str).unwrap_or("?").to_owned(),
+        reason: "its description lacks a parameter, so it was made by another version",
+        known: "the models of this version".into(),
+    })
+}
+
+/// A model's description, as model files have it.
+pub(crate) fn described(
+    description: Result<Json, serde_json::Error>,
+    place: String,
+) -> Result<Json, ExportError> {
+    description.map_err(|source| ExportError::Description { place, source })
+}
+
+/// The refusal of a model.
+pub(crate) fn unknown(place: String, name: &str, state: usize, known: &str) -> ExportError {
+    let reason = if state > 0 {
+        "it has memory, and only models without are written in C"
+    } else {
+        "its equation is not known to this export (a plugin, or a model that is not written in C yet)"
+    };
+    ExportError::Model { place, model: name.to_owned(), reason, known: known.to_owned() }
+}

@@ -1,0 +1,48 @@
+//! C99: a header, a source, and a program that compares them with the model's own predictions.
+//!
+//! The source needs `math.h` alone, allocates nothing, keeps no state, and has no branch but those of the sign of
+//! velocity. Every function is a straight line of operations, in which constants are folded and nothing is computed that is
+//! zero or is computed already. Bodies enter by their base parameters, so every calibration can be exported.
+
+mod arm_terms;
+mod friction;
+mod functions;
+mod harness;
+mod newton_euler;
+mod tape;
+mod text;
+
+pub use tape::Operations;
+
+pub use self::harness::Check;
+use crate::{Export, ExportError, Source, naming::check_identifier};
+
+/// The C of a model, with a program that compares it with `checks`.
+///
+/// # Errors
+/// Names that C cannot have; models that cannot be written, by their names; models in amperes.
+pub fn export(source: &Source<'_>, checks: &[Check]) -> Result<Export, ExportError> {
+    check_identifier(source.name)?;
+    let chain = source.chain()?;
+    let functions = functions::all(source, chain)?;
+    let name = source.name;
+    let files = vec![
+        (format!("{name}.h"), text::header(source, chain, &functions)),
+        (format!("{name}.c"), text::implementation(source, &functions)),
+        ("main.c".to_owned(), harness::program(source, chain, checks)?),
+    ];
+    let notes = functions
+        .iter()
+        .map(|f| {
+            let Operations { multiplications, additions, calls } = f.operations;
+            format!(
+                "{name}_{}: {multiplications} multiplications, {additions} additions, {calls} calls",
+                f.name
+            )
+        })
+        .collect();
+    let lost = vec![
+        "the load torques and velocities of the calibration, beyond which predictions extrapolate".into(),
+    ];
+    Ok(Export { files, lost, notes })
+}

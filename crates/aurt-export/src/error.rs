@@ -1,0 +1,82 @@
+use aurt_rbd::RbdError;
+use thiserror::Error;
+
+/// Why a model cannot be exported.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// Predictions are no torques.
+    #[error(
+        "the model predicts currents in A, and the target needs torques in Nm; write `torque_constants_nm_per_a` \
+         in the table `robot` of the experiment and calibrate again"
+    )]
+    Amperes,
+    /// The rigid bodies are no serial chain.
+    #[error("the rigid bodies of the model are no serial chain, the only kind that can be exported")]
+    NoChain,
+    /// A name that the target cannot use.
+    #[error(
+        "the name `{name}` {reason}; name the robot with letters of a to z, digits and `_`, a letter first"
+    )]
+    Name {
+        /// The name.
+        name: String,
+        /// What is wrong with it, as the rest of the sentence.
+        reason: &'static str,
+    },
+    /// A model of friction or of the arm that the target does not know.
+    #[error("{place}: the model `{model}` cannot be exported: {reason}; known: {known}")]
+    Model {
+        /// The joint and slot, or the arm term.
+        place: String,
+        /// The model.
+        model: String,
+        /// Why not.
+        reason: &'static str,
+        /// The models that can be exported there.
+        known: String,
+    },
+    /// A model has no standard parameters that a machine can have.
+    #[error(
+        "the model has no mass, centre of mass and inertia for every link, only base parameters; calibrate with \
+         `estimator = \"consistent\"`"
+    )]
+    NoBodies,
+    /// The standard parameters are those of no machine.
+    #[error(
+        "the standard parameters are those of no machine: {complaints}; calibrate with `estimator = \"consistent\"`"
+    )]
+    Impossible {
+        /// What is wrong with each link.
+        complaints: String,
+    },
+    /// A number of values does not fit the model.
+    #[error("{what}: expected {expected}, got {found}")]
+    Count {
+        /// Which values.
+        what: &'static str,
+        /// Their number.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A coefficient is not finite.
+    #[error("the coefficient `{name}` is {value}; calibrate again")]
+    NotFinite {
+        /// Its name.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A model cannot be described.
+    #[error("{place}: its model cannot be described: {source}")]
+    Description {
+        /// The joint and slot, or the arm term.
+        place: String,
+        /// Why not.
+        source: serde_json::Error,
+    },
+    /// The rigid bodies.
+    #[error(transparent)]
+    RigidBody(#[from] RbdError),
+}

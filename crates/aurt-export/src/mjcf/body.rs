@@ -1,0 +1,95 @@
+//! The tree of bodies: frames, inertias, shapes to be seen.
+
+use std::fmt::Write;
+
+use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, LinkFrame, RbdError, SerialChain};
+
+use super::joint::JointDynamics;
+use crate::ExportError;
+
+/// Radius of the shapes, as a share of their length and at most, m.
+const SLENDER: f64 = 0.15;
+const THICKEST_M: f64 = 0.05;
+
+/// The nested `body` elements. Frame j of the chain at coordinate zero is the frame of body j; its joint turns about, or
+/// slides along, the frame's z axis, in the sense of the joint's sign.
+pub(super) fn tree(
+    name: &str,
+    chain: &SerialChain,
+    standard: &[f64],
+    joints: &[JointDynamics],
+) -> Result<String, ExportError> {
+    let frames = frames(chain)?;
+    let mut text = String::new();
+    let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
+    for (j, (frame, dynamics)) in frames.iter().zip(joints).enumerate() {
+        let indent = "  ".repeat(j + 2);
+        let (p, r) = (frame.origin_m, frame.rotation);
+        let axes = [r[0][0], r[1][0], r[2][0], r[0][1], r[1][1], r[2][1]];
+        let _ = writeln!(
+            text,
+            "{indent}<body name=\"{name}_link_{j}\" pos=\"{}\" xyaxes=\"{}\">",
+            numbers(&p),
+            numbers(&axes)
+        );
+        let body = LinkBody::from_standard_parameters(&bodies[j]).ok_or(ExportError::NoBodies)?;
+        let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
+        let _ = writeln!(
+            text,
+            "{indent}  <inertial pos=\"{}\" mass=\"{:?}\" fullinertia=\"{}\"/>",
+            numbers(&body.com_m),
+            body.mass_kg,
+            numbers(&[xx, yy, zz, xy, xz, yz])
+        );
+        let joint = &chain.joints()[j];
+        let kind = match joint.kind {
+            JointKind::Revolute => "hinge",
+            JointKind::Prismatic => "slide",
+        };
+        let _ =
+            write!(text, "{indent}  <joint name=\"joint_{j}\" type=\"{kind}\" axis=\"0 0 {}\"", joint.sign);
+        for (attribute, value) in [
+            ("armature", dynamics.armature),
+            ("damping", dynamics.damping),
+            ("frictionloss", dynamics.friction_loss),
+            ("stiffness", dynamics.stiffness),
+            ("springref", dynamics.spring_ref),
+        ] {
+            if value != 0.0 {
+                let _ = write!(text, " {attribute}=\"{value:?}\"");
+            }
+        }
+        text.push_str("/>\n");
+        // The last link ends at its centre of mass, as far as the model knows.
+        let end = frames.get(j + 1).map_or(body.com_m, |next| next.origin_m);
+        let length = end.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if length > 1e-3 {
+            let _ = writeln!(
+                text,
+                "{indent}  <geom type=\"capsule\" fromto=\"0.0 0.0 0.0 {}\" size=\"{:?}\" contype=\"0\" \
+                 conaffinity=\"0\" group=\"1\" mass=\"0\"/>",
+                numbers(&end),
+                (SLENDER * length).min(THICKEST_M)
+            );
+        }
+    }
+    for j in (0..joints.len()).rev() {
+        let _ = writeln!(text, "{}</body>", "  ".repeat(j + 2));
+    }
+    Ok(text)
+}
+
+/// Each link frame in the previous one at coordinate zero.
+fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
+    let mut frames = Vec::new();
+    let mut alone = Vec::new();
+    for joint in chain.joints() {
+        SerialChain::new(vec![*joint], [0.0; 3])?.link_frames(&[0.0], &mut alone);
+        frames.append(&mut alone);
+    }
+    Ok(frames)
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{:?}", if *v == 0.0 { 0.0 } else { *v })).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,66 @@
+//! MuJoCo: a complete model file of a robot.
+//!
+//! Bodies carry the inertias of a calibration that found some a machine can have. Joints carry armature (the rotors), damping
+//! (linear viscous friction), friction loss (the Coulomb level without load) and springs. All else has no word in MuJoCo:
+//! it is listed in the file and in [`Export::lost`].
+
+mod body;
+mod joint;
+
+use std::fmt::Write;
+
+use aurt_rbd::inconsistencies;
+
+use crate::{
+    Export, ExportError, Source,
+    naming::{check_identifier, for_comment},
+};
+
+/// The MJCF file of a model.
+///
+/// # Errors
+/// [`ExportError::NoBodies`] without standard parameters, [`ExportError::Impossible`] with those of no machine; models in
+/// amperes; names that are no identifiers.
+pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
+    check_identifier(source.name)?;
+    let chain = source.chain()?;
+    let standard = source.standard.ok_or(ExportError::NoBodies)?;
+    let expected = source.model.rigid_body().standard_parameters().len();
+    if standard.len() != expected {
+        let found = standard.len();
+        return Err(ExportError::Count { what: "standard parameters", expected, found });
+    }
+    let complaints: Vec<String> = inconsistencies(standard).iter().map(ToString::to_string).collect();
+    if !complaints.is_empty() {
+        return Err(ExportError::Impossible { complaints: complaints.join("; ") });
+    }
+    let (joints, mut lost) = joint::dynamics(source);
+    lost.push("limits of positions and torques, and shapes that collide: the model file has none".into());
+    let bodies = body::tree(source.name, chain, standard, &joints)?;
+
+    let mut text = String::from("<!--\n");
+    let mut lines = vec![format!("{}, written by `aurt export mjcf`.", source.name)];
+    lines.extend(source.provenance.lines());
+    lines.push("MuJoCo has no word for:".into());
+    lines.extend(lost.iter().map(|l| format!("  {l}")));
+    for line in lines {
+        let _ = writeln!(text, "  {}", for_comment(&line));
+    }
+    let [x, y, z] = chain.gravity_m_s2();
+    let _ = write!(
+        text,
+        "-->\n<mujoco model=\"{}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
+         <option gravity=\"{x:?} {y:?} {z:?}\" integrator=\"implicitfast\"/>\n  <worldbody>\n{bodies}  </worldbody>\n  \
+         <actuator>\n",
+        source.name
+    );
+    for j in 0..joints.len() {
+        let _ = writeln!(text, "    <motor name=\"motor_{j}\" joint=\"joint_{j}\"/>");
+    }
+    text.push_str("  </actuator>\n</mujoco>\n");
+    let notes = vec![
+        "capsules from joint to joint are there to be seen; they neither weigh nor collide".into(),
+        "friction loss acts without load; friction that grows with the load is larger than it says".into(),
+    ];
+    Ok(Export { files: vec![(format!("{}.xml", source.name), text)], lost, notes })
+}

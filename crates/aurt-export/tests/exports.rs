@@ -1,0 +1,200 @@
+//! Exports against what the model itself predicts, run by the programs that they are made for.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod models;
+
+use std::{
+    path::Path,
+    process::{Command, Output},
+};
+
+use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf};
+use aurt_friction::hysteresis::dahl::Dahl;
+use aurt_rbd::ChainDynamics;
+use aurt_traits::{JointStack, MeasurementUnit, RobotModel};
+
+use models::{Case, arm, case, checks, gantry};
+
+fn provenance() -> Provenance {
+    Provenance {
+        file: "rd_calibrated.json".into(),
+        schema: 1,
+        blake3: "0123".into(),
+        aurt_version: Some("0.1.0".into()),
+        recordings: vec!["monday/*.csv".into(), "a -- b??/".into()],
+    }
+}
+
+fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
+    Source {
+        name: "machine",
+        model: &case.model,
+        coefficients: &case.coefficients,
+        load: &case.load,
+        unit: MeasurementUnit::NewtonMetre,
+        standard: Some(&case.standard),
+        provenance,
+    }
+}
+
+fn write(export: &Export, folder: &Path) {
+    for (name, text) in &export.files {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+}
+
+/// Compiles and runs an export; nothing where there is no C compiler.
+fn compiled_and_run(export: &Export) -> Option<Output> {
+    let folder = tempfile::tempdir().unwrap();
+    write(export, folder.path());
+    let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"];
+    let compile = Command::new("cc")
+        .args(strict)
+        .args(["machine.c", "main.c", "-o", "check", "-lm"])
+        .current_dir(folder.path())
+        .output();
+    let Ok(compile) = compile else {
+        println!("skipped: there is no C compiler `cc`");
+        return None;
+    };
+    assert!(compile.status.success(), "{}", String::from_utf8_lossy(&compile.stderr));
+    Some(Command::new(folder.path().join("check")).output().unwrap())
+}
+
+#[test]
+fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
+    let provenance = provenance();
+    for (case, name) in [(case(arm(), true), "arm"), (case(gantry(), false), "gantry")] {
+        let stored = checks(&case, 32);
+        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        println!("{name}: {:#?}", export.notes);
+        let Some(run) = compiled_and_run(&export) else { return };
+        let text = String::from_utf8_lossy(&run.stdout);
+        println!("{text}");
+        assert!(run.status.success(), "{name}: {text}");
+        assert_eq!(text.matches("passed").count(), 5, "{name}: {text}");
+    }
+}
+
+#[test]
+fn the_check_of_the_c_fails_where_values_differ() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let mut stored = checks(&case, 8);
+    stored[3].torque_nm[2] *= 1.0 + 1e-9;
+    let export = c::export(&source(&case, &provenance), &stored).unwrap();
+    let Some(run) = compiled_and_run(&export) else { return };
+    assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
+    assert!(String::from_utf8_lossy(&run.stdout).contains("torque[2]: differs"));
+}
+
+#[test]
+fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
+    let Some(python) = std::env::var_os("AURT_PYTHON") else {
+        println!("skipped: AURT_PYTHON names no Python with MuJoCo");
+        return;
+    };
+    if !Command::new(&python).args(["-c", "import mujoco"]).status().is_ok_and(|s| s.success()) {
+        println!("skipped: {} has no MuJoCo", python.display());
+        return;
+    }
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case(chain, true);
+        let export = mjcf::export(&source(&case, &provenance)).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        write(&export, folder.path());
+        let rotors: Vec<f64> = (0..case.model.joints())
+            .map(|j| {
+                let name = format!("rotor_inertia.I_a_{j}");
+                let place = case.model.parameters().iter().position(|p| p.name == name);
+                place.map_or(0.0, |k| case.coefficients[k])
+            })
+            .collect();
+        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard)
+            .unwrap()
+            .with_rotor_inertia(&rotors)
+            .unwrap();
+        let states: Vec<_> = checks(&case, 32)
+            .into_iter()
+            .map(|check| {
+                let mut torque = vec![0.0; case.model.joints()];
+                bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut torque);
+                [check.q_rad, check.qd_rad_s, check.qdd_rad_s2, torque]
+            })
+            .collect();
+        std::fs::write(folder.path().join("states.json"), serde_json::to_vec(&states).unwrap()).unwrap();
+        let run = Command::new(&python)
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_inverse.py"))
+            .arg(folder.path().join("machine.xml"))
+            .arg(folder.path().join("states.json"))
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&run.stdout);
+        assert!(run.status.success(), "{name}: {text}\n{}", String::from_utf8_lossy(&run.stderr));
+        let worst: f64 = text.trim().parse().unwrap();
+        println!(
+            "{name}: largest difference of mj_inverse {worst:e}, relative to the largest torque of the joint"
+        );
+        assert!(worst <= 1e-9, "{name}: {worst:e}");
+    }
+}
+
+#[test]
+fn files_state_their_model_and_what_is_lost() {
+    let (case, provenance) = (case(arm(), true), provenance());
+    let source = source(&case, &provenance);
+    let c = c::export(&source, &checks(&case, 2)).unwrap();
+    let mjcf = mjcf::export(&source).unwrap();
+    for (name, text) in c.files.iter().chain(&mjcf.files) {
+        assert!(text.contains("rd_calibrated.json (schema 1, aurt 0.1.0)"), "{name}");
+        assert!(text.contains("BLAKE3 of the model: 0123"), "{name}");
+    }
+    assert!(c.files[1].1.contains("void machine_torque(const double q[6]"), "{}", c.files[1].1);
+    let xml = &mjcf.files[0].1;
+    for word in ["armature=", "damping=", "frictionloss=", "stiffness=", "springref="] {
+        assert!(xml.contains(word), "`{word}` is missing");
+    }
+    for word in
+        ["joint 1, coulomb friction `absolute`: F_C1 = ", "arm term current_offset", "hysteresis `tanh`"]
+    {
+        assert!(mjcf.lost.iter().any(|l| l.contains(word)), "`{word}` is missing in {:#?}", mjcf.lost);
+    }
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused_by_name() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let good = source(&case, &provenance);
+    let refusal = |source: &Source<'_>| c::export(source, &[]).unwrap_err().to_string();
+    assert!(refusal(&Source { unit: MeasurementUnit::Ampere, ..good }).contains("torque_constants_nm_per_a"));
+    assert!(refusal(&Source { name: "my robot", ..good }).contains("`my robot` is no identifier"));
+    let standard = None;
+    let error = mjcf::export(&Source { standard, ..good }).unwrap_err();
+    assert!(matches!(error, ExportError::NoBodies), "{error}");
+    let mut impossible = case.standard.clone();
+    impossible[9] = -1.0;
+    let error = mjcf::export(&Source { standard: Some(&impossible), ..good }).unwrap_err().to_string();
+    assert!(error.contains("link 0: the mass is -1 kg"), "{error}");
+    let mut coefficients = case.coefficients.clone();
+    coefficients[1] = f64::NAN;
+    assert!(refusal(&Source { coefficients: &coefficients, ..good }).contains("is NaN"));
+
+    let old = &case.model.stacks()[0];
+    let with_memory = JointStack::new(
+        aurt_traits::CoulombModel::boxed_clone(old.coulomb()),
+        Box::new(Dahl::default()),
+        aurt_traits::ViscousBasis::boxed_clone(old.viscous()),
+    )
+    .unwrap();
+    let mut stacks = case.model.stacks().to_vec();
+    stacks[0] = with_memory;
+    let base = case.model.base().clone();
+    let terms = case.model.arm_terms().to_vec();
+    let model = RobotModel::new(case.model.rigid_body().clone(), base, stacks, terms).unwrap();
+    let refused = refusal(&Source { model: &model, ..good });
+    assert_eq!(
+        refused,
+        "joint 0, hysteresis: the model `dahl` cannot be exported: it has memory, and only models without are \
+         written in C; known: sign, tanh"
+    );
+}

@@ -1,0 +1,166 @@
+//! Models to export, and what they predict.
+
+use aurt_export::c::Check;
+use aurt_friction::{
+    arm_terms::{
+        coulomb_asymmetric::CoulombAsymmetric, current_offset::CurrentOffset,
+        joint_selection::JointSelection, rotor_inertia::RotorInertia, spring::Spring,
+        viscous_asymmetric::ViscousAsymmetric,
+    },
+    coulomb::{
+        absolute::Absolute,
+        none::Constant,
+        square::Square,
+        stribeck::{LoadDependence, Stribeck},
+    },
+    hysteresis::{sign::Sign, tanh::Tanh},
+    viscous::{polynomial::Polynomial, saturating::Saturating},
+};
+use aurt_rbd::{Joint, LinkBody, Placement, SerialChain, base_parameters};
+use aurt_traits::{ArmTerm, JointStack, LoadTorque, Motion, RobotModel, RobotState, RobotTile};
+
+/// Numbers between −1 and 1 (the constants are Knuth's MMIX).
+pub struct Numbers(u64);
+
+impl Numbers {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    pub fn many(&mut self, count: usize) -> Vec<f64> {
+        (0..count).map(|_| self.next()).collect()
+    }
+}
+
+/// A model with coefficients.
+pub struct Case {
+    pub model: RobotModel,
+    pub coefficients: Vec<f64>,
+    pub load: LoadTorque,
+    pub standard: Vec<f64>,
+    pub chain: SerialChain,
+}
+
+fn mdh(alpha_rad: f64, a_m: f64, d_m: f64) -> Joint {
+    Joint::revolute(Placement::Mdh { alpha_rad, a_m, d_m })
+}
+
+/// Six revolute joints, with offsets, senses and one placement that is no row of a table.
+pub fn arm() -> SerialChain {
+    let right = std::f64::consts::FRAC_PI_2;
+    let oblique = Placement::from_roll_pitch_yaw([0.05, -0.02, 0.3], [0.3, -0.7, 1.1]);
+    let joints = vec![
+        mdh(0.0, 0.0, 0.18),
+        Joint { sign: -1.0, theta_offset_rad: 0.4, ..mdh(right, 0.1, 0.0) },
+        mdh(0.0, -0.61, 0.0),
+        Joint { theta_offset_rad: -right, ..mdh(0.0, -0.57, 0.17) },
+        Joint::revolute(oblique),
+        Joint { sign: -1.0, ..mdh(-right, 0.0, 0.12) },
+    ];
+    SerialChain::new(joints, [0.3, 0.0, -9.81]).unwrap()
+}
+
+/// Prismatic joints first, in between and turned.
+pub fn gantry() -> SerialChain {
+    let slide = |alpha_rad, a_m, d_m| Joint::prismatic(Placement::Mdh { alpha_rad, a_m, d_m });
+    let joints = vec![
+        Joint { sign: -1.0, ..slide(0.3, 0.0, 0.1) },
+        mdh(-1.1, 0.2, 0.0),
+        Joint { theta_offset_rad: 0.6, ..slide(std::f64::consts::FRAC_PI_2, 0.1, 0.2) },
+        Joint { theta_offset_rad: -0.2, ..mdh(0.4, 0.3, 0.1) },
+    ];
+    SerialChain::new(joints, [0.0, 0.0, -9.81]).unwrap()
+}
+
+fn stack(joint: usize) -> JointStack {
+    let stribeck = |stribeck_exponent, load| {
+        Box::new(Stribeck { stribeck_velocity_rad_s: 0.3, stribeck_exponent, load })
+    };
+    let tanh = || Box::new(Tanh { velocity_rad_s: 0.02 });
+    let polynomial = |powers: &[u32]| Box::new(Polynomial { powers: powers.to_vec() });
+    let made = match joint {
+        0 => JointStack::new(Box::new(Constant {}), Box::new(Sign::default()), polynomial(&[1])),
+        1 => JointStack::new(Box::new(Absolute {}), tanh(), polynomial(&[1, 2, 3])),
+        2 => {
+            JointStack::new(Box::new(Square {}), Box::new(Sign { rest_velocity_rad_s: 0.1 }), polynomial(&[]))
+        }
+        3 => {
+            let saturating = Saturating { saturation_velocity_rad_s: 0.7, linear: true };
+            JointStack::new(stribeck(2.0, LoadDependence::Absolute), tanh(), Box::new(saturating))
+        }
+        4 => JointStack::new(stribeck(1.3, LoadDependence::Square), tanh(), polynomial(&[3])),
+        _ => {
+            JointStack::new(stribeck(1.0, LoadDependence::None), Box::new(Sign::default()), polynomial(&[2]))
+        }
+    };
+    made.unwrap()
+}
+
+fn bodies(numbers: &mut Numbers, count: usize) -> Vec<f64> {
+    (0..count)
+        .flat_map(|_| {
+            let [x, y, z] = [0; 3].map(|_| 0.02 + 0.01 * numbers.next());
+            let com_m = [0; 3].map(|_| 0.2 * numbers.next());
+            // Moments of three orthogonal rods meet the triangle inequality.
+            let inertia_at_com_kg_m2 =
+                [y + z, 1e-3 * numbers.next(), 1e-3 * numbers.next(), x + z, 1e-3, x + y];
+            LinkBody { mass_kg: 3.0 + numbers.next(), com_m, inertia_at_com_kg_m2 }.standard_parameters()
+        })
+        .collect()
+}
+
+/// A model of a chain with friction of every kind that can be exported.
+pub fn case(chain: SerialChain, fitted: bool) -> Case {
+    let joints = chain.joints().len();
+    let base = base_parameters(&chain, 0).unwrap();
+    let terms: Vec<Box<dyn ArmTerm>> = vec![
+        Box::new(RotorInertia { joints: JointSelection::of(vec![1, 3]) }),
+        Box::new(Spring { joints: JointSelection::of(vec![2]), rest_rad: None }),
+        Box::new(CurrentOffset { joints: JointSelection::of(vec![0]) }),
+        Box::new(ViscousAsymmetric { joints: JointSelection::of(vec![2]) }),
+        Box::new(CoulombAsymmetric { joints: JointSelection::of(vec![0, 1]), rest_velocity_rad_s: 0.05 }),
+    ];
+    let mut numbers = Numbers(7);
+    let standard = bodies(&mut numbers, joints);
+    let values = base.values(&standard);
+    let stacks = (0..joints).map(stack).collect();
+    let model = RobotModel::new(std::sync::Arc::new(chain.clone()), base, stacks, terms).unwrap();
+    let count = model.parameters().len();
+    let mut coefficients: Vec<f64> = numbers.many(count).iter().map(|v| 1.5 + v).collect();
+    coefficients[..values.len()].copy_from_slice(&values);
+    let weights = coefficients.iter().map(|c| c * (1.0 + 0.1 * numbers.next())).collect();
+    let load = if fitted { LoadTorque::Fitted(weights) } else { LoadTorque::Literal };
+    Case { model, coefficients, load, standard, chain }
+}
+
+/// What the model's regressor predicts at random states; at the first, all joints rest.
+pub fn checks(case: &Case, count: usize) -> Vec<Check> {
+    let joints = case.model.joints();
+    let mut numbers = Numbers(11);
+    let states: Vec<[Vec<f64>; 3]> = (0..count)
+        .map(|n| {
+            let speed = if n == 0 { 0.0 } else { 2.0 };
+            [3.0, speed, 5.0].map(|reach| numbers.many(joints).iter().map(|v| reach * v).collect())
+        })
+        .collect();
+    let series = |k: usize| (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect();
+    let times = (0..count).map(|n| n as f64).collect();
+    let motion = Motion::new(joints, times, series(0), series(1), series(2)).unwrap();
+    let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
+    case.model.evaluate(motion.view(), &case.load, &mut state, &mut tile).unwrap();
+    let torque = |joint: usize, n: usize| -> f64 {
+        let slots = case.model.row_slots(joint).zip(case.model.row_columns(joint));
+        slots.map(|(slot, column)| case.coefficients[*column] * tile.slot(slot)[n]).sum()
+    };
+    states
+        .iter()
+        .enumerate()
+        .map(|(n, [q, qd, qdd])| Check {
+            q_rad: q.clone(),
+            qd_rad_s: qd.clone(),
+            qdd_rad_s2: qdd.clone(),
+            torque_nm: (0..joints).map(|j| torque(j, n)).collect(),
+        })
+        .collect()
+}
