@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use aurt::{
     calibrated_file, data, demo, diagnosing, fitting, glossary, injected, inspection, output, proof, reports,
-    results, sensitivity, streaming, sweeping,
+    results, sensitivity, streaming, sweeping, tracking,
 };
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;

@@ -21,4 +21,5 @@ mod reports;
 mod simulation;
 mod support;
 mod sweeps;
+mod tracking;
 mod words;
