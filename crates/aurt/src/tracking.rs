@@ -106,6 +106,14 @@ pub fn track(
     options: TrackOptions,
     progress: &Progress,
 ) -> Result<Tracked, Failure> {
+    if experiment.arm_term_recordings.iter().any(Option::is_some) {
+        return Err(Failure::Argument {
+            option: "EXPERIMENT.toml",
+            reason: "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does"
+                .into(),
+            remedy: "calibrate without that term, on recordings without it".into(),
+        });
+    }
     let calibration = &calibrated.calibration;
     let coefficients = calibration.coefficients();
     let model = with_load(calibrated, registry)?;
@@ -181,9 +189,9 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 fn prepared(calibrated: &CalibratedModel, source: Source) -> Result<NamedRecording, Failure> {
     let pipeline = calibrated.pipeline();
     let loaded = pipeline.read(source, Purpose::Calibration)?;
-    let unit = pipeline.unit(&loaded).ok_or_else(|| CalibrationError::NoMeasurement {
-        file: loaded.source.file.clone(),
-    })?;
+    let unit = pipeline
+        .unit(&loaded)
+        .ok_or_else(|| CalibrationError::NoMeasurement { file: loaded.source.file.clone() })?;
     if unit != calibrated.calibration.unit {
         return Err(Failure::MixedUnits {
             first: Path::new("the calibrated model").to_owned(),
@@ -202,8 +210,7 @@ fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotM
         return Ok(model.clone());
     }
     let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });
-    let load: Box<dyn ArmTerm> =
-        registry.build_from_json(&load).map_err(Failure::Build)?;
+    let load: Box<dyn ArmTerm> = registry.build_from_json(&load).map_err(Failure::Build)?;
     let terms = model.arm_terms().iter().cloned().chain([load]).collect();
     RobotModel::new(model.rigid_body().clone(), model.base().clone(), model.stacks().to_vec(), terms)
         .map_err(Failure::Models)

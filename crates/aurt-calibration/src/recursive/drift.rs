@@ -54,7 +54,7 @@ pub struct DriftWindow {
     pub start_s: f64,
     /// How long it is, s.
     pub duration_s: f64,
-    /// Whether it is as long as windows should be; shorter ones are what is left at the end of a segment.
+    /// Whether it is as long as windows should be; a segment that is too short for one is a shorter window.
     pub whole: bool,
     /// One factor per joint over the drift parameters.
     pub system: System,
@@ -95,7 +95,8 @@ impl DriftReference<'_> {
     }
 }
 
-/// A recording in windows of `window_s` seconds, each as triangles over the drift parameters.
+/// A recording in windows of about `window_s` seconds, which divide each segment evenly, as triangles over the drift
+/// parameters.
 ///
 /// # Errors
 /// [`CalibrationError::Joints`], [`CalibrationError::NoMeasurement`], and what models report.
@@ -129,16 +130,17 @@ fn windows_of_segment(
         return Ok(());
     }
     let at = |row: usize| time_s[(row * segment.decimation).min(time_s.len() - 1)];
-    let window_of = |row: usize| ((at(row) - time_s[0]) / window_s) as usize;
-    let first = windows.len();
     let row_s = if rows > 1 { at(1) - at(0) } else { 0.0 };
-    for window in 0..=window_of(rows - 1) {
-        let begin = time_s[0] + window as f64 * window_s;
-        let duration_s = (at(rows - 1) + row_s - begin).min(window_s);
+    let segment_s = at(rows - 1) + row_s - time_s[0];
+    let fitting = ((segment_s / window_s + 0.25) as usize).min(rows);
+    let duration_s = segment_s / fitting.max(1) as f64;
+    let window_of = |row: usize| (row * fitting.max(1)) / rows;
+    let first = windows.len();
+    for window in 0..fitting.max(1) {
         windows.push(DriftWindow {
-            start_s: begin - origin_s,
+            start_s: time_s[0] - origin_s + window as f64 * duration_s,
             duration_s,
-            whole: duration_s > 0.99 * window_s,
+            whole: fitting > 0,
             system: System::new(parameters, columns.iter().cloned().map(JointFactor::new).collect()),
         });
     }

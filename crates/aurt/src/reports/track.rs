@@ -56,8 +56,11 @@ pub fn text(tracked: &Tracked) -> String {
     tracked.alarms.iter().for_each(|alarm| {
         let _ = writeln!(text, "  {}", sentence(alarm));
     });
-    let _ =
-        writeln!(text, "\n{:<14} {:<5} {:>10}  {:<22}  recording", "parameter", "unit", "drift", "95 % interval");
+    let _ = writeln!(
+        text,
+        "\n{:<14} {:<5} {:>10}  {:<22}  recording",
+        "parameter", "unit", "drift", "95 % interval"
+    );
     for recording in &tracked.recordings {
         for (parameter, drift) in tracked.parameters.iter().zip(&recording.drift) {
             let _ = writeln!(
