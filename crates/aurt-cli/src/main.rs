@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use aurt::{
     calibrated_file, data, demo, diagnosing, fitting, glossary, injected, inspection, output, proof, reports,
-    results, sensitivity, streaming, sweeping, tracking,
+    results, sensitivity, streaming, sweeping,
 };
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;

@@ -53,7 +53,6 @@ pub mod simulated;
 mod simulating;
 pub mod streaming;
 pub mod sweeping;
-pub mod tracking;
 
 use aurt_diagnosis::Verdict;
 use aurt_experiment::{Experiment, Registry};

@@ -24,7 +24,6 @@ mod score;
 mod sensitivity;
 mod simulate;
 mod sweep;
-mod track;
 
 use aurt_plugins::Registry;
 use clap::Subcommand;
@@ -48,7 +47,6 @@ pub enum Command {
     Diagnose(diagnose::Diagnose),
     Sweep(sweep::Sweep),
     Sensitivity(sensitivity::Sensitivity),
-    Track(track::Track),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Conceal(conceal::Conceal),
@@ -65,7 +63,7 @@ pub enum Command {
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 7] = [
     ("Start here", &["demo", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Proof", &["prove", "conceal", "score"]),
     (
@@ -103,7 +101,6 @@ impl Command {
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
             Self::Sensitivity(command) => command.run(session),
-            Self::Track(command) => command.run(session),
             Self::Simulate(command) => command.run(session),
             Self::Excite(command) => command.run(session),
             Self::Conceal(command) => command.run(session),

@@ -21,5 +21,4 @@ mod reports;
 mod simulation;
 mod support;
 mod sweeps;
-mod tracking;
 mod words;
