@@ -42,6 +42,11 @@ impl System {
         &self.factors
     }
 
+    /// The joints' factors, to take in rows.
+    pub(crate) fn factors_mut(&mut self) -> &mut [JointFactor] {
+        &mut self.factors
+    }
+
     /// Number of coefficients.
     #[must_use]
     pub const fn coefficients(&self) -> usize {

@@ -24,6 +24,7 @@ fn help_names_every_command_and_each_has_an_example() {
         "predict",
         "models",
         "robots",
+        "export",
         "explain",
         "new-plugin",
     ] {
