@@ -45,6 +45,7 @@ fn every_command_answers_in_json() {
         "check --json demo/exciting_motion.csv",
         "calibrate-validate --json --model rd.json --data demo/exciting_motion.csv --calibration-data-rel 0.7 \
          --f-dyn-hz 5 --out-params p.csv --out-calibrated-model c.json --out-prediction y.csv",
+        "export --json c demo/rd_calibrated.json --out exported",
         "completions --json bash",
         "man --json --out pages",
         "models --json",
