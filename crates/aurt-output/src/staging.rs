@@ -54,18 +54,19 @@ pub(crate) fn sync_folder(folder: &Path) {
 /// A folder to stage files in, with the mark of this process.
 #[derive(Debug)]
 pub(crate) struct StagedFolder {
-    _unfinished: Unfinished,
-    _marked: Option<File>,
     pub(crate) folder: TempDir,
+    _marked: Option<File>,
+    _unfinished: Unfinished,
 }
 
 impl StagedFolder {
     pub(crate) fn new(parent: &Path) -> Result<Self, WriteError> {
-        let folder = named(PART, 0o777).tempdir_in(parent).map_err(WriteError::at(parent))?;
-        let unfinished = Unfinished::new(folder.path());
+        let (folder, unfinished) =
+            Unfinished::made(|| named(PART, 0o777).tempdir_in(parent), |folder| folder.path())
+                .map_err(WriteError::at(parent))?;
         let marked = File::open(folder.path()).ok();
         marked.iter().for_each(mark);
-        Ok(Self { _unfinished: unfinished, _marked: marked, folder })
+        Ok(Self { folder, _marked: marked, _unfinished: unfinished })
     }
 }
 
@@ -81,8 +82,11 @@ pub(crate) struct Staged {
 impl Staged {
     pub(crate) fn new(target: &Path, contents: &[u8], durability: Durability) -> Result<Self, WriteError> {
         let fail = || WriteError::at(target);
-        let mut file = named(PART, 0o666).tempfile_in(folder_of(target)).map_err(fail())?;
-        let unfinished = Unfinished::new(file.path());
+        let (mut file, unfinished) = Unfinished::made(
+            || named(PART, 0o666).tempfile_in(folder_of(target)),
+            |file: &NamedTempFile| file.path(),
+        )
+        .map_err(fail())?;
         mark(file.as_file());
         file.write_all(contents).map_err(fail())?;
         if durability == Durability::Synced {

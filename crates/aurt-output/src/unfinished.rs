@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeSet,
-    fs,
+    fs, io,
     path::{Path, PathBuf},
     sync::{
         Mutex, MutexGuard, PoisonError,
@@ -17,6 +17,9 @@ static PUBLISHING: Mutex<()> = Mutex::new(());
 /// Files that have taken their names.
 static KEPT: AtomicUsize = AtomicUsize::new(0);
 
+/// How often a folder is removed that others still write into.
+const REMOVALS: usize = 100;
+
 /// A file or folder that is being written, until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Unfinished {
@@ -24,10 +27,19 @@ pub(crate) struct Unfinished {
 }
 
 impl Unfinished {
-    /// Notes that `path` is being written.
-    pub(crate) fn new(path: &Path) -> Self {
-        lock(&UNFINISHED).insert(path.to_owned());
-        Self { path: path.to_owned() }
+    /// Makes a file or folder that is going to be written, and notes it. Nothing is abandoned between the two.
+    ///
+    /// # Errors
+    /// What `make` reports.
+    pub(crate) fn made<T>(
+        make: impl FnOnce() -> io::Result<T>,
+        path: impl FnOnce(&T) -> &Path,
+    ) -> io::Result<(T, Self)> {
+        let mut unfinished = lock(&UNFINISHED);
+        let made = make()?;
+        let path = path(&made).to_owned();
+        unfinished.insert(path.clone());
+        Ok((made, Self { path }))
     }
 }
 
@@ -61,11 +73,22 @@ impl Publishing {
 pub fn abandon() -> usize {
     // Kept for good: whoever publishes from now on waits until the process ends.
     std::mem::forget(publishing());
-    for path in lock(&UNFINISHED).iter() {
-        // What cannot be removed is left; its name tells what it is.
-        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-    }
+    let unfinished = lock(&UNFINISHED);
+    unfinished.iter().for_each(|path| remove(path));
+    // Kept for good as well: nothing new is begun.
+    std::mem::forget(unfinished);
     KEPT.load(Ordering::Relaxed)
+}
+
+/// Removes a file or a folder, into which files may still be written. What cannot be removed is left; its name tells what
+/// it is.
+fn remove(path: &Path) {
+    for _ in 0..REMOVALS {
+        let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        if removed.is_ok() || !path.exists() {
+            return;
+        }
+    }
 }
 
 fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {

@@ -129,8 +129,8 @@ mod tests {
         let moved = with_file_names(tables, &|p| Path::new("x").join(p)).unwrap();
         assert!(moved.contains("file = \"x/a.csv\""), "{moved}");
         let moved =
-            with_file_names("[robot]\nmdh = \"a/$B/$$c.csv\"", &|p| Path::new("/of $5").join(p)).unwrap();
-        assert_eq!(moved, "[robot]\nmdh = \"/of $$5/a/$B/$$c.csv\"");
+            with_file_names("[robot]\nmdh = \"a/$B/$$c.csv\"\n", &|p| Path::new("/of $5").join(p)).unwrap();
+        assert_eq!(moved, "[robot]\nmdh = \"/of $$5/a/$B/$$c.csv\"\n");
         assert!(with_file_names("= 1", &Path::to_owned).is_err());
     }
 
