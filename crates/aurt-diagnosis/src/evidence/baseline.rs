@@ -5,7 +5,8 @@ use aurt_traits::{JointStack, LoadTorque, RobotModel};
 
 use crate::error::DiagnosisError;
 use crate::evidence::gram::BlockMoments;
-use crate::evidence::problem::{Problem, TotalFit};
+use crate::evidence::problem::Problem;
+use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};

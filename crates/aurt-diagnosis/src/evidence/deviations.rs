@@ -1,7 +1,8 @@
 //! How far coefficients may be off: memory and misfit of the residual, and not white noise alone.
 
 use crate::evidence::linear::solve_signed;
-use crate::evidence::problem::{Problem, TotalFit};
+use crate::evidence::problem::Problem;
+use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 
 /// Fits of everything but one block of time, block by block.

@@ -11,6 +11,7 @@ pub(crate) mod nested;
 pub(crate) mod null;
 pub(crate) mod problem;
 pub(crate) mod residuals;
+pub(crate) mod total;
 
 pub use baseline::Baseline;
 pub use problem::Problem;

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::linear::solve_signed;
-use crate::evidence::problem::{PartFit, Place, Problem, Products, free_first};
+use crate::evidence::problem::{PartFit, Place, Problem, Products};
+use crate::evidence::total::free_first;
 use crate::hypotheses::group::Switch;
 
 /// A model fitted to every training part (all blocks but one), ready to be extended by further groups. Coefficients

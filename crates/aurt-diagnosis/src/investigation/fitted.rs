@@ -4,7 +4,8 @@ use aurt_traits::RobotModel;
 
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::deviations::Resampled;
-use crate::evidence::problem::{Problem, TotalFit};
+use crate::evidence::problem::Problem;
+use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::effects::{self, FittedColumn, OwnFriction, Parameters};
 use crate::hypotheses::group::{Group, Switch};

@@ -9,7 +9,7 @@ use aurt_recording::{Segment, preprocess};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::gram::{Moments, dot};
-use crate::evidence::problem::free_first;
+use crate::evidence::total::free_first;
 use crate::hypotheses::effects::{Addition, Kind, find};
 use crate::hypotheses::group::{Group, Switch, kind};
 use crate::investigation::Investigation;

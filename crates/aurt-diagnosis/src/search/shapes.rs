@@ -14,7 +14,7 @@ use aurt_traits::ArmTerm;
 use rayon::prelude::*;
 
 use crate::evidence::gram::Moments;
-use crate::evidence::problem::free_first;
+use crate::evidence::total::free_first;
 use crate::hypotheses::effects::Addition;
 use crate::hypotheses::group::{Group, Switch};
 use crate::hypotheses::shape::Shape;

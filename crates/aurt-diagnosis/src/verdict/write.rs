@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::evidence::account::STRUCTURE;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::problem::TotalFit;
+use crate::evidence::total::TotalFit;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::effects;
 use crate::hypotheses::effects::Presence;
