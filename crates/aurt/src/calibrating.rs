@@ -114,7 +114,7 @@ impl CalibratedModel {
     /// Friction with memory starts at the first sample.
     ///
     /// # Errors
-    /// [`ModelError::Count`] for another number of joints; whatever a model reports.
+    /// [`aurt_traits::ModelError::Count`] for another number of joints; whatever a model reports.
     pub fn torque(&self, motion: MotionView<'_>) -> Result<Vec<Vec<f64>>, Failure> {
         const AT_ONCE: usize = 256;
         let load: &LoadTorque = &self.calibration.load;
