@@ -3,8 +3,8 @@
 use crate::evidence::account::{Left, STRUCTURE};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::deviations::Resampled;
-use crate::evidence::total::TotalFit;
 use crate::evidence::residuals::residuals;
+use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::{Group, Switch};
 use crate::hypotheses::registered::REGISTERED;
 use crate::investigation::Investigation;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::evidence::account::STRUCTURE;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::total::TotalFit;
 use crate::evidence::residuals::residuals;
+use crate::evidence::total::TotalFit;
 use crate::hypotheses::effects;
 use crate::hypotheses::effects::Presence;
 use crate::hypotheses::group::Switch;
