@@ -191,6 +191,13 @@ impl Folder {
                 plan::SCHEMA
             )));
         }
+        if plan.reference >= plan.points.len() {
+            return Err(refuse(format!(
+                "has {} points, and point {} is to be its reference",
+                plan.points.len(),
+                plan.reference
+            )));
+        }
         Ok(plan)
     }
 

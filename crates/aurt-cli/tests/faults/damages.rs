@@ -168,16 +168,18 @@ impl Damage {
     }
 }
 
-/// The text with one of its numbers replaced.
+/// The text with one of its numbers replaced. Digits of names and of hashes are no numbers.
 fn with_number(bytes: &[u8], number: &str, draws: &mut Draws) -> Vec<u8> {
     let part = |b: &u8| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'e');
+    let end_of = |begin: usize| begin + bytes[begin..].iter().take_while(|b| part(b)).count();
+    let word = |b: Option<&u8>| b.is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
     let begins: Vec<usize> = (0..bytes.len())
-        .filter(|k| bytes[*k].is_ascii_digit() && (*k == 0 || !part(&bytes[k - 1]) && bytes[k - 1] != b'_'))
+        .filter(|k| bytes[*k].is_ascii_digit() && (*k == 0 || !part(&bytes[k - 1]) && !word(bytes.get(k - 1))))
+        .filter(|k| !word(bytes.get(end_of(*k))))
         .collect();
     if begins.is_empty() {
         return bytes.to_vec();
     }
     let begin = begins[draws.below(begins.len())];
-    let end = begin + bytes[begin..].iter().take_while(|b| part(b)).count();
-    [&bytes[..begin], number.as_bytes(), &bytes[end..]].concat()
+    [&bytes[..begin], number.as_bytes(), &bytes[end_of(begin)..]].concat()
 }

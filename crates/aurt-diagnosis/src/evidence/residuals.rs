@@ -40,16 +40,29 @@ pub(crate) fn shares(
     switches: &[Switch],
     coefficients: &[f64],
 ) -> Vec<f64> {
-    let joints = layout.rows.len();
-    let mut sum = vec![0.0; joints];
-    let mut count = 0.0;
+    (0..layout.rows.len()).map(|j| share(rows, partition, layout, j, switches, coefficients)).collect()
+}
+
+/// [`shares`] of one joint.
+pub(crate) fn share(
+    rows: &[RecordingRows],
+    partition: &Partition,
+    layout: &Layout,
+    joint: usize,
+    switches: &[Switch],
+    coefficients: &[f64],
+) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
     for (r, recording) in rows.iter().enumerate().filter(|(_, r)| r.role != Role::Validation) {
+        let target = recording.role != Role::Calibration;
         let end = partition.fitted().filter(|p| p.0 == r).map(|p| p.2).max().unwrap_or(0);
-        let residual = residuals(recording, layout, switches, coefficients);
-        for (s, series) in sum.iter_mut().zip(&residual) {
-            *s += independent_share(&series[..end], LONGEST_MEMORY) * end as f64;
-        }
+        let value = |column: &usize| -> f64 {
+            let of = switches.iter().zip(coefficients);
+            of.filter(|(s, _)| s.column == *column && (target || !s.target_only)).map(|(_, v)| v).sum()
+        };
+        let residual = recording.joints[joint].residual(layout.rows[joint].iter().map(value));
+        sum += independent_share(&residual[..end], LONGEST_MEMORY) * end as f64;
         count += end as f64;
     }
-    sum.iter().map(|s| s / f64::max(count, 1.0)).collect()
+    sum / f64::max(count, 1.0)
 }

@@ -1,8 +1,8 @@
 //! Selection with what is known of the recordings as they are.
 
 use crate::evidence::problem::Problem;
+use crate::evidence::residuals::share;
 use crate::hypotheses::group::{Group, Switch};
-use crate::recordings::rows::{Role, independent_share};
 use crate::request::SelectionOptions;
 use crate::search::ground::{Beside, Ground, Recorded};
 
@@ -19,29 +19,6 @@ pub(super) struct Known<'a, 'b> {
     pub(super) changed: &'a [usize],
 }
 
-/// Lags over which a residual's memory is followed, in rows.
-const LONGEST_MEMORY: usize = 400;
-
-impl Known<'_, '_> {
-    /// Share of independent rows of a joint's residual over what is not for validation.
-    fn share(&self, joint: usize, switches: &[Switch], coefficients: &[f64]) -> f64 {
-        let Recorded { rows, partition, layout, .. } = &self.recorded;
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (r, recording) in rows.iter().enumerate().filter(|(_, r)| r.role != Role::Validation) {
-            let target = recording.role != Role::Calibration;
-            let end = partition.fitted().filter(|p| p.0 == r).map(|p| p.2).max().unwrap_or(0);
-            let value = |column: &usize| -> f64 {
-                let of = switches.iter().zip(coefficients);
-                of.filter(|(s, _)| s.column == *column && (target || !s.target_only)).map(|(_, v)| v).sum()
-            };
-            let residual = recording.joints[joint].residual(layout.rows[joint].iter().map(value));
-            sum += independent_share(&residual[..end], LONGEST_MEMORY) * end as f64;
-            count += end as f64;
-        }
-        sum / f64::max(count, 1.0)
-    }
-}
-
 impl Ground for Known<'_, '_> {
     fn problem(&self) -> &Problem {
         self.recorded.problem()
@@ -49,8 +26,9 @@ impl Ground for Known<'_, '_> {
 
     fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
         let mut shares = self.shares.to_vec();
+        let Recorded { rows, partition, layout, .. } = &self.recorded;
         for joint in self.changed {
-            shares[*joint] = self.share(*joint, switches, coefficients);
+            shares[*joint] = share(rows, partition, layout, *joint, switches, coefficients);
         }
         shares
     }

@@ -198,3 +198,19 @@ fn a_trial_says_what_a_whole_diagnosis_says() {
         assert_eq!(prepared.said_with("spring", &prepared.nothing(), turn).unwrap().unwrap().effects, []);
     }
 }
+
+/// A constant larger than dry friction would be friction that drives the joint one way. No machine has that.
+#[test]
+fn a_constant_larger_than_dry_friction_is_no_friction() {
+    let model = model();
+    let registry = Registry::linked().unwrap();
+    let mut recordings = recordings(&model);
+    for r in [1, 2] {
+        let mut raw = recordings[r].raw.clone();
+        raw.measurement.iter_mut().flatten().nth(1).unwrap().iter_mut().for_each(|y| *y += 6.0);
+        recordings[r] = questioned(recordings[r].role, raw);
+    }
+    let asked = question(&model, &recordings);
+    let verdict = write_verdict(&asked, &investigate(&asked, &registry, |_| {}).unwrap());
+    assert_eq!(claims(&verdict), [("current_offset", &[1_usize][..])], "{:#?}", verdict.indications);
+}

@@ -225,3 +225,16 @@ fn a_result_that_was_changed_is_none() {
     assert_eq!(bench.run("out").1.run, 1);
     assert!(contents(&bench.path("out")) == whole);
 }
+
+#[test]
+fn a_plan_whose_reference_is_no_point_is_refused() {
+    let bench = Bench::new(GRID);
+    bench.run("out");
+    let path = bench.path("out/sweep.json");
+    let text = fs::read_to_string(&path).unwrap();
+    for number in ["6", "18446744073709551615"] {
+        fs::write(&path, text.replace("\"reference\": 0", &format!("\"reference\": {number}"))).unwrap();
+        let error = Folder::planned(&bench.path("out")).unwrap().plan().unwrap_err().to_string();
+        assert!(error.contains("sweep.json") && error.contains(&format!("point {number}")), "{error}");
+    }
+}

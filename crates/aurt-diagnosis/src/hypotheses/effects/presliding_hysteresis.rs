@@ -112,3 +112,25 @@ impl Effect for PreslidingHysteresis {
         ])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_are_sought_where_positions_are_told_apart() {
+        let context = Context {
+            joints: 3,
+            recordings: &[],
+            residual: &[],
+            inertial: &[],
+            resolution_rad: &[1e-5, 0.002, 0.02],
+        };
+        let proposals = PreslidingHysteresis.proposals(&context);
+        let joints: Vec<usize> = proposals.iter().map(|p| p.joints[0]).collect();
+        assert_eq!(joints, [0, 1], "joint 2 shows no travel as short as presliding");
+        let least: Vec<f64> = proposals.iter().map(|p| p.shapes[0].bounds[0]).collect();
+        assert_eq!(least, [1e-4, 0.002]);
+        assert!(proposals.iter().all(|p| p.fixed[SMALLEST.name] >= p.shapes[0].bounds[0]));
+    }
+}
