@@ -174,7 +174,9 @@ fn with_number(bytes: &[u8], number: &str, draws: &mut Draws) -> Vec<u8> {
     let end_of = |begin: usize| begin + bytes[begin..].iter().take_while(|b| part(b)).count();
     let word = |b: Option<&u8>| b.is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
     let begins: Vec<usize> = (0..bytes.len())
-        .filter(|k| bytes[*k].is_ascii_digit() && (*k == 0 || !part(&bytes[k - 1]) && !word(bytes.get(k - 1))))
+        .filter(|k| {
+            bytes[*k].is_ascii_digit() && (*k == 0 || !part(&bytes[k - 1]) && !word(bytes.get(k - 1)))
+        })
         .filter(|k| !word(bytes.get(end_of(*k))))
         .collect();
     if begins.is_empty() {
