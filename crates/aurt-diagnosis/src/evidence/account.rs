@@ -16,7 +16,7 @@ const ACCOUNTED_AMONG_RIGHT: f64 = 0.9;
 const FAR_ABOVE: f64 = 2.1;
 
 /// A joint within this factor of the reference has reached it.
-const REACHED: f64 = 1.3;
+pub const REACHED: f64 = 1.3;
 
 /// A joint that stands out of the others, and of whose excess less than this share is accounted for, has something of its
 /// own that has no name.

@@ -1,5 +1,6 @@
 //! The model in question, judged by the noise that it would leave.
 
+use aurt_recording::Preprocessed;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
@@ -8,6 +9,7 @@ use crate::evidence::baseline::{BLOCKS, Baseline, evaluate_all};
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::Switch;
 use crate::noise::floor::{bounded, noise_floor};
+use crate::noise::instrument::hold_to_reference;
 use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::Question;
@@ -48,11 +50,13 @@ impl Judged {
             });
         }
         prepare(question, &baseline, question.model, &mut own_rows);
-        let noise = question
+        let mut noise = question
             .recordings
             .par_iter()
             .map(|r| RecordingNoise::evaluate(&r.raw, &r.data.data, &r.options, &fit))
             .collect::<Result<Vec<_>, _>>()?;
+        let data: Vec<&Preprocessed> = question.recordings.iter().map(|r| &r.data.data).collect();
+        hold_to_reference(&mut noise, &data, |r| own_rows[r].role == Role::Calibration);
         let mut floors = Vec::new();
         let mut notes = Vec::new();
         let mut noise_exceeds_all = false;

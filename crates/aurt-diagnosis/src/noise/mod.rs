@@ -7,6 +7,7 @@
 
 pub mod floor;
 pub mod inertia;
+pub(crate) mod instrument;
 mod residual;
 mod sensitivity;
 mod sign;

@@ -1,5 +1,7 @@
 //! What the fitted model leaves at full rate, where nothing jolts.
 
+use std::ops::Range;
+
 use aurt_calibration::{for_each_tile, predict_tile};
 use aurt_recording::{MedianSpectrum, Segment};
 
@@ -12,7 +14,7 @@ const REST_RAD_S: f64 = 0.01;
 const JOLT_S: f64 = 0.1;
 /// Length of a piece, in periods of f_dyn: it resolves a quarter of it.
 const PIECE_PERIODS: f64 = 4.0;
-/// Fewer calm pieces than this say nothing; then all are taken, whose median forgives a few jolts.
+/// Fewer calm pieces than this say nothing; then all are taken, less the steps of their jolts.
 const FEWEST_PIECES: usize = 8;
 
 /// Spectra of the unfiltered residual of each joint, over the calm pieces of all segments; `None` where a segment has
@@ -28,17 +30,33 @@ pub(super) fn spectra(
     let joints = fit.model.joints();
     let Some(rate_hz) = segments.first().map(|s| s.rate_hz) else { return Ok(None) };
     let empty = vec![MedianSpectrum::new(rate_hz, PIECE_PERIODS / f_dyn_hz); joints];
-    let (mut calm, mut all) = (empty.clone(), empty);
+    let (mut calm, mut between, mut all) = (empty.clone(), empty.clone(), empty);
     for segment in segments {
         let Some(residual) = full_rate(segment, fit)? else { return Ok(None) };
         for (joint, series) in residual.iter().enumerate() {
             let usable = calm_samples(segment, joint);
             calm[joint].push(series, |k| usable[k]);
+            between[joint].push_between(series, &spans(&usable));
             all[joint].push(series, |_| true);
         }
     }
-    let spectra = calm.into_iter().zip(all);
-    Ok(Some(spectra.map(|(calm, all)| if calm.pieces() < FEWEST_PIECES { all } else { calm }).collect()))
+    let first_with_enough = |spectra: [MedianSpectrum; 2], last: MedianSpectrum| {
+        spectra.into_iter().find(|s| s.pieces() >= FEWEST_PIECES).unwrap_or(last)
+    };
+    let spectra = calm.into_iter().zip(between).zip(all);
+    Ok(Some(spectra.map(|((calm, between), all)| first_with_enough([calm, between], all)).collect()))
+}
+
+/// The spans of samples that are not calm.
+fn spans(calm: &[bool]) -> Vec<Range<usize>> {
+    let mut spans: Vec<Range<usize>> = Vec::new();
+    for k in (0..calm.len()).filter(|k| !calm[*k]) {
+        match spans.last_mut().filter(|last| last.end == k) {
+            Some(last) => last.end = k + 1,
+            None => spans.push(k..k + 1),
+        }
+    }
+    spans
 }
 
 /// Measured less predicted, `[joint][sample]`.

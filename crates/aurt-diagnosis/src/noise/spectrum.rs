@@ -111,6 +111,14 @@ impl RecordingNoise {
         }
         Ok(Self { positions, measurement, segments })
     }
+
+    /// Replaces the measurement's noise of a joint.
+    pub(super) fn set_measurement(&mut self, joint: usize, noise: WhiteAndMarkov) {
+        self.measurement[joint] = noise;
+        for segment in &mut self.segments {
+            segment.measurement[joint] = noise;
+        }
+    }
 }
 
 /// The stamps that preprocessing goes by: the recording's own, or those of the uniform grid that it took them for; what
@@ -184,6 +192,11 @@ impl SegmentNoise {
     #[must_use]
     pub fn power_behind(&self, joint: usize, filter: &ZeroPhase) -> f64 {
         integral(0.0, 0.5 * self.rate_hz, |f| self.psd(joint, f) * filter.gain(f).powi(2))
+    }
+
+    /// The measurement's part of [`Self::power_behind`].
+    pub(super) fn measured_power_behind(&self, joint: usize, filter: &ZeroPhase) -> f64 {
+        integral(0.0, 0.5 * self.rate_hz, |f| self.measurement_psd(joint, f) * filter.gain(f).powi(2))
     }
 
     /// Mean square of a joint's noise behind the segment's parallel filter in the residual of a *fitted* model: beside

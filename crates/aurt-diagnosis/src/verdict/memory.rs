@@ -34,7 +34,8 @@ pub(super) fn factors(
                 let series = rows.iter().zip(left).filter(|(r, _)| r.rows() > 0);
                 series.map(|(_, left)| strongest_line(&left[joint.joint])).fold(0.0, f64::max) > LINE
             };
-            if joint.structure_left && shapeless && factor <= MOST && !hums() { factor } else { 1.0 }
+            // However little it is: a joint that keeps some of it would else count as less accounted for than one that keeps more.
+            if factor > 1.0 && shapeless && factor <= MOST && !hums() { factor } else { 1.0 }
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::evidence::account::STRUCTURE;
+use crate::evidence::account::{REACHED, STRUCTURE};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
@@ -104,7 +104,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let wandering: Vec<String> = louder
         .iter()
         .enumerate()
-        .filter(|(_, factor)| **factor > 1.0)
+        .filter(|(_, factor)| **factor > STRUCTURE)
         .map(|(joint, factor)| format!("{joint} ({factor:.1} times)"))
         .collect();
     if !wandering.is_empty() {
@@ -228,7 +228,9 @@ fn joint_residuals(
             let unexplained_rms = power(&after);
             let structure_left = unexplained_rms > STRUCTURE * floor_rms;
             let load: Vec<Vec<f64>> = rows.iter().map(|r| rigid_body_load(investigation, r, joint)).collect();
-            let follows = if structure_left { localise::follows(&rows, &views, joint, &load) } else { None };
+            let follows = (unexplained_rms > REACHED * floor_rms)
+                .then(|| localise::follows(&rows, &views, joint, &load))
+                .flatten();
             let windows_s = rows
                 .iter()
                 .zip(&after)

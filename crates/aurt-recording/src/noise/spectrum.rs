@@ -11,6 +11,12 @@ const LOWEST_BIN: usize = 2;
 /// Fewer pieces than this have no medians of their own.
 const FEW_PIECES: usize = 10;
 
+/// A piece with more jolts than this has too little left of itself.
+const MOST_JOLTS: usize = 4;
+
+/// Share of a bin's power that shapes leave of it, at least; less says nothing of the rest.
+const LEAST_LEFT: f64 = 0.1;
+
 /// Periodograms of pieces of one length, of which medians are taken: a burst spoils few pieces, a line few bins.
 #[derive(Debug, Clone)]
 pub struct MedianSpectrum {
@@ -63,30 +69,55 @@ impl MedianSpectrum {
                 start = spoilt + 1;
                 continue;
             }
-            self.pieces.push(self.periodogram(&series[start..start + length]));
+            self.pieces.push(self.periodogram(&series[start..start + length], &[]));
             start += length / 2;
         }
     }
 
-    /// 2 |X_m|² / (rate Σ w²) of a piece less its straight line.
-    fn periodogram(&self, piece: &[f64]) -> Vec<f64> {
-        let n = piece.len() as f64;
-        let mean = piece.iter().sum::<f64>() / n;
-        let (mut cross, mut power) = (0.0, 0.0);
-        for (k, value) in piece.iter().enumerate() {
-            let x = k as f64 - 0.5 * (n - 1.0);
-            cross += x * (value - mean);
-            power += x * x;
+    /// Takes in all pieces of a series, half a piece apart, that jolts touch in no more than a few places: spans of samples
+    /// within which the series steps. Of each piece a step and a hat at each of its jolts are taken off by least squares,
+    /// so that dry friction of unknown size leaves no tail that looks like memory.
+    pub fn push_between(&mut self, series: &[f64], jolts: &[Range<usize>]) {
+        let length = self.length();
+        for start in (0..).map(|k| k * (length / 2)).take_while(|start| start + length <= series.len()) {
+            let end = start + length;
+            let within: Vec<Range<f64>> = jolts
+                .iter()
+                .filter(|j| j.end > start && j.start < end)
+                .map(|j| j.start as f64 - start as f64..j.end as f64 - start as f64)
+                .collect();
+            if within.len() <= MOST_JOLTS {
+                self.pieces.push(self.periodogram(&series[start..end], &within));
+            }
         }
-        let slope = cross / power;
-        let windowed: Vec<f64> = piece
-            .iter()
-            .zip(&self.window)
-            .enumerate()
-            .map(|(k, (value, w))| w * (value - mean - slope * (k as f64 - 0.5 * (n - 1.0))))
-            .collect();
-        let scale = 2.0 / (self.rate_hz * self.window.iter().map(|w| w * w).sum::<f64>());
-        fourier::power(&windowed).iter().map(|p| scale * p).collect()
+    }
+
+    /// 2 |X_m|² / (rate Σ w²) of a piece less its straight line, and less a step and a hat at each jolt.
+    fn periodogram(&self, piece: &[f64], jolts: &[Range<f64>]) -> Vec<f64> {
+        let mut shapes = vec![vec![1.0; piece.len()], (0..piece.len()).map(|k| k as f64).collect()];
+        for jolt in jolts {
+            let (middle, half) = (0.5 * (jolt.start + jolt.end), 0.5 * (jolt.end - jolt.start));
+            let of =
+                |shape: &dyn Fn(f64) -> f64| (0..piece.len()).map(|k| shape(k as f64 - middle)).collect();
+            shapes.push(of(&|x| f64::from(x >= 0.0)));
+            shapes.push(of(&|x| (1.0 - x.abs() / half.max(1.0)).max(0.0)));
+        }
+        let mut left = piece.to_vec();
+        let described = take_off(&mut left, shapes);
+        let windowed = |series: &[f64]| -> Vec<f64> {
+            fourier::power(&series.iter().zip(&self.window).map(|(value, w)| w * value).collect::<Vec<_>>())
+        };
+        let all: f64 = self.window.iter().map(|w| w * w).sum();
+        let mut power = windowed(&left);
+        if !jolts.is_empty() {
+            // Of white noise the shapes take Σ |W b|² of the window's power off a bin, which the rest stands for.
+            let mut taken = vec![0.0; power.len()];
+            for shape in &described {
+                taken.iter_mut().zip(windowed(shape)).for_each(|(taken, of_it)| *taken += of_it / all);
+            }
+            power.iter_mut().zip(&taken).for_each(|(power, taken)| *power /= (1.0 - taken).max(LEAST_LEFT));
+        }
+        power.iter().map(|p| 2.0 / (self.rate_hz * all) * p).collect()
     }
 
     /// Medians over pieces and neighbouring bins, in bands whose edges grow by `ratio`.
@@ -129,6 +160,31 @@ impl MedianSpectrum {
     }
 }
 
+/// Takes the part of a series that shapes describe off it, and gives the shapes made orthonormal (Gram–Schmidt).
+fn take_off(series: &mut [f64], shapes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let less = |from: &mut [f64], times: f64, shape: &[f64]| {
+        from.iter_mut().zip(shape).for_each(|(value, s)| *value -= times * s);
+    };
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut shape in shapes {
+        let before = dot(&shape, &shape);
+        for known in &basis {
+            let share = dot(&shape, known);
+            less(&mut shape, share, known);
+        }
+        let power = dot(&shape, &shape);
+        // What others describe already is nothing new.
+        if power <= 1e-9 * before {
+            continue;
+        }
+        shape.iter_mut().for_each(|s| *s /= power.sqrt());
+        less(series, dot(series, &shape), &shape);
+        basis.push(shape);
+    }
+    basis
+}
+
 /// Mean of the upper median of `count` values that are exponentially distributed with mean one: ln 2 for many, and
 /// Σ_{i=⌊n/2⌋…} 1/i in general (order statistics of the exponential distribution).
 fn median_share(count: usize) -> f64 {
@@ -158,6 +214,31 @@ mod tests {
         for band in spectrum.bands(1.3).iter().filter(|b| b.frequency_hz > 30.0) {
             assert!((band.psd / white - 1.0).abs() < 0.2, "{band:?} of {white}");
         }
+    }
+
+    #[test]
+    fn steps_of_friction_leave_the_level_of_the_noise() {
+        let mut normal = Normal::new(22);
+        let (rate_hz, length) = (125.0, 5_000);
+        // A joint that turns every 60 samples, at the sample at which it is expected to, against 3 Nm of friction.
+        let turns: Vec<usize> = (1..length / 60).map(|k| 60 * k).collect();
+        let series: Vec<f64> = (0..length)
+            .map(|k| {
+                let sign = if (k + 0) / 60 % 2 == 0 { 3.0 } else { -3.0 };
+                sign + 0.2 * normal.next()
+            })
+            .collect();
+        let jolts: Vec<_> = turns.iter().map(|turn| turn - 12..turn + 12).collect();
+        let white = 2.0 * 0.04 / rate_hz;
+        let mut plain = MedianSpectrum::new(rate_hz, 0.8);
+        plain.push(&series, |_| true);
+        let mut between = MedianSpectrum::new(rate_hz, 0.8);
+        between.push_between(&series, &jolts);
+        let at = |spectrum: &MedianSpectrum| {
+            spectrum.bands(1.3).iter().find(|b| b.frequency_hz > 6.0).map_or(0.0, |b| b.psd / white)
+        };
+        assert!(at(&plain) > 10.0, "{}", at(&plain));
+        assert!((0.5..2.5).contains(&at(&between)), "{}", at(&between));
     }
 
     #[test]
