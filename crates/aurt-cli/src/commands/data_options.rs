@@ -55,6 +55,7 @@ impl ReadingOptions {
                 Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
             }),
             columns: self.columns.clone(),
+            recorded: aurt_recording::RecordedAs::default(),
         }
     }
 }
@@ -164,10 +165,10 @@ fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
     let Document { columns } =
         toml::from_str(&format!("columns = {braced}")).map_err(|e| e.message().to_owned())?;
     Ok(RecordingColumns {
-        time: match &columns.time {
+        time: Some(match &columns.time {
             toml::Value::String(name) => ColumnName::Name(name.clone()),
             other => ColumnName::Index(index("time", other)?),
-        },
+        }),
         position: joint_columns("position", &columns.position)?,
         velocity: columns.velocity.map(|v| joint_columns("velocity", &v)).transpose()?,
         measurement: columns.measurement.map(|v| joint_columns("measurement", &v)).transpose()?,
