@@ -1,8 +1,6 @@
 use std::collections::BTreeMap;
 
-use mcap::records::Record;
-
-use crate::mcap_bag::messages::{Ending, Records};
+use crate::mcap_bag::records::{Ending, Record, Records};
 use crate::{RecordingError, RecordingInput};
 
 /// What ROS 1 and ROS 2 call the messages that are read.
@@ -31,13 +29,13 @@ impl Listing {
         let mut listing = Self::default();
         loop {
             let more = records.next(&mut |record| match record {
-                Record::Schema { header, .. } => {
-                    listing.schemas.insert(header.id, header.name);
+                Record::Schema { id, name } => {
+                    listing.schemas.insert(id, name);
                 }
-                Record::Channel(c) => {
-                    listing.channels.insert(c.id, (c.topic, c.schema_id, c.message_encoding));
+                Record::Channel { id, schema, topic, encoding } => {
+                    listing.channels.insert(id, (topic, schema, encoding));
                 }
-                _ => {}
+                Record::Message { .. } | Record::Other => {}
             });
             match more {
                 Ok(true) => {}
