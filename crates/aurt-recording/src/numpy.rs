@@ -84,7 +84,7 @@ impl RecordingFormat for NumPy {
                 let mut source = archive
                     .by_index(entries[*place])
                     .map_err(|e| malformed(path, "the archive", &Problem::Archive(e.to_string())))?;
-                let name = format!("array `{}`", source.name().trim_end_matches(".npy"));
+                let name = format!("array `{}`", name_of(source.name_raw()));
                 let values = Header::read(&mut source)
                     .and_then(|header| Ok(header.numbers.read(&mut source, found[*place])?));
                 loaded.insert(*place, values.map_err(|p| malformed(path, &name, &p))?);
@@ -103,8 +103,13 @@ fn open(
     let mut source = archive
         .by_index(entry)
         .map_err(|e| malformed(path, "the archive", &Problem::Archive(e.to_string())))?;
-    let name = source.name().trim_end_matches(".npy").to_owned();
+    let name = name_of(source.name_raw());
     Ok((name, Header::read(&mut source)))
+}
+
+/// The name of the array in the entry of that name.
+fn name_of(entry: &[u8]) -> String {
+    String::from_utf8_lossy(entry.strip_suffix(b".npy").unwrap_or(entry)).into_owned()
 }
 
 /// Whether the bytes begin a zip archive whose first entry is an array.

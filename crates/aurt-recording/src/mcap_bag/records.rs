@@ -90,7 +90,7 @@ impl<'a> Records<'a> {
             self.file.read_exact(&mut [0; MAGIC_BYTES])?;
         }
         while !self.ended {
-            if let Some(kind) = self.from_chunk()? {
+            if let Some(kind) = self.next_in_chunk()? {
                 take(parse(kind, &self.body)?);
                 return Ok(true);
             }
@@ -121,7 +121,7 @@ impl<'a> Records<'a> {
     }
 
     /// Reads the next record of the open chunk into `body` and gives its kind.
-    fn from_chunk(&mut self) -> Result<Option<u8>, Ending> {
+    fn next_in_chunk(&mut self) -> Result<Option<u8>, Ending> {
         let Some(chunk) = &mut self.chunk else { return Ok(None) };
         if chunk.left == 0 {
             let (sum, found) = (chunk.checksum, chunk.hasher.clone().finalize());
