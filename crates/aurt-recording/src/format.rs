@@ -3,14 +3,16 @@
 use std::{
     fmt::Debug,
     fs::File,
-    io::{Cursor, Read},
+    io::{Cursor, Read, Seek},
     path::Path,
 };
 
-use crate::{ReadOptions, ReadReport, Recording, RecordingError, csv::Csv};
+use crate::{
+    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, matlab::Matlab, mcap_bag::McapBag, numpy::NumPy,
+};
 
 /// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&Csv];
+pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Csv];
 
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
@@ -67,6 +69,16 @@ impl<'a> RecordingInput<'a> {
         let mut beginning = Vec::new();
         file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning).map_err(unreadable)?;
         Ok(Self { path, beginning, bytes, file })
+    }
+
+    /// The file itself, at its first byte, for formats that read from several places.
+    ///
+    /// # Errors
+    /// A file that cannot be read again from its beginning, as a pipe.
+    pub(crate) fn rewound(&self) -> Result<&File, RecordingError> {
+        let mut file = &self.file;
+        file.rewind().map_err(|source| unreadable(self.path, source))?;
+        Ok(file)
     }
 
     /// All of it, from the first byte on.

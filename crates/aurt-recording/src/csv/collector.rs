@@ -18,7 +18,10 @@ const TIME_LIMIT_S: f64 = 1e20;
 /// Rows as they are read, series by series, without those that cannot be true.
 pub(super) struct Collector<'a> {
     selected: &'a Selected,
+    /// Column of each place in a row; a stamp that was not read counts as the first.
     columns: Vec<usize>,
+    /// Whether anything is in other units than SI.
+    scaled: bool,
     /// For each place in a row the magnitude that its values cannot exceed.
     limits: Vec<f64>,
     series: Vec<Vec<f64>>,
@@ -69,7 +72,8 @@ impl<'a> Collector<'a> {
         limits.extend(selected.measurement.iter().flatten().map(|_| options.measurement_limit));
         Self {
             selected,
-            columns: selected.all(),
+            columns: selected.time.is_none().then_some(0).into_iter().chain(selected.all()).collect(),
+            scaled: selected.factors.iter().any(|f| *f != [1.0, 1.0]),
             series: limits.iter().map(|_| Vec::with_capacity(rows)).collect(),
             lines: Vec::with_capacity(rows),
             limits,
@@ -93,9 +97,22 @@ impl<'a> Collector<'a> {
         self.rows
     }
 
-    /// Takes a row, unless it cannot be true.
-    pub(super) fn add(&mut self, row: &[f64], line: usize) {
+    /// Place of the first number of a row that is read; before it may stand a stamp that follows from the rate.
+    pub(super) fn first_read(&self) -> usize {
+        usize::from(self.selected.time.is_none())
+    }
+
+    /// Takes a row as it was read, unless it cannot be true; it is left in SI units.
+    pub(super) fn add(&mut self, row: &mut [f64], line: usize) {
+        if let Some(rate_hz) = self.selected.rate_hz {
+            row[0] = self.rows as f64 / rate_hz;
+        }
         self.rows += 1;
+        if self.scaled {
+            for (value, [up, down]) in row.iter_mut().zip(&self.selected.factors) {
+                *value = *value * up / down;
+            }
+        }
         if let Some(place) = row.iter().zip(&self.limits).position(|(v, limit)| v.abs() > *limit) {
             self.drop_row(line, place, Reason::Absurd(row[place]));
             return;

@@ -2,7 +2,8 @@ use std::path::Path;
 
 use aurt_traits::MeasurementUnit;
 
-use crate::RecordingError;
+use crate::recorded_as::Factor;
+use crate::{AngleUnit, CurrentUnit, RecordingError, TimeUnit};
 use crate::csv::ReadOptions;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
@@ -48,11 +49,15 @@ pub struct ColumnSelection {
 /// The columns that are read.
 #[derive(Debug)]
 pub(super) struct Selected {
-    pub(super) time: usize,
+    /// None where the stamps follow from the rate.
+    pub(super) time: Option<usize>,
     pub(super) position: Vec<usize>,
     pub(super) velocity: Option<Vec<usize>>,
     pub(super) measurement: Option<Vec<usize>>,
     pub(super) unit: MeasurementUnit,
+    /// What each number of a row is scaled with: time, positions, velocities, measurements.
+    pub(super) factors: Vec<Factor>,
+    pub(super) rate_hz: Option<f64>,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
 }
@@ -60,7 +65,7 @@ pub(super) struct Selected {
 impl Selected {
     /// All columns: time, positions, velocities, measurements.
     pub(super) fn all(&self) -> Vec<usize> {
-        let mut all = vec![self.time];
+        let mut all: Vec<usize> = self.time.into_iter().collect();
         all.extend(&self.position);
         all.extend(self.velocity.iter().flatten());
         all.extend(self.measurement.iter().flatten());
@@ -79,18 +84,26 @@ impl Search<'_> {
     /// Finds the columns of all quantities.
     pub(super) fn run(&self) -> Result<Selected, RecordingError> {
         let selection = &self.options.columns;
+        let recorded = &self.options.recorded;
         let families = Families::of(&self.header.names);
         let mut remarks = Vec::new();
-        if self.header.names.is_empty() && (selection.time.is_none() || selection.position.is_none()) {
+        if self.header.names.is_empty() && (selection.time.is_none() && recorded.rate_hz.is_none() || selection.position.is_none()) {
             return Err(RecordingError::Headerless {
                 path: self.path.to_owned(),
                 line: self.header.line,
                 columns: self.header.columns,
             });
         }
-        let time = match &selection.time {
-            Some(column) => self.column(column, "the time stamps")?,
-            None => self.find_time(&families)?,
+        let time = match (&selection.time, recorded.rate_hz) {
+            (_, Some(rate_hz)) => {
+                if let Ok(column) = self.find_time(&families) {
+                    let name = self.header.name(column);
+                    remarks.push(format!("`{name}` is not read, since rate_hz = {rate_hz} was stated"));
+                }
+                None
+            }
+            (Some(column), None) => Some(self.column(column, "the time stamps")?),
+            (None, None) => Some(self.find_time(&families)?),
         };
         let position = match &selection.position {
             Some(columns) => self.columns(columns, "joint positions", &families)?,
@@ -108,7 +121,16 @@ impl Search<'_> {
             }
         };
         let (measurement, unit) = self.measurement(&families, joints, &mut remarks)?;
-        let selected = Selected { time, position, velocity, measurement, unit, remarks };
+        let mut selected = Selected {
+            time,
+            position,
+            velocity,
+            measurement,
+            unit,
+            factors: Vec::new(),
+            rate_hz: recorded.rate_hz,
+            remarks,
+        };
         let counts = [
             ("joint positions", Some(&selected.position)),
             ("joint velocities", selected.velocity.as_ref()),
@@ -123,6 +145,7 @@ impl Search<'_> {
             }
         }
         self.check_units(&selected)?;
+        selected.factors = self.factors(&selected, joints)?;
         let mut all = selected.all();
         all.sort_unstable();
         if let Some(twice) = all.windows(2).find(|w| w[0] == w[1]) {
@@ -136,6 +159,20 @@ impl Search<'_> {
             ));
         }
         Ok(selected)
+    }
+
+    /// What the numbers of a row are scaled with.
+    fn factors(&self, selected: &Selected, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+        let recorded = &self.options.recorded;
+        let time = if selected.time.is_some() { recorded.time_factor() } else { [1.0, 1.0] };
+        let angles = recorded.angle_factors(joints)?;
+        let measured =
+            if selected.unit == MeasurementUnit::Ampere { recorded.current_factor() } else { [1.0, 1.0] };
+        let mut factors = vec![time];
+        factors.extend(&angles);
+        factors.extend(selected.velocity.iter().flat_map(|_| &angles));
+        factors.extend(selected.measurement.iter().flatten().map(|_| measured));
+        Ok(factors)
     }
 
     /// Columns that nobody asked for: if they are unusable, a remark says so.
@@ -161,14 +198,27 @@ impl Search<'_> {
 
     /// Refuses columns whose names say that they are in another unit than they are read in.
     fn check_units(&self, selected: &Selected) -> Result<(), RecordingError> {
+        let recorded = &self.options.recorded;
+        let time: &[&str] = match recorded.time {
+            None | Some(TimeUnit::Second) => &families::TIME_UNITS,
+            Some(TimeUnit::Millisecond) => &["ms"],
+            Some(TimeUnit::Microsecond) => &["us", "µs"],
+            Some(TimeUnit::Nanosecond) => &["ns"],
+        };
+        let (position, velocity): (&[&str], &[&str]) = match (recorded.angle, &recorded.counts_per_revolution) {
+            (_, Some(_)) => (&["counts", "inc"], &["counts/s", "inc/s"]),
+            (Some(AngleUnit::Degree), None) => (&["deg", "°", "degrees"], &["deg/s", "°/s", "degrees/s"]),
+            _ => (&families::POSITION_UNITS, &families::VELOCITY_UNITS),
+        };
         let measurement: &[&str] = match selected.unit {
+            MeasurementUnit::Ampere if recorded.current == Some(CurrentUnit::Milliampere) => &["ma"],
             MeasurementUnit::Ampere => &families::CURRENT_UNITS,
             MeasurementUnit::NewtonMetre => &families::TORQUE_UNITS,
         };
         let quantities: [(&str, &[usize], &[&str]); 4] = [
-            ("time stamps", &[selected.time], &families::TIME_UNITS),
-            ("positions", &selected.position, &families::POSITION_UNITS),
-            ("velocities", selected.velocity.as_deref().unwrap_or(&[]), &families::VELOCITY_UNITS),
+            ("time stamps", selected.time.as_slice(), time),
+            ("positions", &selected.position, position),
+            ("velocities", selected.velocity.as_deref().unwrap_or(&[]), velocity),
             ("measurements", selected.measurement.as_deref().unwrap_or(&[]), measurement),
         ];
         for (what, columns, units) in quantities {
@@ -177,7 +227,9 @@ impl Search<'_> {
                 if let Some(unit) = unit.filter(|u| !units.contains(&u.as_str())) {
                     return Err(self.wrong(
                         format!("column `{name}` is in `{unit}`, but {what} are read in {}", units[0]),
-                        "convert the column, or rename it if its name is wrong".into(),
+                        "convert the column, state its unit (angle = \"deg\", time = \"ms\", current = \"mA\"), or rename it if its \
+                         name is wrong"
+                            .into(),
                     ));
                 }
             }

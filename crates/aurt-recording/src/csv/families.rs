@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use aurt_traits::MeasurementUnit;
 
 /// Names of a time column, the preferred first.
-pub(super) const TIME: [&str; 6] = ["timestamp", "time", "t", "timestamp_s", "time_s", "t_s"];
+pub(crate) const TIME: [&str; 6] = ["timestamp", "time", "t", "timestamp_s", "time_s", "t_s"];
 
 /// Prefixes of joint positions, the preferred first.
 pub(super) const POSITION: [&str; 5] = ["actual_q", "q", "position", "pos", "joint_position"];
