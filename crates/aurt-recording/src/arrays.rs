@@ -182,7 +182,8 @@ impl ArrayFile<'_> {
                 samples.unwrap_or(0),
                 unfit.join(", ")
             ),
-            remedy: "save arrays with one row (or one column) for each time stamp, one array per quantity".into(),
+            remedy: "save arrays with one row (or one column) for each time stamp, one array per quantity"
+                .into(),
         }
     }
 }

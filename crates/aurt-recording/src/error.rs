@@ -35,10 +35,11 @@ pub enum RecordingError {
     },
     /// The first line is data, and no columns were selected.
     #[error(
-        "{path}{at}: there is no header line, so the {columns} columns have no names; \
+        "{path}{at}: there is no header{row}, so the {columns} columns have no names; \
          say which is which, counting from 0, e.g. columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }}",
         path = path.display(),
-        at = at(*line)
+        at = at(*line),
+        row = if *line == 0 { "" } else { " line" }
     )]
     Headerless {
         /// The file.

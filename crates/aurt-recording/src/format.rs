@@ -8,11 +8,12 @@ use std::{
 };
 
 use crate::{
-    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, matlab::Matlab, mcap_bag::McapBag, numpy::NumPy,
+    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, matlab::Matlab, mcap_bag::McapBag,
+    numpy::NumPy, parquet::Parquet,
 };
 
 /// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Csv];
+pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Parquet, &Csv];
 
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
@@ -128,6 +129,7 @@ fn read(
 ) -> Result<Recording, RecordingError> {
     options.validate()?;
     let input = RecordingInput::open(path)?;
+    foreign::refuse(path, &input.beginning)?;
     input.format().read(input, options, piece_rows, visit)
 }
 

@@ -91,7 +91,8 @@ struct Problem {
 }
 
 fn malformed(path: &Path, problem: &Problem) -> RecordingError {
-    let place = problem.after.as_ref().map_or_else(|| "first variable".into(), |n| format!("after variable `{n}`"));
+    let place =
+        problem.after.as_ref().map_or_else(|| "first variable".into(), |n| format!("after variable `{n}`"));
     let reason = match problem.error.kind() {
         io::ErrorKind::UnexpectedEof => "the file breaks off".to_owned(),
         _ => format!("it cannot be read: {}", problem.error),
@@ -121,7 +122,9 @@ impl Scan<'_> {
         let mut preamble = [0; PREAMBLE];
         source.read_exact(&mut preamble).map_err(|e| at(self.found, e))?;
         loop {
-            let Some(tag) = self.first_tag(&mut source).map_err(|e| at(self.found, e))? else { return Ok(()) };
+            let Some(tag) = self.first_tag(&mut source).map_err(|e| at(self.found, e))? else {
+                return Ok(());
+            };
             let mut element = source.by_ref().take(tag.bytes);
             let done = match tag.kind {
                 COMPRESSED => {
@@ -196,7 +199,8 @@ impl Scan<'_> {
         let written = self.small(&mut source)?;
         let name = field.map_or_else(|| String::from_utf8_lossy(&written).into_owned(), str::to_owned);
         let numbers = shape.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
-        let numbers = numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are absurd")))?;
+        let numbers =
+            numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are absurd")))?;
         match class {
             6..=15 if bits & COMPLEX == 0 => self.numeric(&mut source, name, shape, numbers)?,
             STRUCTURE if numbers == 1 && depth < 4 => {
@@ -242,7 +246,9 @@ impl Scan<'_> {
             9 => (Kind::Float, 8),
             12 => (Kind::Signed, 8),
             13 => (Kind::Unsigned, 8),
-            other => return Err(io::Error::other(format!("`{name}` has numbers of the unknown type {other}"))),
+            other => {
+                return Err(io::Error::other(format!("`{name}` has numbers of the unknown type {other}")));
+            }
         };
         if tag.bytes != (count as u64).saturating_mul(bytes as u64) {
             return Err(io::Error::other(format!("`{name}` has {} bytes for {count} numbers", tag.bytes)));

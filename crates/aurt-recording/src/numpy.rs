@@ -152,7 +152,12 @@ fn malformed(path: &Path, place: &str, problem: &Problem) -> RecordingError {
             "save floats or integers, the fields of a structured array as arrays of their own",
         ),
     };
-    RecordingError::Malformed { path: path.to_owned(), place: place.to_owned(), reason, remedy: remedy.to_owned() }
+    RecordingError::Malformed {
+        path: path.to_owned(),
+        place: place.to_owned(),
+        reason,
+        remedy: remedy.to_owned(),
+    }
 }
 
 impl Header {
@@ -176,17 +181,21 @@ impl Header {
 
     /// Parses `{'descr': '<f8', 'fortran_order': False, 'shape': (100, 6), }`.
     fn parse(text: &str) -> Result<Self, Problem> {
-        let value = |key: &str| text.split_once(key).map(|(_, rest)| rest.trim_start()).ok_or(Problem::NoArray);
+        let value =
+            |key: &str| text.split_once(key).map(|(_, rest)| rest.trim_start()).ok_or(Problem::NoArray);
         let kind = value("'descr':")?;
         let kind = match kind.strip_prefix('\'').and_then(|k| k.split_once('\'')) {
             Some((kind, _)) => kind,
             None => return Err(Problem::Kind("with fields".to_owned())),
         };
         let column_major = value("'fortran_order':")?.starts_with("True");
-        let shape = value("'shape':")?.strip_prefix('(').and_then(|s| s.split_once(')')).ok_or(Problem::NoArray)?.0;
+        let shape =
+            value("'shape':")?.strip_prefix('(').and_then(|s| s.split_once(')')).ok_or(Problem::NoArray)?.0;
         let axes = shape.split(',').map(str::trim).filter(|axis| !axis.is_empty());
-        let shape: Vec<usize> =
-            axes.map(|axis| axis.trim_end_matches('L').parse()).collect::<Result<_, _>>().map_err(|_| Problem::NoArray)?;
+        let shape: Vec<usize> = axes
+            .map(|axis| axis.trim_end_matches('L').parse())
+            .collect::<Result<_, _>>()
+            .map_err(|_| Problem::NoArray)?;
         if shape.iter().try_fold(8_usize, |product, n| product.checked_mul(*n)).is_none() {
             return Err(Problem::NoArray);
         }

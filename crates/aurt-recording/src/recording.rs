@@ -67,8 +67,12 @@ impl ReadReport {
         }
         if self.dropped_rows > 0 {
             let place = if self.line_is_row { "row" } else { "line" };
-            let mut lines: Vec<String> =
-                self.dropped.iter().take(SHOWN).map(|d| format!("{place} {} ({})", d.line, d.reason)).collect();
+            let mut lines: Vec<String> = self
+                .dropped
+                .iter()
+                .take(SHOWN)
+                .map(|d| format!("{place} {} ({})", d.line, d.reason))
+                .collect();
             if self.dropped_rows > lines.len() {
                 lines.push(format!("{} more", self.dropped_rows - lines.len()));
             }

@@ -1,6 +1,6 @@
 //! One recording in every format: the numbers are the same, bit for bit.
 //!
-//! The files in `formats/` were written by NumPy, SciPy and mcap-ros2-support (`formats/make_formats.py`) from the first rows
+//! The files in `formats/` were written by NumPy, SciPy, mcap-ros2-support and PyArrow (`formats/make_formats.py`) from the first rows
 //! of a simulated UR10e. Where Python has these packages they are written anew and read again.
 
 #![expect(clippy::unwrap_used, reason = "the helpers of these tests may fail like the tests themselves")]
@@ -15,7 +15,7 @@ use aurt_recording::{
 use aurt_traits::MeasurementUnit::Ampere;
 
 const JOINTS: [&str; 6] = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"];
-const FILES: [&str; 9] = [
+const FILES: [&str; 13] = [
     "stored.npz",
     "compressed.npz",
     "transposed.npz",
@@ -25,6 +25,10 @@ const FILES: [&str; 9] = [
     "zstd.mcap",
     "lz4.mcap",
     "plain.mcap",
+    "snappy.parquet",
+    "zstd.parquet",
+    "split.parquet",
+    "moments.parquet",
 ];
 
 fn folder() -> PathBuf {
@@ -73,9 +77,9 @@ fn every_format_gives_the_same_numbers() {
 #[test]
 fn files_that_python_writes_now_give_the_same_numbers() {
     let python = std::env::var("AURT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let has = Command::new(&python).args(["-c", "import numpy, scipy, mcap_ros2"]).output();
+    let has = Command::new(&python).args(["-c", "import numpy, scipy, mcap_ros2, pyarrow"]).output();
     if !has.is_ok_and(|output| output.status.success()) {
-        println!("skipped: {python} lacks numpy, scipy or mcap-ros2-support");
+        println!("skipped: {python} lacks numpy, scipy, mcap-ros2-support or pyarrow");
         return;
     }
     let made = tempfile::tempdir().unwrap();
@@ -89,7 +93,12 @@ fn files_that_python_writes_now_give_the_same_numbers() {
 #[test]
 fn content_decides_before_the_name() {
     let made = tempfile::tempdir().unwrap();
-    for (name, format) in [("stored.npz", "NumPy"), ("version_7.mat", "MATLAB"), ("zstd.mcap", "MCAP")] {
+    for (name, format) in [
+        ("stored.npz", "NumPy"),
+        ("version_7.mat", "MATLAB"),
+        ("zstd.mcap", "MCAP"),
+        ("zstd.parquet", "Parquet"),
+    ] {
         let path = made.path().join("log.csv");
         std::fs::copy(folder().join(name), &path).unwrap();
         let report = read_recording(&path, &options(name)).unwrap().report;

@@ -22,10 +22,14 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
     let counts_per_revolution = per_joint(section, "counts_per_revolution");
     let gear_ratio = per_joint(section, "gear_ratio");
     if let Some(node) = angle_node.filter(|_| counts_per_revolution.is_some()) {
-        section.complain("angle", node, "and `counts_per_revolution` are two units of one thing; remove one", None);
+        section.complain(
+            "angle",
+            node,
+            "and `counts_per_revolution` are two units of one thing; remove one",
+            None,
+        );
     }
-    let topic =
-        section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
+    let topic = section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
     let joint_names = section.take("joint_names").and_then(|node| names(section, node));
     RecordedAs { angle, time, current, rate_hz, counts_per_revolution, gear_ratio, topic, joint_names }
 }

@@ -123,12 +123,7 @@ impl Recordings {
 }
 
 /// One recording or a list of them.
-fn sources(
-    section: &Section<'_, '_>,
-    key: &str,
-    node: &Node,
-    general: &RecordedAs,
-) -> Vec<RecordingSource> {
+fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &RecordedAs) -> Vec<RecordingSource> {
     let items = match &node.kind {
         NodeKind::Array(items) => items.as_slice(),
         _ => std::slice::from_ref(node),

@@ -2,11 +2,11 @@ use std::path::Path;
 
 use aurt_traits::MeasurementUnit;
 
-use crate::recorded_as::Factor;
-use crate::{AngleUnit, CurrentUnit, RecordingError, TimeUnit};
 use crate::csv::ReadOptions;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
+use crate::recorded_as::Factor;
+use crate::{AngleUnit, CurrentUnit, RecordingError, TimeUnit};
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -87,7 +87,9 @@ impl Search<'_> {
         let recorded = &self.options.recorded;
         let families = Families::of(&self.header.names);
         let mut remarks = Vec::new();
-        if self.header.names.is_empty() && (selection.time.is_none() && recorded.rate_hz.is_none() || selection.position.is_none()) {
+        if self.header.names.is_empty()
+            && (selection.time.is_none() && recorded.rate_hz.is_none() || selection.position.is_none())
+        {
             return Err(RecordingError::Headerless {
                 path: self.path.to_owned(),
                 line: self.header.line,
@@ -205,7 +207,8 @@ impl Search<'_> {
             Some(TimeUnit::Microsecond) => &["us", "µs"],
             Some(TimeUnit::Nanosecond) => &["ns"],
         };
-        let (position, velocity): (&[&str], &[&str]) = match (recorded.angle, &recorded.counts_per_revolution) {
+        let (position, velocity): (&[&str], &[&str]) = match (recorded.angle, &recorded.counts_per_revolution)
+        {
             (_, Some(_)) => (&["counts", "inc"], &["counts/s", "inc/s"]),
             (Some(AngleUnit::Degree), None) => (&["deg", "°", "degrees"], &["deg/s", "°/s", "degrees/s"]),
             _ => (&families::POSITION_UNITS, &families::VELOCITY_UNITS),

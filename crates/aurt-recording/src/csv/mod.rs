@@ -161,7 +161,7 @@ impl Reader<'_> {
             return Err(self.no_rows("it is compressed with gzip; unpack it first, with gunzip"));
         }
         if sample.contains(&0) {
-            return Err(self.no_rows("it is a binary file of no known format; recordings are read from text (CSV), .npy, .npz, .mat and .mcap"));
+            return Err(self.no_rows("it is a binary file of no known format; recordings are read from text (CSV), .npy, .npz, .mat, .mcap and .parquet"));
         }
         if !sample.contains(&b'\n') && sample.contains(&b'\r') {
             return Err(self.no_rows("its lines end in bare carriage returns; save it with line feeds"));

@@ -43,6 +43,11 @@ impl<'a> Table<'a> {
         self.selected.all()
     }
 
+    /// The column of the time stamps, if they are read.
+    pub(crate) const fn time(&self) -> Option<usize> {
+        self.selected.time
+    }
+
     /// Adds what a person should know.
     pub(crate) fn remark(&mut self, remark: String) {
         self.selected.remarks.push(remark);
@@ -106,8 +111,7 @@ pub(super) fn report(
         (Some(time), _) => header.name(time),
         (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
     };
-    let mut columns =
-        vec![format!("time: {time}"), format!("position: {}", header.span(&selected.position))];
+    let mut columns = vec![format!("time: {time}"), format!("position: {}", header.span(&selected.position))];
     if let Some(velocity) = &selected.velocity {
         columns.push(format!("velocity: {}", header.span(velocity)));
     }

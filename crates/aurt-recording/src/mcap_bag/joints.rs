@@ -63,8 +63,13 @@ impl<'a> Joints<'a> {
         if joints.names.is_empty() {
             joints.names.clone_from(&first);
             if let Some(robot) = options.joints.filter(|n| *n != first.len()) {
-                let remedy = "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
-                let reason = format!("its messages have {} joints, the robot has {robot}: {}", first.len(), first.join(", "));
+                let remedy =
+                    "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
+                let reason = format!(
+                    "its messages have {} joints, the robot has {robot}: {}",
+                    first.len(),
+                    first.join(", ")
+                );
                 return Err(refuse(reason, remedy.to_owned()));
             }
         }
@@ -75,8 +80,11 @@ impl<'a> Joints<'a> {
                 let similar = first.iter().map(|n| (strsim::jaro_winkler(&lacking, n), n));
                 let meant = similar.filter(|(s, _)| *s > 0.75).max_by(|a, b| a.0.total_cmp(&b.0));
                 let meant = meant.map(|(_, n)| format!("did you mean `{n}`? ")).unwrap_or_default();
-                let reason = format!("no message has a joint `{lacking}`; the first has {}", first.join(", "));
-                let remedy = format!("{meant}name the robot's joints as the messages do, in its order: joint_names = […]");
+                let reason =
+                    format!("no message has a joint `{lacking}`; the first has {}", first.join(", "));
+                let remedy = format!(
+                    "{meant}name the robot's joints as the messages do, in its order: joint_names = […]"
+                );
                 return Err(refuse(reason, remedy));
             }
         }
@@ -85,7 +93,8 @@ impl<'a> Joints<'a> {
         joints.effort = joints.state.effort.len() == count;
         joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
         if joints.decode_next()? {
-            joints.recorder_stamps = joints.state.stamp_ns == 0 && joints.ahead.iter().all(|m| m.0.stamp_ns == 0);
+            joints.recorder_stamps =
+                joints.state.stamp_ns == 0 && joints.ahead.iter().all(|m| m.0.stamp_ns == 0);
             joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
         }
         let begin = joints.ahead.front().map_or(0, |(state, log_ns)| joints.stamp_ns(state, *log_ns));
@@ -107,7 +116,9 @@ impl<'a> Joints<'a> {
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = vec![format!("joints in this order: {}", self.names.join(", "))];
         if self.recorder_stamps {
-            remarks.push("the messages have no stamps: those of the recorder are used, which jitter more".into());
+            remarks.push(
+                "the messages have no stamps: those of the recorder are used, which jitter more".into(),
+            );
         }
         if self.origin_ns != 0 {
             let seconds = self.origin_ns / SECOND_NS;
@@ -177,9 +188,9 @@ impl<'a> Joints<'a> {
         if !self.messages.next()? {
             return Ok(false);
         }
-        self.state
-            .decode(&self.messages.payload)
-            .map_err(|reason| self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it anew"))?;
+        self.state.decode(&self.messages.payload).map_err(|reason| {
+            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it anew")
+        })?;
         Ok(true)
     }
 

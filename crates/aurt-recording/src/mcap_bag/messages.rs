@@ -61,7 +61,9 @@ impl<'a> Messages<'a> {
                     return Ok(false);
                 }
                 Err(Ending::Wrong(reason)) => {
-                    return Err(self.malformed(reason, "copy the file anew, or repair it with `mcap recover`"));
+                    return Err(
+                        self.malformed(reason, "copy the file anew, or repair it with `mcap recover`")
+                    );
                 }
             }
         }

@@ -32,7 +32,11 @@ pub(super) enum Ending {
 
 impl From<io::Error> for Ending {
     fn from(error: io::Error) -> Self {
-        if error.kind() == io::ErrorKind::UnexpectedEof { Self::BreaksOff } else { Self::Wrong(error.to_string()) }
+        if error.kind() == io::ErrorKind::UnexpectedEof {
+            Self::BreaksOff
+        } else {
+            Self::Wrong(error.to_string())
+        }
     }
 }
 
@@ -61,7 +65,11 @@ impl Chunk {
     fn fill(&mut self, count: u64, body: &mut Vec<u8>) -> Result<(), Ending> {
         let cut = self.cut;
         let failed = |error: io::Error| {
-            if cut { Ending::BreaksOff } else { Ending::Wrong(format!("a chunk cannot be unpacked: {error}")) }
+            if cut {
+                Ending::BreaksOff
+            } else {
+                Ending::Wrong(format!("a chunk cannot be unpacked: {error}"))
+            }
         };
         if count > self.left {
             return Err(Ending::Wrong("a record is longer than its chunk".to_owned()));

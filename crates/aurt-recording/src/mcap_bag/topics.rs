@@ -79,7 +79,8 @@ impl Topic {
         }
         let topics = listing.topics();
         let listed = |of: &BTreeMap<&str, (&str, &str)>| {
-            let shown: Vec<String> = of.iter().take(20).map(|(t, (kind, _))| format!("{t} ({kind})")).collect();
+            let shown: Vec<String> =
+                of.iter().take(20).map(|(t, (kind, _))| format!("{t} ({kind})")).collect();
             shown.join(", ")
         };
         let mut states = topics.clone();
@@ -103,7 +104,10 @@ impl Topic {
                 }
                 (2.., None) => {
                     let reason = format!("several topics are joint states: {}", listed(&states));
-                    return Err(malformed(reason, "state which to read, e.g. topic = \"/joint_states\"".into()));
+                    return Err(malformed(
+                        reason,
+                        "state which to read, e.g. topic = \"/joint_states\"".into(),
+                    ));
                 }
                 (2.., Some((name, found))) => {
                     remark = Some(format!("of the topics {}, {USUAL} is read", listed(&states)));
@@ -120,7 +124,8 @@ impl Topic {
             return Err(malformed(reason, "messages are read if they are sensor_msgs/msg/JointState".into()));
         }
         if encoding != "cdr" {
-            let reason = format!("the messages of {name} are encoded as `{encoding}`, and CDR (ROS 2) is read");
+            let reason =
+                format!("the messages of {name} are encoded as `{encoding}`, and CDR (ROS 2) is read");
             return Err(malformed(reason, "convert bags of ROS 1 with `rosbags-convert`".into()));
         }
         let of_topic = listing.channels.iter().filter(|(_, (topic, ..))| topic == name);

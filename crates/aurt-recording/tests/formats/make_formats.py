@@ -1,7 +1,7 @@
 """One recording in every format that AURT reads: `make_formats.py recording.csv folder`.
 
-The files beside this script are the first 120 rows of `exciting_motion.csv` of `aurt demo`. Needs NumPy and SciPy, and
-mcap-ros2-support for bags; formats whose packages are missing are left out, with a line.
+The files beside this script are the first 120 rows of `exciting_motion.csv` of `aurt demo`. Needs NumPy, SciPy,
+mcap-ros2-support for bags, and PyArrow for Parquet; formats whose packages are missing are left out, with a line.
 """
 
 import pathlib
@@ -73,3 +73,41 @@ uint32 nanosec"""
                 if k % 10 == 0:
                     writer.write_message("/remarks", text, {"data": f"row {k}"}, log_time=nanoseconds)
             writer.finish()
+
+try:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+except ImportError:
+    print("left out: Parquet (no pyarrow)")
+else:
+    flat = {"time": time}
+    flat |= {f"q_{j}": q[:, j] for j in range(6)} | {f"current_{j}": current[:, j] for j in range(6)}
+    lists = {
+        "time": time,
+        "q": pa.array(list(q), pa.list_(pa.float64())),
+        "current": pa.array(list(current), pa.list_(pa.float64(), 6)),
+        "note": ["by PyArrow"] * len(time),
+        "moving": time > 0.5,
+    }
+    # Texts and truth values are passed over; the rest is all that a writer can choose.
+    pq.write_table(pa.table(flat), FOLDER / "snappy.parquet", row_group_size=50)
+    pq.write_table(pa.table(lists), FOLDER / "zstd.parquet", compression="zstd", row_group_size=70)
+    split = {name: "BYTE_STREAM_SPLIT" for name in flat}
+    pq.write_table(
+        pa.table(flat),
+        FOLDER / "split.parquet",
+        compression="gzip",
+        use_dictionary=False,
+        column_encoding=split,
+        data_page_version="2.0",
+        data_page_size=256,
+    )
+    moments = pa.array(np.round(time * 1e9).astype(np.int64) + 1_700_000_000 * 10**9, pa.timestamp("ns"))
+    pq.write_table(
+        pa.table(lists | {"time": moments}),
+        FOLDER / "moments.parquet",
+        compression="lz4",
+        use_dictionary=False,
+        column_encoding={"time": "DELTA_BINARY_PACKED"},
+        data_page_size=256,
+    )
