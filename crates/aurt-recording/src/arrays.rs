@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::csv::{TIME_NAMES, Table, Visit};
+use crate::csv::{Table, Visit, is_time};
 use crate::{ColumnRef, ReadOptions, Recording, RecordingError};
 
 /// Numbers that arrays of one file may have together: 4 GiB in memory.
@@ -162,14 +162,14 @@ impl ArrayFile<'_> {
             Some(ColumnRef::Name(name)) => Some(name.trim().to_lowercase()),
             _ => None,
         };
-        let is_time = |array: &&Array| {
+        let holds_time = |array: &&Array| {
             let Some(name) = array.name.as_ref().map(|n| n.to_lowercase()) else { return false };
             match &selected {
                 Some(selected) => *selected == name,
-                None => TIME_NAMES.contains(&name.as_str()),
+                None => is_time(&name),
             }
         };
-        let stamps = self.arrays.iter().filter(is_time).find_map(|a| a.axes().filter(|x| x[1] == 1));
+        let stamps = self.arrays.iter().filter(holds_time).find_map(|a| a.axes().filter(|x| x[1] == 1));
         stamps.map(|axes| axes[0]).or_else(|| self.arrays.iter().filter_map(Array::axes).flatten().max())
     }
 

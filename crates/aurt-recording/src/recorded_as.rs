@@ -24,6 +24,19 @@ pub enum TimeUnit {
     Nanosecond,
 }
 
+impl TimeUnit {
+    /// How it is written.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Second => "s",
+            Self::Millisecond => "ms",
+            Self::Microsecond => "µs",
+            Self::Nanosecond => "ns",
+        }
+    }
+}
+
 /// The unit of motor currents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CurrentUnit {

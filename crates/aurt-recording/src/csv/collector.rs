@@ -34,6 +34,8 @@ pub(super) struct Collector<'a> {
     follows: bool,
     /// Whether rows were handed out.
     begun: bool,
+    /// The first second of stamps that are in two columns.
+    first_second: Option<f64>,
     turns: Vec<Turns>,
     remarks: Vec<String>,
 }
@@ -82,6 +84,7 @@ impl<'a> Collector<'a> {
             dropped_rows: 0,
             follows: false,
             begun: false,
+            first_second: None,
             turns: vec![Turns::default(); selected.position.len()],
             remarks: Vec::new(),
         }
@@ -106,6 +109,11 @@ impl<'a> Collector<'a> {
     pub(super) fn add(&mut self, row: &mut [f64], line: usize) {
         if let Some(rate_hz) = self.selected.rate_hz {
             row[0] = self.rows as f64 / rate_hz;
+        }
+        if self.selected.nanoseconds.is_some()
+            && let [seconds, .., nanoseconds] = row
+        {
+            *seconds = (*seconds - *self.first_second.get_or_insert(*seconds)) + *nanoseconds / 1e9;
         }
         self.rows += 1;
         if self.scaled {

@@ -3,10 +3,11 @@ use std::path::Path;
 use aurt_traits::MeasurementUnit;
 
 use crate::csv::ReadOptions;
+use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
 use crate::recorded_as::Factor;
-use crate::{AngleUnit, CurrentUnit, RecordingError, TimeUnit};
+use crate::{AngleUnit, CurrentUnit, RecordedAs, RecordingError, TimeUnit};
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,19 +59,35 @@ pub(super) struct Selected {
     /// What each number of a row is scaled with: time, positions, velocities, measurements.
     pub(super) factors: Vec<Factor>,
     pub(super) rate_hz: Option<f64>,
+    /// The nanoseconds of the stamps, where `time` has their seconds alone; last in a row.
+    pub(super) nanoseconds: Option<usize>,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
 }
 
 impl Selected {
-    /// All columns: time, positions, velocities, measurements.
+    /// All columns: time, positions, velocities, measurements, nanoseconds.
     pub(super) fn all(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.time.into_iter().collect();
         all.extend(&self.position);
         all.extend(self.velocity.iter().flatten());
         all.extend(self.measurement.iter().flatten());
+        all.extend(self.nanoseconds);
         all
     }
+}
+
+/// What the numbers of a row are scaled with.
+fn factors(selected: &Selected, recorded: &RecordedAs, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+    let time = if selected.time.is_some() { recorded.time_factor() } else { [1.0, 1.0] };
+    let angles = recorded.angle_factors(joints)?;
+    let measured =
+        if selected.unit == MeasurementUnit::Ampere { recorded.current_factor() } else { [1.0, 1.0] };
+    let mut factors = vec![time];
+    factors.extend(&angles);
+    factors.extend(selected.velocity.iter().flat_map(|_| &angles));
+    factors.extend(selected.measurement.iter().flatten().map(|_| measured));
+    Ok(factors)
 }
 
 /// The search for columns in one file.
@@ -98,13 +115,13 @@ impl Search<'_> {
         }
         let time = match (&selection.time, recorded.rate_hz) {
             (_, Some(rate_hz)) => {
-                if let Ok(column) = self.find_time(&families) {
-                    let name = self.header.name(column);
+                if let Ok(clock) = self.find_time(&families) {
+                    let name = self.header.name(clock.column);
                     remarks.push(format!("`{name}` is not read, since rate_hz = {rate_hz} was stated"));
                 }
                 None
             }
-            (Some(column), None) => Some(self.column(column, "the time stamps")?),
+            (Some(column), None) => Some(Clock::of(self.column(column, "the time stamps")?)),
             (None, None) => Some(self.find_time(&families)?),
         };
         let position = match &selection.position {
@@ -115,22 +132,26 @@ impl Search<'_> {
             },
         };
         let joints = self.options.joints.unwrap_or(position.len());
+        let recorded = self.units(time.as_ref(), &position, &mut remarks)?;
         let velocity = match &selection.velocity {
             Some(columns) => Some(self.columns(columns, "joint velocities", &families)?),
             None => {
                 let found = self.find(&families, "joint velocities", &families::VELOCITY, &mut remarks);
-                self.optional("joint velocities", joints, found, &mut remarks)
+                let velocity = self.optional("joint velocities", joints, found, &mut remarks);
+                self.in_unit_of_positions(&position, velocity, &mut remarks)
             }
         };
         let (measurement, unit) = self.measurement(&families, joints, &mut remarks)?;
+        self.remark_on_drive(measurement.as_deref(), &mut remarks);
         let mut selected = Selected {
-            time,
+            time: time.as_ref().map(|clock| clock.column),
             position,
             velocity,
             measurement,
             unit,
             factors: Vec::new(),
             rate_hz: recorded.rate_hz,
+            nanoseconds: time.and_then(|clock| clock.nanoseconds),
             remarks,
         };
         let counts = [
@@ -146,8 +167,8 @@ impl Search<'_> {
                 ));
             }
         }
-        self.check_units(&selected)?;
-        selected.factors = self.factors(&selected, joints)?;
+        self.check_units(&selected, &recorded)?;
+        selected.factors = factors(&selected, &recorded, joints)?;
         let mut all = selected.all();
         all.sort_unstable();
         if let Some(twice) = all.windows(2).find(|w| w[0] == w[1]) {
@@ -161,20 +182,6 @@ impl Search<'_> {
             ));
         }
         Ok(selected)
-    }
-
-    /// What the numbers of a row are scaled with.
-    fn factors(&self, selected: &Selected, joints: usize) -> Result<Vec<Factor>, RecordingError> {
-        let recorded = &self.options.recorded;
-        let time = if selected.time.is_some() { recorded.time_factor() } else { [1.0, 1.0] };
-        let angles = recorded.angle_factors(joints)?;
-        let measured =
-            if selected.unit == MeasurementUnit::Ampere { recorded.current_factor() } else { [1.0, 1.0] };
-        let mut factors = vec![time];
-        factors.extend(&angles);
-        factors.extend(selected.velocity.iter().flat_map(|_| &angles));
-        factors.extend(selected.measurement.iter().flatten().map(|_| measured));
-        Ok(factors)
     }
 
     /// Columns that nobody asked for: if they are unusable, a remark says so.
@@ -199,8 +206,7 @@ impl Search<'_> {
     }
 
     /// Refuses columns whose names say that they are in another unit than they are read in.
-    fn check_units(&self, selected: &Selected) -> Result<(), RecordingError> {
-        let recorded = &self.options.recorded;
+    fn check_units(&self, selected: &Selected, recorded: &RecordedAs) -> Result<(), RecordingError> {
         let time: &[&str] = match recorded.time {
             None | Some(TimeUnit::Second) => &families::TIME_UNITS,
             Some(TimeUnit::Millisecond) => &["ms"],
@@ -238,22 +244,6 @@ impl Search<'_> {
             }
         }
         Ok(())
-    }
-
-    fn find_time(&self, families: &Families) -> Result<usize, RecordingError> {
-        for name in families::TIME {
-            match families.unnumbered(name).as_slice() {
-                [] => {}
-                [column] => return Ok(*column),
-                _ => {
-                    return Err(self.wrong(
-                        format!("there are two columns named `{name}`"),
-                        "rename one, or select the time column by its number".into(),
-                    ));
-                }
-            }
-        }
-        Err(self.missing("the time stamps", None, &families::TIME, "time"))
     }
 
     /// The preferred family among `prefixes`; a remark says so if there were others.
@@ -401,7 +391,7 @@ impl Search<'_> {
     /// Columns of all joints that nothing is known of, and how an experiment would select them as the measurement.
     pub(super) fn selection_of_measurement(&self) -> Option<(Vec<usize>, String)> {
         let families = Families::of(&self.header.names);
-        let time = self.find_time(&families).ok()?;
+        let time = self.find_time(&families).ok()?.column;
         let position =
             self.find(&families, "joint positions", &families::POSITION, &mut Vec::new()).ok()??;
         let columns = families.unknown(self.options.joints.unwrap_or(position.len()))?;

@@ -1,5 +1,6 @@
 //! Text files with one row per sample.
 
+mod clock;
 mod collector;
 mod columns;
 mod dialect;
@@ -18,7 +19,7 @@ use std::path::Path;
 use aurt_traits::MeasurementUnit;
 
 pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
-pub(crate) use crate::csv::families::TIME as TIME_NAMES;
+pub(crate) use crate::csv::families::is_time;
 pub(crate) use crate::csv::table::{Table, Visit};
 
 use crate::csv::collector::Collector;

@@ -111,3 +111,17 @@ else:
         column_encoding={"time": "DELTA_BINARY_PACKED"},
         data_page_size=256,
     )
+    # Two episodes of a LeRobot data set: frames in lists of 32-bit floats, stamps that begin anew.
+    frames = [[2.0 * k, 2.0 * k + 1.0] for k in range(6)]
+    pq.write_table(
+        pa.table(
+            {
+                "observation.state": pa.array(frames, pa.list_(pa.float32(), 2)),
+                "action": pa.array(frames, pa.list_(pa.float32(), 2)),
+                "timestamp": pa.array([0, 0.25, 0.5] * 2, pa.float32()),
+                "frame_index": pa.array([0, 1, 2] * 2, pa.int64()),
+                "episode_index": pa.array([0] * 3 + [1] * 3, pa.int64()),
+            }
+        ),
+        FOLDER / "lerobot.parquet",
+    )
