@@ -1,4 +1,4 @@
-"""Long recordings for measuring how fast they are read: `large-recording.py ROWS FOLDER`.
+"""Long recordings for measuring how fast they are read: `large-recording.py ROWS FOLDER [FILE …]`.
 
 Six joints at 500 Hz, positions and efforts, in MCAP (chunks of 1000 messages: plain, lz4, zstd) and in Parquet (Snappy, zstd,
 plain). Needs NumPy, PyArrow, lz4 and zstandard.
@@ -77,9 +77,13 @@ def mcap(name, compression, pack):
         out.write(record(15, struct.pack("<I", 0)) + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n")
 
 
-parquet("snappy.parquet")
-parquet("zstd.parquet", compression="zstd")
-parquet("plain.parquet", compression="none", use_dictionary=False)
-mcap("plain.mcap", "", lambda b: b)
-mcap("lz4.mcap", "lz4", lz4.frame.compress)
-mcap("zstd.mcap", "zstd", zstandard.ZstdCompressor(level=1).compress)
+KINDS = {
+    "snappy.parquet": lambda n: parquet(n),
+    "zstd.parquet": lambda n: parquet(n, compression="zstd"),
+    "plain.parquet": lambda n: parquet(n, compression="none", use_dictionary=False),
+    "plain.mcap": lambda n: mcap(n, "", lambda b: b),
+    "lz4.mcap": lambda n: mcap(n, "lz4", lz4.frame.compress),
+    "zstd.mcap": lambda n: mcap(n, "zstd", zstandard.ZstdCompressor(level=1).compress),
+}
+for name in sys.argv[3:] or KINDS:
+    KINDS[name](name)

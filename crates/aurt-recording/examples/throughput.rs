@@ -27,7 +27,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds = start.elapsed().as_secs_f64();
     let payload = rows as f64 * (1 + 2 * joints) as f64 * 8.0 / 1e6;
     let file = std::fs::metadata(&path)?.len() as f64 / 1e6;
-    println!("{rows} rows of {joints} joints, {file:.0} MB: {seconds:.2} s, {:.0} MB/s of payload", payload / seconds);
+    println!(
+        "{rows} rows of {joints} joints, {file:.0} MB: {seconds:.2} s, {:.0} MB/s of payload",
+        payload / seconds
+    );
     println!("memory at most {:.0} MB", peak_mb().unwrap_or(f64::NAN));
     Ok(())
 }

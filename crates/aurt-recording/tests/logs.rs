@@ -100,9 +100,10 @@ fn topics_of_plot_juggler_and_joints_before_quantities_are_understood() {
 
 #[test]
 fn x_arm_logs_degrees() {
-    let read = read("time,angles_0,angles_1,realtime_joint_speeds_0,realtime_joint_speeds_1,currents_0,currents_1", [
-        "0", "0.5", "1",
-    ]);
+    let read = read(
+        "time,angles_0,angles_1,realtime_joint_speeds_0,realtime_joint_speeds_1,currents_0,currents_1",
+        ["0", "0.5", "1"],
+    );
     assert!((read.position_rad[1][0] - 2.0 * DEGREE / 8.0).abs() < 1e-16);
     assert!((read.velocity_rad_s.as_ref().unwrap()[1][0] - 4.0 * DEGREE / 8.0).abs() < 1e-16);
     assert_eq!(read.unit, Ampere);
