@@ -189,17 +189,18 @@ pub enum RecordingError {
     },
     /// More rows are corrupt than may be dropped.
     #[error(
-        "{path}, line {line}, column {column}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
+        "{path}, {place}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
          dropped ({max_percent} %): repair the file, delete these rows, or cut the recording with a window that leaves them out",
         max_percent = 100.0 * max_share,
-        path = path.display()
+        path = path.display(),
+        place = if *column == 0 { format!("row {line}") } else { format!("line {line}, column {column}") }
     )]
     CorruptRows {
         /// The file.
         path: PathBuf,
-        /// Line of the first corrupt row, from 1.
+        /// Line of the first corrupt row, from 1; in files that are no text its row.
         line: usize,
-        /// Its column, from 1.
+        /// Its column, from 1; 0 in files that are no text.
         column: usize,
         /// What is wrong there, with the column's name.
         reason: String,

@@ -188,6 +188,13 @@ fn a_mat_file_of_version_7_3_and_arrays_that_do_not_fit_say_what_to_do() {
     assert!(text.contains("joint positions"), "{text}");
 }
 
+/// Rows of files that are no text are told by their number, never by a line and a column of their bytes.
+#[test]
+fn rows_that_cannot_be_true_are_told_by_their_number() {
+    let text = error("snappy.parquet", |o| o.position_limit_rad = 1e-6);
+    assert!(text.contains("row 1: q_0 = ") && !text.contains("line"), "{text}");
+}
+
 fn text_of(header: &str, scale: [f64; 3]) -> Recording {
     let made = tempfile::NamedTempFile::new().unwrap();
     let rows: String = (0..50)

@@ -166,7 +166,9 @@ impl<'a> Collector<'a> {
         if self.dropped_rows > allowed {
             let first = self.dropped.iter().min_by_key(|d| d.line);
             let (line, column, reason) = first.map_or((0, 0, String::new()), |first| {
-                (first.line, self.columns[first.place] + 1, self.in_words(first, header))
+                // Files that are no text have rows, and columns by name alone.
+                let column = if header.line == 0 { 0 } else { self.columns[first.place] + 1 };
+                (first.line, column, self.in_words(first, header))
             });
             return Err(RecordingError::CorruptRows {
                 path: path.to_owned(),
