@@ -8,6 +8,9 @@ const MAGIC_BYTES: usize = 8;
 /// A longer record is an error: it would be held in memory.
 const RECORD_LIMIT: u64 = 1 << 28;
 
+/// Bytes that are unpacked at once.
+const UNPACKED_BYTES: usize = 1 << 16;
+
 const FOOTER: u8 = 0x02;
 const SCHEMA: u8 = 0x03;
 const CHANNEL: u8 = 0x04;
@@ -173,9 +176,10 @@ impl<'a> Records<'a> {
         let packed = Cursor::new(packed);
         let source: Box<dyn Read> = match name.as_slice() {
             b"" => Box::new(packed),
-            b"lz4" => Box::new(FrameDecoder::new(packed)),
+            // Decoders are slow at handing out a message at a time.
+            b"lz4" => Box::new(BufReader::with_capacity(UNPACKED_BYTES, FrameDecoder::new(packed))),
             b"zstd" => match StreamingDecoder::new(packed) {
-                Ok(decoder) => Box::new(decoder),
+                Ok(decoder) => Box::new(BufReader::with_capacity(UNPACKED_BYTES, decoder)),
                 Err(_) if cut => return Err(Ending::BreaksOff),
                 Err(error) => return Err(Ending::Wrong(format!("a chunk cannot be unpacked: {error}"))),
             },
