@@ -57,7 +57,8 @@ fn experiments_in_the_documentation_are_accepted() {
             }
             for name in block.split('"').skip(1).step_by(2).filter(|n| n.ends_with(".urdf")) {
                 let example = Path::new(ROOT).join("examples/urdf-bag").join(name);
-                fs::copy(&example, folder.path().join(name)).unwrap_or_else(|e| panic!("{}: {e}", example.display()));
+                fs::copy(&example, folder.path().join(name))
+                    .unwrap_or_else(|e| panic!("{}: {e}", example.display()));
             }
             let path = folder.path().join("experiment.toml");
             let experiment = Experiment::parse(&block, &path, &mut Registry::linked().unwrap());

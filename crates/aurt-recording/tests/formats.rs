@@ -173,6 +173,50 @@ fn topics_and_joints_that_are_not_there_are_told_with_those_that_are() {
     assert!(text.contains("joint_names"), "{text}");
 }
 
+/// A record of an MCAP file.
+fn record(kind: u8, parts: &[&[u8]]) -> Vec<u8> {
+    let body = parts.concat();
+    [&[kind], (body.len() as u64).to_le_bytes().as_slice(), &body].concat()
+}
+
+/// A text as MCAP and CDR write its length.
+fn text(value: &str) -> Vec<u8> {
+    [(value.len() as u32).to_le_bytes().as_slice(), value.as_bytes()].concat()
+}
+
+/// A message of a joint `a1` with position `second` / 8 and effort 2.
+fn joint_state(second: u32) -> Vec<u8> {
+    let words = |values: &[u32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let position = (f64::from(second) / 8.0).to_le_bytes();
+    // Stamp, empty frame, one name; each list of numbers begins at a multiple of 8 after its length.
+    let begin =
+        [&[0, 1, 0, 0], words(&[second, 0, 1, 0, 1, 3]).as_slice(), b"a1\0\0", &words(&[1, 0])].concat();
+    [begin.as_slice(), &position, &words(&[0, 1]), &2.0_f64.to_le_bytes()].concat()
+}
+
+#[test]
+fn messages_of_another_type_under_the_same_name_are_passed_over() {
+    let number = |n: u16| n.to_le_bytes();
+    let schema = |id, name| record(3, &[&number(id), &text(name), &text("ros2msg"), &text("")]);
+    let channel =
+        |id, topic| record(4, &[&number(id), &number(id), &text(topic), &text("cdr"), &0_u32.to_le_bytes()]);
+    let message = |id, data: &[u8]| record(5, &[&number(id), &[0; 20], data]);
+    let mut file = b"\x89MCAP0\r\n".to_vec();
+    file.extend(schema(1, "sensor_msgs/msg/JointState"));
+    file.extend(schema(2, "std_msgs/msg/String"));
+    file.extend([channel(1, "/joints"), channel(2, "/joints")].concat());
+    for second in 1..=3 {
+        file.extend([message(1, &joint_state(second)), message(2, b"\0\x01\0\0words")].concat());
+    }
+    file.extend(record(2, &[&[0; 20]]));
+    let made = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(made.path(), file).unwrap();
+    let read = read_recording(made.path(), &ReadOptions::default()).unwrap();
+    assert_eq!((read.time_s, read.position_rad), (vec![1.0, 2.0, 3.0], vec![vec![0.125, 0.25, 0.375]]));
+    let remarks = read.report.remarks.join("; ");
+    assert!(remarks.contains("other types"), "{remarks}");
+}
+
 #[test]
 fn a_mat_file_of_version_7_3_and_arrays_that_do_not_fit_say_what_to_do() {
     let made = tempfile::tempdir().unwrap();

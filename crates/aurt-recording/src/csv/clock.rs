@@ -76,7 +76,7 @@ impl Search<'_> {
             let name = || self.header.span(position);
             if families::DEGREES.contains(&family.as_str()) {
                 remarks.push(format!(
-                    "{} are in degrees, as documented; angle = \"rad\" says otherwise",
+                    "{} are in degrees, as their name is documented to be; angle = \"rad\" says otherwise",
                     name()
                 ));
                 recorded.angle = Some(AngleUnit::Degree);

@@ -45,10 +45,21 @@ impl Listing {
         }
     }
 
-    /// The topics with the type of their messages and their encoding.
+    /// The topics with the type of their messages and their encoding; where a topic has several types, joint states are
+    /// meant.
     fn topics(&self) -> BTreeMap<&str, (&str, &str)> {
-        let kind = |schema| self.schemas.get(schema).map_or("unknown type", String::as_str);
-        self.channels.values().map(|(t, schema, code)| (t.as_str(), (kind(schema), code.as_str()))).collect()
+        let mut topics = BTreeMap::new();
+        for (topic, schema, code) in self.channels.values() {
+            let kind = self.kind(*schema);
+            if JOINT_STATE.contains(&kind) || !topics.contains_key(topic.as_str()) {
+                topics.insert(topic.as_str(), (kind, code.as_str()));
+            }
+        }
+        topics
+    }
+
+    fn kind(&self, schema: u16) -> &str {
+        self.schemas.get(&schema).map_or("unknown type", String::as_str)
     }
 }
 
@@ -128,7 +139,15 @@ impl Topic {
                 format!("the messages of {name} are encoded as `{encoding}`, and CDR (ROS 2) is read");
             return Err(malformed(reason, "convert bags of ROS 1 with `rosbags-convert`".into()));
         }
-        let of_topic = listing.channels.iter().filter(|(_, (topic, ..))| topic == name);
-        Ok((Self { name: name.to_owned(), channels: of_topic.map(|(id, _)| *id).collect() }, remark))
+        let of_topic = listing.channels.iter().filter(|(_, (topic, schema, code))| {
+            topic == name && listing.kind(*schema) == kind && code == encoding
+        });
+        let channels: Vec<u16> = of_topic.map(|(id, _)| *id).collect();
+        let others = listing.channels.values().filter(|(topic, ..)| topic == name).count() - channels.len();
+        if others > 0 {
+            let also = format!("{name} has messages of other types as well, which are passed over");
+            remark = Some(remark.map_or_else(|| also.clone(), |said| format!("{said}; {also}")));
+        }
+        Ok((Self { name: name.to_owned(), channels }, remark))
     }
 }
