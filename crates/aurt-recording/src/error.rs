@@ -35,9 +35,11 @@ pub enum RecordingError {
     },
     /// The first line is data, and no columns were selected.
     #[error(
-        "{path}, line {line}: there is no header line, so the {columns} columns have no names; \
+        "{path}{at}: there is no header{row}, so the {columns} columns have no names; \
          say which is which, counting from 0, e.g. columns = {{ time = 0, position = [1, 6], measurement = [13, 18] }}",
-        path = path.display()
+        path = path.display(),
+        at = at(*line),
+        row = if *line == 0 { "" } else { " line" }
     )]
     Headerless {
         /// The file.
@@ -49,8 +51,9 @@ pub enum RecordingError {
     },
     /// A column that is needed is not there.
     #[error(
-        "{path}, line {line}: no column for {what}{wanted}; the file has {known}{likely}",
+        "{path}{at}: no column for {what}{wanted}; the file has {known}{likely}",
         path = path.display(),
+        at = at(*line),
         wanted = wanted.as_ref().map(|w| format!(" (`{w}`)")).unwrap_or_default(),
         known = list(known),
         likely = likely.as_ref().map(|l| format!("; {l}")).unwrap_or_default()
@@ -85,7 +88,7 @@ pub enum RecordingError {
         columns: usize,
     },
     /// Columns that do not fit together: holes in a numbering, different joint counts, doubled names.
-    #[error("{path}, line {line}: {reason}; {remedy}", path = path.display())]
+    #[error("{path}{at}: {reason}; {remedy}", path = path.display(), at = at(*line))]
     Columns {
         /// The file.
         path: PathBuf,
@@ -126,6 +129,33 @@ pub enum RecordingError {
         /// What to do.
         remedy: String,
     },
+    /// A number that is not finite, in a file that is no text.
+    #[error(
+        "{path}, row {row}: {name} is {value}; delete the row, or select another column",
+        path = path.display()
+    )]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Row, from 1.
+        row: usize,
+        /// Name of the column.
+        name: String,
+        /// The number.
+        value: f64,
+    },
+    /// A file that is not what its format says.
+    #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Where in it: an array, a topic, a message.
+        place: String,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
     /// A line with another number of cells than the first one.
     #[error(
         "{path}, line {line}: {found} cells where the file has {expected}; {remedy}",
@@ -159,17 +189,18 @@ pub enum RecordingError {
     },
     /// More rows are corrupt than may be dropped.
     #[error(
-        "{path}, line {line}, column {column}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
+        "{path}, {place}: {reason}; {rows} of {total} rows are like this, and at most {allowed} may be \
          dropped ({max_percent} %): repair the file, delete these rows, or cut the recording with a window that leaves them out",
         max_percent = 100.0 * max_share,
-        path = path.display()
+        path = path.display(),
+        place = if *column == 0 { format!("row {line}") } else { format!("line {line}, column {column}") }
     )]
     CorruptRows {
         /// The file.
         path: PathBuf,
-        /// Line of the first corrupt row, from 1.
+        /// Line of the first corrupt row, from 1; in files that are no text its row.
         line: usize,
-        /// Its column, from 1.
+        /// Its column, from 1; 0 in files that are no text.
         column: usize,
         /// What is wrong there, with the column's name.
         reason: String,
@@ -339,4 +370,9 @@ fn list(names: &[String]) -> String {
         text.push_str(&format!(" and {} more", names.len() - SHOWN));
     }
     text
+}
+
+/// The place of a header; files that are no text have none (line 0).
+fn at(line: usize) -> String {
+    if line == 0 { String::new() } else { format!(", line {line}") }
 }

@@ -3,14 +3,17 @@
 use std::{
     fmt::Debug,
     fs::File,
-    io::{Cursor, Read},
+    io::{Cursor, Read, Seek},
     path::Path,
 };
 
-use crate::{ReadOptions, ReadReport, Recording, RecordingError, csv::Csv};
+use crate::{
+    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, matlab::Matlab, mcap_bag::McapBag,
+    numpy::NumPy, parquet::Parquet,
+};
 
 /// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&Csv];
+pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Parquet, &Csv];
 
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
@@ -69,6 +72,16 @@ impl<'a> RecordingInput<'a> {
         Ok(Self { path, beginning, bytes, file })
     }
 
+    /// The file itself, at its first byte, for formats that read from several places.
+    ///
+    /// # Errors
+    /// A file that cannot be read again from its beginning, as a pipe.
+    pub(crate) fn rewound(&self) -> Result<&File, RecordingError> {
+        let mut file = &self.file;
+        file.rewind().map_err(|source| unreadable(self.path, source))?;
+        Ok(file)
+    }
+
     /// All of it, from the first byte on.
     pub fn reader(&self) -> impl Read {
         Cursor::new(self.beginning.as_slice()).chain(&self.file)
@@ -116,6 +129,7 @@ fn read(
 ) -> Result<Recording, RecordingError> {
     options.validate()?;
     let input = RecordingInput::open(path)?;
+    foreign::refuse(path, &input.beginning)?;
     input.format().read(input, options, piece_rows, visit)
 }
 

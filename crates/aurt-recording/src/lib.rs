@@ -34,24 +34,37 @@
 //!
 //! Joints count from 0. Units are SI.
 
+mod arrays;
 mod csv;
 mod error;
+mod foreign;
 mod format;
+mod joint_state;
 mod long;
+mod matlab;
+mod mcap_bag;
 mod noise;
+mod numpy;
+mod parquet;
 mod preprocess;
+mod recorded_as;
 mod recording;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
 pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
+pub use matlab::Matlab;
+pub use mcap_bag::McapBag;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
     acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,
 };
+pub use numpy::NumPy;
+pub use parquet::Parquet;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
+pub use recorded_as::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};

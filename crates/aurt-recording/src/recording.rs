@@ -42,6 +42,9 @@ pub struct ReadReport {
     pub dropped_rows: usize,
     /// Choices and oddities that a person should know, as sentences.
     pub remarks: Vec<String>,
+    /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
+    #[serde(skip)]
+    pub line_is_row: bool,
 }
 
 /// A row that was left out.
@@ -63,8 +66,13 @@ impl ReadReport {
             notes.push(self.columns.join("; "));
         }
         if self.dropped_rows > 0 {
-            let mut lines: Vec<String> =
-                self.dropped.iter().take(SHOWN).map(|d| format!("line {} ({})", d.line, d.reason)).collect();
+            let place = if self.line_is_row { "row" } else { "line" };
+            let mut lines: Vec<String> = self
+                .dropped
+                .iter()
+                .take(SHOWN)
+                .map(|d| format!("{place} {} ({})", d.line, d.reason))
+                .collect();
             if self.dropped_rows > lines.len() {
                 lines.push(format!("{} more", self.dropped_rows - lines.len()));
             }

@@ -54,7 +54,7 @@ fn files_without_rows() {
         ("t,q_0,tau_0\n", "no row follows"),
         ("t,q_0,tau_0", "no row follows"),
         ("t,q_0,tau_0\r0,1,2\r", "carriage"),
-        ("PAR1\0\u{1}", "binary"),
+        ("GIF8\0\u{1}", "binary"),
     ] {
         let error = error(text);
         assert!(matches!(error, RecordingError::NoRows { .. }), "{error}");

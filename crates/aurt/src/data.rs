@@ -8,8 +8,8 @@ use aurt_experiment::{
     experiment::{ColumnName, JointColumns, RecordingColumns, RecordingSource},
 };
 use aurt_recording::{
-    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, Recording, RecordingError,
-    preprocess, read_recording,
+    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, ReadReport, RecordedAs,
+    Recording, RecordingError, preprocess, read_recording,
 };
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
@@ -74,6 +74,8 @@ pub struct Source {
     pub unit: Option<MeasurementUnit>,
     /// Where to find what, where names do not tell.
     pub columns: Option<RecordingColumns>,
+    /// What the file does not tell of itself.
+    pub recorded: RecordedAs,
 }
 
 impl From<&RecordingSource> for Source {
@@ -84,6 +86,7 @@ impl From<&RecordingSource> for Source {
             window_s: source.window_s,
             unit: source.unit,
             columns: source.columns.clone(),
+            recorded: source.recorded.clone(),
         }
     }
 }
@@ -92,7 +95,11 @@ impl From<Recording> for Loaded {
     /// A recording in memory, under the name that it has.
     fn from(recording: Recording) -> Self {
         let (file, label) = (recording.file.clone(), recording.file.display().to_string());
-        Self { source: Source { file, label, window_s: None, unit: None, columns: None }, recording }
+        let recorded = RecordedAs::default();
+        Self {
+            source: Source { file, label, window_s: None, unit: None, columns: None, recorded },
+            recording,
+        }
     }
 }
 
@@ -102,6 +109,7 @@ impl Source {
         ReadOptions {
             columns: self.columns.as_ref().map(selection).unwrap_or_default(),
             unit: self.unit,
+            recorded: self.recorded.clone(),
             joints,
             needs_measurement: purpose != Purpose::Prediction,
             ..ReadOptions::default()
@@ -160,6 +168,9 @@ impl Loaded {
         if report.dropped.is_empty() {
             return Ok(kept.clone());
         }
+        if report.line_is_row {
+            return Ok(with_dropped((1..=report.rows).collect::<Vec<_>>().as_slice(), kept, report));
+        }
         let bytes = std::fs::read(&self.source.file).map_err(|source| RecordingError::Unreadable {
             path: self.source.file.clone(),
             remedy: "it cannot be read again",
@@ -173,20 +184,25 @@ impl Loaded {
             .map(|(k, _)| k + 1)
             .collect();
         let rows = &lines[lines.len().saturating_sub(report.rows)..];
-        let mut stamps = Vec::with_capacity(rows.len());
-        let mut next = 0_usize;
-        for line in rows {
-            if report.dropped.iter().any(|d| d.line == *line) {
-                let (before, after) = (kept.get(next.wrapping_sub(1)), kept.get(next));
-                let middle = before.zip(after).map(|(a, b)| 0.5 * (a + b));
-                stamps.push(middle.or(before.copied()).or(after.copied()).unwrap_or(f64::NAN));
-            } else {
-                stamps.push(kept.get(next).copied().unwrap_or(f64::NAN));
-                next += 1;
-            }
-        }
-        Ok(stamps)
+        Ok(with_dropped(rows, kept, report))
     }
+}
+
+/// The stamp of every row, given the lines of all rows and the stamps of those that were kept.
+fn with_dropped(rows: &[usize], kept: &[f64], report: &ReadReport) -> Vec<f64> {
+    let mut stamps = Vec::with_capacity(rows.len());
+    let mut next = 0_usize;
+    for line in rows {
+        if report.dropped.iter().any(|d| d.line == *line) {
+            let (before, after) = (kept.get(next.wrapping_sub(1)), kept.get(next));
+            let middle = before.zip(after).map(|(a, b)| 0.5 * (a + b));
+            stamps.push(middle.or(before.copied()).or(after.copied()).unwrap_or(f64::NAN));
+        } else {
+            stamps.push(kept.get(next).copied().unwrap_or(f64::NAN));
+            next += 1;
+        }
+    }
+    stamps
 }
 
 impl Pipeline<'_> {
@@ -256,7 +272,7 @@ impl Pipeline<'_> {
 
 fn selection(columns: &RecordingColumns) -> ColumnSelection {
     ColumnSelection {
-        time: Some(column(&columns.time)),
+        time: columns.time.as_ref().map(column),
         position: Some(joint_columns(&columns.position)),
         velocity: columns.velocity.as_ref().map(joint_columns),
         measurement: columns.measurement.as_ref().map(joint_columns),

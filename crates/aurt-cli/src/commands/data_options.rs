@@ -55,6 +55,7 @@ impl ReadingOptions {
                 Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
             }),
             columns: self.columns.clone(),
+            recorded: aurt_recording::RecordedAs::default(),
         }
     }
 }
@@ -164,10 +165,10 @@ fn parse_columns(text: &str) -> Result<RecordingColumns, String> {
     let Document { columns } =
         toml::from_str(&format!("columns = {braced}")).map_err(|e| e.message().to_owned())?;
     Ok(RecordingColumns {
-        time: match &columns.time {
+        time: Some(match &columns.time {
             toml::Value::String(name) => ColumnName::Name(name.clone()),
             other => ColumnName::Index(index("time", other)?),
-        },
+        }),
         position: joint_columns("position", &columns.position)?,
         velocity: columns.velocity.map(|v| joint_columns("velocity", &v)).transpose()?,
         measurement: columns.measurement.map(|v| joint_columns("measurement", &v)).transpose()?,
@@ -202,12 +203,12 @@ mod tests {
     #[test]
     fn columns_are_written_as_in_an_experiment() {
         let parsed = parse_columns("{ time = 0, position = [1, 6], measurement = [\"a\", \"b\"] }").unwrap();
-        assert_eq!(parsed.time, ColumnName::Index(0));
+        assert_eq!(parsed.time, Some(ColumnName::Index(0)));
         assert_eq!(parsed.position, JointColumns::Range { first: 1, last: 6 });
         assert_eq!(parsed.measurement, Some(JointColumns::Names(vec!["a".into(), "b".into()])));
         assert_eq!(
             parse_columns("time = \"t\", position = [1, 6]").unwrap().time,
-            ColumnName::Name("t".into())
+            Some(ColumnName::Name("t".into()))
         );
     }
 

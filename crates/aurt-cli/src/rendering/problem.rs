@@ -262,6 +262,13 @@ fn mdh(error: &MdhError) -> Problem {
 
 fn recording(error: &RecordingError) -> Problem {
     match error {
+        // Files that are no text have no lines to show.
+        RecordingError::CorruptRows { path, column: 0, .. }
+        | RecordingError::Headerless { path, line: 0, .. }
+        | RecordingError::MissingColumn { path, line: 0, .. }
+        | RecordingError::Columns { path, line: 0, .. } => {
+            Problem { path: Some(path.clone()), ..Problem::plain(error) }
+        }
         RecordingError::Cell { path, line, column, .. }
         | RecordingError::CorruptRows { path, line, column, .. } => {
             Problem::in_file(error, path, *line, Some(*column))

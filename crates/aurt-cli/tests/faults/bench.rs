@@ -38,11 +38,15 @@ pub struct Input {
 }
 
 /// `FILE` stands for the input's file.
-pub const INPUTS: [Input; 13] = [
+pub const INPUTS: [Input; 17] = [
     Input { file: "mdh.csv", command: "compile-rbd --mdh FILE --gravity 0 -9.81 0 --out out" },
     Input { file: "mdh.csv", command: "run experiment.toml --out out" },
     Input { file: "a.csv", command: "check FILE" },
     Input { file: "a.csv", command: "run experiment.toml --out out" },
+    Input { file: "log.npz", command: "check FILE" },
+    Input { file: "log.mat", command: "check FILE" },
+    Input { file: "log.mcap", command: "check FILE" },
+    Input { file: "log.parquet", command: "check FILE" },
     Input { file: "b.csv", command: "predict --model model.json --data FILE --out out" },
     Input { file: "experiment.toml", command: "run FILE --out out" },
     Input { file: "sweep.toml", command: "sweep plan FILE --out out" },
@@ -77,6 +81,16 @@ impl Bench {
             ("library.so", "\u{7f}ELF".to_owned()),
         ] {
             fs::write(bench.path().join(name), text).unwrap();
+        }
+        // The same recording in each format that is no text, as the tests of the readers have it.
+        let formats = Path::new(env!("CARGO_MANIFEST_DIR")).join("../aurt-recording/tests/formats");
+        for (source, name) in [
+            ("compressed.npz", "log.npz"),
+            ("version_7.mat", "log.mat"),
+            ("zstd.mcap", "log.mcap"),
+            ("zstd.parquet", "log.parquet"),
+        ] {
+            fs::copy(formats.join(source), bench.path().join(name)).unwrap();
         }
         for line in ["run experiment.toml --out ran", "sweep run sweep.toml --out swept"] {
             let output = Command::new(env!("CARGO_BIN_EXE_aurt"))

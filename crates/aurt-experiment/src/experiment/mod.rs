@@ -12,6 +12,7 @@ mod joint_count;
 mod joint_dynamics;
 mod paths;
 mod preprocess;
+mod recorded_as;
 mod recordings;
 mod robot;
 mod section;
@@ -148,7 +149,10 @@ fn read_sections(
     let (arm_terms, arm_term_recordings) = read_arm_terms(&mut top, registry).into_iter().unzip();
     let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
     top.require("recordings", "[recordings] with `calibration`");
-    let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
+    let mut recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
+    if let Some(robot) = &robot {
+        recordings.name_joints(robot);
+    }
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
     let calibration = top.section("calibration").map(Calibration::read).unwrap_or_default();
     let sweep = top.take("sweep").cloned();

@@ -1,10 +1,14 @@
 use std::path::PathBuf;
 
+use aurt_recording::RecordedAs;
 use aurt_traits::MeasurementUnit;
 
 use super::{
     errors::Complaint,
+    geometry::Geometry,
     joint_count::JointCheck,
+    recorded_as,
+    robot::Robot,
     section::{Reader, Section},
 };
 use crate::{Node, NodeKind};
@@ -35,13 +39,16 @@ pub struct RecordingSource {
     pub unit: Option<MeasurementUnit>,
     /// `columns`: where to find what, for files without the usual column names.
     pub columns: Option<RecordingColumns>,
+    /// What the file does not tell of itself: `angle`, `time`, `current`, `rate_hz`, `counts_per_revolution`,
+    /// `gear_ratio`, `topic`, `joint_names`.
+    pub recorded: RecordedAs,
 }
 
 /// `columns`: a mapping of a file's columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingColumns {
-    /// `time`.
-    pub time: ColumnName,
+    /// `time`; not needed beside `rate_hz`.
+    pub time: Option<ColumnName>,
     /// `position`, one per joint.
     pub position: JointColumns,
     /// `velocity`, one per joint; optional.
@@ -86,15 +93,16 @@ impl JointColumns {
 
 impl Recordings {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
+        let general = recorded_as::read(&mut section);
         let node = section.require("calibration", "calibration = [\"recording.csv\"]");
-        let calibration = node.map(|n| sources(&section, "calibration", n)).unwrap_or_default();
+        let calibration = node.map(|n| sources(&section, "calibration", n, &general)).unwrap_or_default();
         if let Some(node) = node
             && matches!(&node.kind, NodeKind::Array(list) if list.is_empty())
         {
             section.complain("calibration", node, "needs at least one recording", None);
         }
         let mut optional =
-            |key| section.take(key).map(|node| sources(&section, key, node)).unwrap_or_default();
+            |key| section.take(key).map(|node| sources(&section, key, node, &general)).unwrap_or_default();
         let (validation, target, simulated) =
             (optional("validation"), optional("target"), optional("simulated"));
         section.finish();
@@ -102,16 +110,33 @@ impl Recordings {
     }
 }
 
+impl Recordings {
+    /// Lets formats that name joints find those of a robot that names them, unless the experiment does.
+    pub(super) fn name_joints(&mut self, robot: &Robot) {
+        // Robots known by name have numbers for joints.
+        let Geometry::Urdf { robot, .. } = &robot.geometry else { return };
+        let all = [&mut self.calibration, &mut self.validation, &mut self.target, &mut self.simulated];
+        for source in all.into_iter().flatten() {
+            source.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
+        }
+    }
+}
+
 /// One recording or a list of them.
-fn sources(section: &Section<'_, '_>, key: &str, node: &Node) -> Vec<RecordingSource> {
+fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &RecordedAs) -> Vec<RecordingSource> {
     let items = match &node.kind {
         NodeKind::Array(items) => items.as_slice(),
         _ => std::slice::from_ref(node),
     };
-    items.iter().filter_map(|item| source(section, key, item)).collect()
+    items.iter().filter_map(|item| source(section, key, item, general)).collect()
 }
 
-fn source(section: &Section<'_, '_>, key: &str, node: &Node) -> Option<RecordingSource> {
+fn source(
+    section: &Section<'_, '_>,
+    key: &str,
+    node: &Node,
+    general: &RecordedAs,
+) -> Option<RecordingSource> {
     match &node.kind {
         NodeKind::String(written) => Some(RecordingSource {
             file: section.file_of(key, node)?,
@@ -119,8 +144,9 @@ fn source(section: &Section<'_, '_>, key: &str, node: &Node) -> Option<Recording
             window_s: None,
             unit: None,
             columns: None,
+            recorded: general.clone(),
         }),
-        NodeKind::Table(_) => described(section.reader, key, node),
+        NodeKind::Table(_) => described(section.reader, key, node, general),
         _ => {
             let message = format!(
                 "expects file names or tables such as {{ file = \"…\" }}, found {}",
@@ -132,7 +158,7 @@ fn source(section: &Section<'_, '_>, key: &str, node: &Node) -> Option<Recording
     }
 }
 
-fn described(reader: &Reader, key: &str, node: &Node) -> Option<RecordingSource> {
+fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> Option<RecordingSource> {
     let mut table = Section::new(reader, node, format!("a recording of `{key}`"))?;
     let file_node = table.require("file", "file = \"recording.csv\"");
     let file = file_node.and_then(|n| table.file_of("file", n));
@@ -145,24 +171,35 @@ fn described(reader: &Reader, key: &str, node: &Node) -> Option<RecordingSource>
         Some(window)
     });
     let unit = table.choice("unit", &[("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)]);
+    let recorded = recorded_as::read(&mut table).or(general);
     let columns_node = table.take("columns");
-    let columns = columns_node.and_then(|n| Section::new(reader, n, "`columns`")).and_then(columns);
+    let has_clock = recorded.rate_hz.is_none();
+    let columns = columns_node
+        .and_then(|n| Section::new(reader, n, "`columns`"))
+        .and_then(|section| columns(section, has_clock));
     table.finish();
     let written = file_node.and_then(Node::as_str)?.to_owned();
     if columns_node.is_some() && columns.is_none() {
         return None;
     }
-    Some(RecordingSource { file: file?, written, window_s, unit, columns })
+    Some(RecordingSource { file: file?, written, window_s, unit, columns, recorded })
 }
 
-fn columns(mut table: Section<'_, '_>) -> Option<RecordingColumns> {
-    let time = table.require("time", "time = 0").and_then(|n| column(&table, "time", n));
+fn columns(mut table: Section<'_, '_>, has_clock: bool) -> Option<RecordingColumns> {
+    let time = if has_clock { table.require("time", "time = 0") } else { table.take("time") };
+    let time = time.map(|n| column(&table, "time", n));
+
     let position =
         table.require("position", "position = [1, 6]").and_then(|n| joint_columns(&table, "position", n));
     let velocity = table.take("velocity").and_then(|n| joint_columns(&table, "velocity", n));
     let measurement = table.take("measurement").and_then(|n| joint_columns(&table, "measurement", n));
     table.finish();
-    Some(RecordingColumns { time: time?, position: position?, velocity, measurement })
+    let time = match time {
+        Some(column) => Some(column?),
+        None if has_clock => return None,
+        None => None,
+    };
+    Some(RecordingColumns { time, position: position?, velocity, measurement })
 }
 
 fn column(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<ColumnName> {

@@ -18,7 +18,10 @@ const TIME_LIMIT_S: f64 = 1e20;
 /// Rows as they are read, series by series, without those that cannot be true.
 pub(super) struct Collector<'a> {
     selected: &'a Selected,
+    /// Column of each place in a row; a stamp that was not read counts as the first.
     columns: Vec<usize>,
+    /// Whether anything is in other units than SI.
+    scaled: bool,
     /// For each place in a row the magnitude that its values cannot exceed.
     limits: Vec<f64>,
     series: Vec<Vec<f64>>,
@@ -31,6 +34,8 @@ pub(super) struct Collector<'a> {
     follows: bool,
     /// Whether rows were handed out.
     begun: bool,
+    /// The first second of stamps that are in two columns.
+    first_second: Option<f64>,
     turns: Vec<Turns>,
     remarks: Vec<String>,
 }
@@ -69,7 +74,8 @@ impl<'a> Collector<'a> {
         limits.extend(selected.measurement.iter().flatten().map(|_| options.measurement_limit));
         Self {
             selected,
-            columns: selected.all(),
+            columns: selected.time.is_none().then_some(0).into_iter().chain(selected.all()).collect(),
+            scaled: selected.factors.iter().any(|f| *f != [1.0, 1.0]),
             series: limits.iter().map(|_| Vec::with_capacity(rows)).collect(),
             lines: Vec::with_capacity(rows),
             limits,
@@ -78,6 +84,7 @@ impl<'a> Collector<'a> {
             dropped_rows: 0,
             follows: false,
             begun: false,
+            first_second: None,
             turns: vec![Turns::default(); selected.position.len()],
             remarks: Vec::new(),
         }
@@ -93,9 +100,27 @@ impl<'a> Collector<'a> {
         self.rows
     }
 
-    /// Takes a row, unless it cannot be true.
-    pub(super) fn add(&mut self, row: &[f64], line: usize) {
+    /// Place of the first number of a row that is read; before it may stand a stamp that follows from the rate.
+    pub(super) fn first_read(&self) -> usize {
+        usize::from(self.selected.time.is_none())
+    }
+
+    /// Takes a row as it was read, unless it cannot be true; it is left in SI units.
+    pub(super) fn add(&mut self, row: &mut [f64], line: usize) {
+        if let Some(rate_hz) = self.selected.rate_hz {
+            row[0] = self.rows as f64 / rate_hz;
+        }
+        if self.selected.nanoseconds.is_some()
+            && let [seconds, .., nanoseconds] = row
+        {
+            *seconds = (*seconds - *self.first_second.get_or_insert(*seconds)) + *nanoseconds / 1e9;
+        }
         self.rows += 1;
+        if self.scaled {
+            for (value, [up, down]) in row.iter_mut().zip(&self.selected.factors) {
+                *value = *value * up / down;
+            }
+        }
         if let Some(place) = row.iter().zip(&self.limits).position(|(v, limit)| v.abs() > *limit) {
             self.drop_row(line, place, Reason::Absurd(row[place]));
             return;
@@ -141,7 +166,9 @@ impl<'a> Collector<'a> {
         if self.dropped_rows > allowed {
             let first = self.dropped.iter().min_by_key(|d| d.line);
             let (line, column, reason) = first.map_or((0, 0, String::new()), |first| {
-                (first.line, self.columns[first.place] + 1, self.in_words(first, header))
+                // Files that are no text have rows, and columns by name alone.
+                let column = if header.line == 0 { 0 } else { self.columns[first.place] + 1 };
+                (first.line, column, self.in_words(first, header))
             });
             return Err(RecordingError::CorruptRows {
                 path: path.to_owned(),

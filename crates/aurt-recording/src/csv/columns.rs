@@ -2,10 +2,12 @@ use std::path::Path;
 
 use aurt_traits::MeasurementUnit;
 
-use crate::RecordingError;
 use crate::csv::ReadOptions;
+use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
+use crate::recorded_as::Factor;
+use crate::{AngleUnit, CurrentUnit, RecordedAs, RecordingError, TimeUnit};
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,24 +50,44 @@ pub struct ColumnSelection {
 /// The columns that are read.
 #[derive(Debug)]
 pub(super) struct Selected {
-    pub(super) time: usize,
+    /// None where the stamps follow from the rate.
+    pub(super) time: Option<usize>,
     pub(super) position: Vec<usize>,
     pub(super) velocity: Option<Vec<usize>>,
     pub(super) measurement: Option<Vec<usize>>,
     pub(super) unit: MeasurementUnit,
+    /// What each number of a row is scaled with: time, positions, velocities, measurements.
+    pub(super) factors: Vec<Factor>,
+    pub(super) rate_hz: Option<f64>,
+    /// The nanoseconds of the stamps, where `time` has their seconds alone; last in a row.
+    pub(super) nanoseconds: Option<usize>,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
 }
 
 impl Selected {
-    /// All columns: time, positions, velocities, measurements.
+    /// All columns: time, positions, velocities, measurements, nanoseconds.
     pub(super) fn all(&self) -> Vec<usize> {
-        let mut all = vec![self.time];
+        let mut all: Vec<usize> = self.time.into_iter().collect();
         all.extend(&self.position);
         all.extend(self.velocity.iter().flatten());
         all.extend(self.measurement.iter().flatten());
+        all.extend(self.nanoseconds);
         all
     }
+}
+
+/// What the numbers of a row are scaled with.
+fn factors(selected: &Selected, recorded: &RecordedAs, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+    let time = if selected.time.is_some() { recorded.time_factor() } else { [1.0, 1.0] };
+    let angles = recorded.angle_factors(joints)?;
+    let measured =
+        if selected.unit == MeasurementUnit::Ampere { recorded.current_factor() } else { [1.0, 1.0] };
+    let mut factors = vec![time];
+    factors.extend(&angles);
+    factors.extend(selected.velocity.iter().flat_map(|_| &angles));
+    factors.extend(selected.measurement.iter().flatten().map(|_| measured));
+    Ok(factors)
 }
 
 /// The search for columns in one file.
@@ -79,18 +101,28 @@ impl Search<'_> {
     /// Finds the columns of all quantities.
     pub(super) fn run(&self) -> Result<Selected, RecordingError> {
         let selection = &self.options.columns;
+        let recorded = &self.options.recorded;
         let families = Families::of(&self.header.names);
         let mut remarks = Vec::new();
-        if self.header.names.is_empty() && (selection.time.is_none() || selection.position.is_none()) {
+        if self.header.names.is_empty()
+            && (selection.time.is_none() && recorded.rate_hz.is_none() || selection.position.is_none())
+        {
             return Err(RecordingError::Headerless {
                 path: self.path.to_owned(),
                 line: self.header.line,
                 columns: self.header.columns,
             });
         }
-        let time = match &selection.time {
-            Some(column) => self.column(column, "the time stamps")?,
-            None => self.find_time(&families)?,
+        let time = match (&selection.time, recorded.rate_hz) {
+            (_, Some(rate_hz)) => {
+                if let Ok(clock) = self.find_time(&families) {
+                    let name = self.header.name(clock.column);
+                    remarks.push(format!("`{name}` is not read, since rate_hz = {rate_hz} was stated"));
+                }
+                None
+            }
+            (Some(column), None) => Some(Clock::of(self.column(column, "the time stamps")?)),
+            (None, None) => Some(self.find_time(&families)?),
         };
         let position = match &selection.position {
             Some(columns) => self.columns(columns, "joint positions", &families)?,
@@ -100,15 +132,28 @@ impl Search<'_> {
             },
         };
         let joints = self.options.joints.unwrap_or(position.len());
+        let recorded = self.units(time.as_ref(), &position, &mut remarks)?;
         let velocity = match &selection.velocity {
             Some(columns) => Some(self.columns(columns, "joint velocities", &families)?),
             None => {
                 let found = self.find(&families, "joint velocities", &families::VELOCITY, &mut remarks);
-                self.optional("joint velocities", joints, found, &mut remarks)
+                let velocity = self.optional("joint velocities", joints, found, &mut remarks);
+                self.in_unit_of_positions(&position, velocity, &mut remarks)
             }
         };
         let (measurement, unit) = self.measurement(&families, joints, &mut remarks)?;
-        let selected = Selected { time, position, velocity, measurement, unit, remarks };
+        self.remark_on_drive(measurement.as_deref(), &mut remarks);
+        let mut selected = Selected {
+            time: time.as_ref().map(|clock| clock.column),
+            position,
+            velocity,
+            measurement,
+            unit,
+            factors: Vec::new(),
+            rate_hz: recorded.rate_hz,
+            nanoseconds: time.and_then(|clock| clock.nanoseconds),
+            remarks,
+        };
         let counts = [
             ("joint positions", Some(&selected.position)),
             ("joint velocities", selected.velocity.as_ref()),
@@ -122,7 +167,8 @@ impl Search<'_> {
                 ));
             }
         }
-        self.check_units(&selected)?;
+        self.check_units(&selected, &recorded)?;
+        selected.factors = factors(&selected, &recorded, joints)?;
         let mut all = selected.all();
         all.sort_unstable();
         if let Some(twice) = all.windows(2).find(|w| w[0] == w[1]) {
@@ -160,15 +206,28 @@ impl Search<'_> {
     }
 
     /// Refuses columns whose names say that they are in another unit than they are read in.
-    fn check_units(&self, selected: &Selected) -> Result<(), RecordingError> {
+    fn check_units(&self, selected: &Selected, recorded: &RecordedAs) -> Result<(), RecordingError> {
+        let time: &[&str] = match recorded.time {
+            None | Some(TimeUnit::Second) => &families::TIME_UNITS,
+            Some(TimeUnit::Millisecond) => &["ms"],
+            Some(TimeUnit::Microsecond) => &["us", "µs"],
+            Some(TimeUnit::Nanosecond) => &["ns"],
+        };
+        let (position, velocity): (&[&str], &[&str]) = match (recorded.angle, &recorded.counts_per_revolution)
+        {
+            (_, Some(_)) => (&["counts", "inc"], &["counts/s", "inc/s"]),
+            (Some(AngleUnit::Degree), None) => (&["deg", "°", "degrees"], &["deg/s", "°/s", "degrees/s"]),
+            _ => (&families::POSITION_UNITS, &families::VELOCITY_UNITS),
+        };
         let measurement: &[&str] = match selected.unit {
+            MeasurementUnit::Ampere if recorded.current == Some(CurrentUnit::Milliampere) => &["ma"],
             MeasurementUnit::Ampere => &families::CURRENT_UNITS,
             MeasurementUnit::NewtonMetre => &families::TORQUE_UNITS,
         };
         let quantities: [(&str, &[usize], &[&str]); 4] = [
-            ("time stamps", &[selected.time], &families::TIME_UNITS),
-            ("positions", &selected.position, &families::POSITION_UNITS),
-            ("velocities", selected.velocity.as_deref().unwrap_or(&[]), &families::VELOCITY_UNITS),
+            ("time stamps", selected.time.as_slice(), time),
+            ("positions", &selected.position, position),
+            ("velocities", selected.velocity.as_deref().unwrap_or(&[]), velocity),
             ("measurements", selected.measurement.as_deref().unwrap_or(&[]), measurement),
         ];
         for (what, columns, units) in quantities {
@@ -177,28 +236,14 @@ impl Search<'_> {
                 if let Some(unit) = unit.filter(|u| !units.contains(&u.as_str())) {
                     return Err(self.wrong(
                         format!("column `{name}` is in `{unit}`, but {what} are read in {}", units[0]),
-                        "convert the column, or rename it if its name is wrong".into(),
+                        "convert the column, state its unit (angle = \"deg\", time = \"ms\", current = \"mA\"), or rename it if its \
+                         name is wrong"
+                            .into(),
                     ));
                 }
             }
         }
         Ok(())
-    }
-
-    fn find_time(&self, families: &Families) -> Result<usize, RecordingError> {
-        for name in families::TIME {
-            match families.unnumbered(name).as_slice() {
-                [] => {}
-                [column] => return Ok(*column),
-                _ => {
-                    return Err(self.wrong(
-                        format!("there are two columns named `{name}`"),
-                        "rename one, or select the time column by its number".into(),
-                    ));
-                }
-            }
-        }
-        Err(self.missing("the time stamps", None, &families::TIME, "time"))
     }
 
     /// The preferred family among `prefixes`; a remark says so if there were others.
@@ -346,7 +391,7 @@ impl Search<'_> {
     /// Columns of all joints that nothing is known of, and how an experiment would select them as the measurement.
     pub(super) fn selection_of_measurement(&self) -> Option<(Vec<usize>, String)> {
         let families = Families::of(&self.header.names);
-        let time = self.find_time(&families).ok()?;
+        let time = self.find_time(&families).ok()?.column;
         let position =
             self.find(&families, "joint positions", &families::POSITION, &mut Vec::new()).ok()??;
         let columns = families.unknown(self.options.joints.unwrap_or(position.len()))?;

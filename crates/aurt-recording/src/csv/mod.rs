@@ -1,5 +1,6 @@
 //! Text files with one row per sample.
 
+mod clock;
 mod collector;
 mod columns;
 mod dialect;
@@ -10,6 +11,7 @@ mod measurement;
 mod number;
 mod plausibility;
 mod rows;
+mod table;
 
 use std::io::Read;
 use std::path::Path;
@@ -17,15 +19,18 @@ use std::path::Path;
 use aurt_traits::MeasurementUnit;
 
 pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
+pub(crate) use crate::csv::families::is_time;
+pub(crate) use crate::csv::table::{Table, Visit};
 
 use crate::csv::collector::Collector;
-use crate::csv::columns::{Search, Selected};
+use crate::csv::columns::Search;
 use crate::csv::dialect::Dialect;
 use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
+use crate::csv::table::{recording, report};
 use crate::format::{BEGINNING_BYTES, unreadable};
-use crate::{ReadReport, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::{ReadReport, RecordedAs, Recording, RecordingError, RecordingFormat, RecordingInput};
 
 /// What to read, and what to put up with.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +41,8 @@ pub struct ReadOptions {
     pub columns: ColumnSelection,
     /// Unit of the measurement; `None`: from the column names.
     pub unit: Option<MeasurementUnit>,
+    /// What the file does not tell of itself.
+    pub recorded: RecordedAs,
     /// Whether a recording without measurement is an error.
     pub needs_measurement: bool,
     /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
@@ -55,6 +62,7 @@ impl Default for ReadOptions {
             joints: None,
             columns: ColumnSelection::default(),
             unit: None,
+            recorded: RecordedAs::default(),
             needs_measurement: true,
             max_corrupt_share: 0.01,
             position_limit_rad: 1e4,
@@ -66,6 +74,7 @@ impl Default for ReadOptions {
 
 impl ReadOptions {
     pub(crate) fn validate(&self) -> Result<(), RecordingError> {
+        self.recorded.validate()?;
         let value = self.max_corrupt_share;
         if !(0.0..=1.0).contains(&value) {
             let remedy = "it is a share between 0 and 1";
@@ -153,7 +162,7 @@ impl Reader<'_> {
             return Err(self.no_rows("it is compressed with gzip; unpack it first, with gunzip"));
         }
         if sample.contains(&0) {
-            return Err(self.no_rows("it is a binary file; recordings are read from text (CSV)"));
+            return Err(self.no_rows("it is a binary file of no known format; recordings are read from text (CSV), .npy, .npz, .mat, .mcap and .parquet"));
         }
         if !sample.contains(&b'\n') && sample.contains(&b'\r') {
             return Err(self.no_rows("its lines end in bare carriage returns; save it with line feeds"));
@@ -171,7 +180,7 @@ impl Reader<'_> {
         let mean_length = sample.len().div_ceil(content.len().max(1)).max(1);
         let rows = (bytes as usize / mean_length).min(self.piece_rows);
         let mut collector = Collector::new(&selected, self.options, rows);
-        let mut row = vec![0.0; wanted.len()];
+        let mut row = vec![0.0; wanted.len() + usize::from(selected.time.is_none())];
         let decimals =
             wanted.contains(&(header.columns - 1)).then(|| fixed_decimals(dialect, &content)).flatten();
         if header.is_data {
@@ -184,7 +193,7 @@ impl Reader<'_> {
             }
             self.take(&parser, &header, &line, &mut row, &mut collector)?;
             if collector.held() >= self.piece_rows {
-                visit(&self.recording(&selected, collector.piece(false), ReadReport::default()))?;
+                visit(&recording(self.path, &selected, collector.piece(false), ReadReport::default()))?;
             }
             if let Some(reason) =
                 decimals.filter(|_| !line.terminated).and_then(|d| cut_off(dialect, line.bytes, d))
@@ -198,43 +207,11 @@ impl Reader<'_> {
             return Err(self.no_rows("there is a header, but no row follows"));
         }
         let mut collected = collector.finish(self.path, &header, self.options.max_corrupt_share)?;
-        let mut columns = vec![
-            format!("time: {}", header.name(selected.time)),
-            format!("position: {}", header.span(&selected.position)),
-        ];
-        if let Some(velocity) = &selected.velocity {
-            columns.push(format!("velocity: {}", header.span(velocity)));
-        }
-        if let Some(measurement) = &selected.measurement {
-            columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
-        }
-        let mut remarks = selected.remarks.clone();
-        remarks.append(&mut collected.remarks);
         let named = if header.names.is_empty() { "without header" } else { "with header" };
-        let report = ReadReport {
-            format: format!("{}, {named}", dialect.in_words()),
-            rows,
-            columns,
-            dropped: collected.dropped,
-            dropped_rows: collected.dropped_rows,
-            remarks,
-        };
-        Ok(self.recording(&selected, collected.series, report))
-    }
-
-    /// A recording of the selected series.
-    fn recording(&self, selected: &Selected, series: Vec<Vec<f64>>, report: ReadReport) -> Recording {
-        let joints = selected.position.len();
-        let mut series = series.into_iter();
-        Recording {
-            file: self.path.to_owned(),
-            time_s: series.next().unwrap_or_default(),
-            position_rad: series.by_ref().take(joints).collect(),
-            velocity_rad_s: selected.velocity.as_ref().map(|_| series.by_ref().take(joints).collect()),
-            measurement: selected.measurement.as_ref().map(|_| series.by_ref().take(joints).collect()),
-            unit: selected.unit,
-            report,
-        }
+        let format = format!("{}, {named}", dialect.in_words());
+        let series = std::mem::take(&mut collected.series);
+        let report = report(format, &header, &selected, rows, collected);
+        Ok(recording(self.path, &selected, series, report))
     }
 
     /// The header, and the line it was found on.
@@ -264,7 +241,7 @@ impl Reader<'_> {
         row: &mut [f64],
         collector: &mut Collector<'_>,
     ) -> Result<(), RecordingError> {
-        let Err(problem) = parser.parse(line.bytes, row) else {
+        let Err(problem) = parser.parse(line.bytes, &mut row[collector.first_read()..]) else {
             collector.add(row, line.number);
             return Ok(());
         };

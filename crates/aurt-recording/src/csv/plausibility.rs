@@ -149,6 +149,6 @@ pub(super) fn remark_on_degrees(position_rad: &[Vec<f64>]) -> Option<String> {
     let largest = |q: &Vec<f64>| q.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let (joint, angle) = position_rad.iter().map(largest).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
     (angle > TURNS_RAD).then(|| {
-        format!("positions reach {angle:.1} on joint {joint}: they are taken as rad; were they degrees?")
+        format!("positions reach {angle:.1} on joint {joint}: they are taken as rad; were they degrees (angle = \"deg\")?")
     })
 }

@@ -106,6 +106,12 @@ impl LongRecording {
         self.spill.append(&columns).map_err(|source| self.failed(source))
     }
 
+    /// Number of joints.
+    #[must_use]
+    pub const fn joints(&self) -> usize {
+        self.joints
+    }
+
     /// Number of samples.
     #[must_use]
     pub const fn samples(&self) -> usize {

@@ -3,6 +3,7 @@
 mod calibration;
 mod diagnosis;
 mod experiment;
+mod recorded_as;
 mod recording;
 
 /// A term.
@@ -18,10 +19,9 @@ pub struct Term {
 
 /// All terms, sorted by name.
 pub fn terms() -> Vec<&'static Term> {
-    let mut terms: Vec<&Term> = [calibration::TERMS, diagnosis::TERMS, experiment::TERMS, recording::TERMS]
-        .into_iter()
-        .flatten()
-        .collect();
+    let pages =
+        [calibration::TERMS, diagnosis::TERMS, experiment::TERMS, recorded_as::TERMS, recording::TERMS];
+    let mut terms: Vec<&Term> = pages.into_iter().flatten().collect();
     terms.sort_by_key(|t| t.name);
     terms
 }

@@ -1,0 +1,73 @@
+use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
+
+use super::{joint_count::JointCheck, section::Section};
+use crate::{Node, NodeKind};
+
+const ANGLE: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
+const TIME: [(&str, TimeUnit); 4] = [
+    ("s", TimeUnit::Second),
+    ("ms", TimeUnit::Millisecond),
+    ("us", TimeUnit::Microsecond),
+    ("ns", TimeUnit::Nanosecond),
+];
+const CURRENT: [(&str, CurrentUnit); 2] = [("A", CurrentUnit::Ampere), ("mA", CurrentUnit::Milliampere)];
+
+/// The keys that say how a file was recorded: in `[recordings]` for all files, in the table of a file for that one.
+pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
+    let angle_node = section.take("angle");
+    let angle = section.choice("angle", &ANGLE);
+    let time = section.choice("time", &TIME);
+    let current = section.choice("current", &CURRENT);
+    let rate_hz = section.positive("rate_hz");
+    let counts_per_revolution = per_joint(section, "counts_per_revolution");
+    let gear_ratio = per_joint(section, "gear_ratio");
+    if let Some(node) = angle_node.filter(|_| counts_per_revolution.is_some()) {
+        section.complain(
+            "angle",
+            node,
+            "and `counts_per_revolution` are two units of one thing; remove one",
+            None,
+        );
+    }
+    let topic = section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
+    let joint_names = section.take("joint_names").and_then(|node| names(section, node));
+    RecordedAs { angle, time, current, rate_hz, counts_per_revolution, gear_ratio, topic, joint_names }
+}
+
+/// One number for all joints, or one for each.
+fn per_joint(section: &mut Section<'_, '_>, key: &'static str) -> Option<Vec<f64>> {
+    let node = section.take(key)?;
+    let values = if matches!(node.kind, NodeKind::Array(_)) {
+        let values = section.numbers_of(key, node)?;
+        section.reader.check_joints(JointCheck::Length {
+            key: key.to_owned(),
+            found: values.len(),
+            span: node.span.clone(),
+        });
+        values
+    } else {
+        vec![section.number_of(key, node)?]
+    };
+    if values.contains(&0.0) {
+        section.complain(key, node, "must not be zero", None);
+        return None;
+    }
+    Some(values)
+}
+
+fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
+    let key = "joint_names";
+    let NodeKind::Array(items) = &node.kind else {
+        let found = format!("expects a list of names, found {}", node.kind_name());
+        section.complain(key, node, &found, None);
+        return None;
+    };
+    let names: Vec<Option<&str>> = items.iter().map(|item| section.text_of(key, item)).collect();
+    let names: Vec<String> = names.into_iter().map(|n| n.map(str::to_owned)).collect::<Option<_>>()?;
+    section.reader.check_joints(JointCheck::Length {
+        key: key.to_owned(),
+        found: names.len(),
+        span: node.span.clone(),
+    });
+    Some(names)
+}

@@ -1,0 +1,152 @@
+//! Rows of numbers from anything but text, through the search for columns and the checks that text passes.
+
+use std::path::Path;
+
+use crate::csv::ReadOptions;
+use crate::csv::collector::{Collected, Collector};
+use crate::csv::columns::{Search, Selected};
+use crate::csv::header::Header;
+use crate::{ReadReport, Recording, RecordingError};
+
+/// Rows that room is made for at once; a file may claim more than it holds.
+const ROOM_ROWS: usize = 1 << 16;
+
+/// Gets the recording piece by piece.
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), RecordingError>;
+
+/// A table of numbers whose columns are known and whose rows are still to come.
+pub(crate) struct Table<'a> {
+    path: &'a Path,
+    options: &'a ReadOptions,
+    header: Header,
+    selected: Selected,
+}
+
+impl<'a> Table<'a> {
+    /// Finds the columns that are needed; `names` is empty if the `columns` columns have none.
+    ///
+    /// # Errors
+    /// Columns that are missing, ambiguous, or do not fit the robot.
+    pub(crate) fn new(
+        path: &'a Path,
+        names: Vec<String>,
+        columns: usize,
+        options: &'a ReadOptions,
+    ) -> Result<Self, RecordingError> {
+        let header = Header { names, columns, line: 0, is_data: false };
+        let selected = Search { path, header: &header, options }.run()?;
+        Ok(Self { path, options, header, selected })
+    }
+
+    /// The columns that a row has, in its order.
+    pub(crate) fn wanted(&self) -> Vec<usize> {
+        self.selected.all()
+    }
+
+    /// The column of the time stamps, if they are read.
+    pub(crate) const fn time(&self) -> Option<usize> {
+        self.selected.time
+    }
+
+    /// Adds what a person should know.
+    pub(crate) fn remark(&mut self, remark: String) {
+        self.selected.remarks.push(remark);
+    }
+
+    /// Reads rows until `next` has no more: it fills the row and says whether there was one.
+    ///
+    /// # Errors
+    /// A number that is not finite; too many rows that cannot be true; what `next` and `visit` return.
+    pub(crate) fn read(
+        mut self,
+        format: String,
+        piece_rows: usize,
+        visit: Visit<'_>,
+        next: &mut dyn FnMut(&mut [f64]) -> Result<bool, RecordingError>,
+    ) -> Result<Recording, RecordingError> {
+        let wanted = self.wanted();
+        let first = usize::from(self.selected.time.is_none());
+        let mut row = vec![0.0; first + wanted.len()];
+        let remarks = std::mem::take(&mut self.selected.remarks);
+        let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(ROOM_ROWS));
+        while next(&mut row[first..])? {
+            if let Some(place) = row[first..].iter().position(|v| !v.is_finite()) {
+                return Err(RecordingError::Value {
+                    path: self.path.to_owned(),
+                    row: collector.rows() + 1,
+                    name: self.header.name(wanted[place]),
+                    value: row[first + place],
+                });
+            }
+            let number = collector.rows() + 1;
+            collector.add(&mut row, number);
+            if collector.held() >= piece_rows {
+                let series = collector.piece(false);
+                visit(&recording(self.path, &self.selected, series, ReadReport::default()))?;
+            }
+        }
+        let rows = collector.rows();
+        if rows == 0 {
+            let found = "it has columns, but no rows".to_owned();
+            return Err(RecordingError::NoRows { path: self.path.to_owned(), found });
+        }
+        let mut collected = collector.finish(self.path, &self.header, self.options.max_corrupt_share)?;
+        let series = std::mem::take(&mut collected.series);
+        let mut report = report(format, &self.header, &self.selected, rows, collected);
+        report.remarks.splice(0..0, remarks);
+        report.line_is_row = true;
+        Ok(recording(self.path, &self.selected, series, report))
+    }
+}
+
+/// The report on what was collected from selected columns.
+pub(super) fn report(
+    format: String,
+    header: &Header,
+    selected: &Selected,
+    rows: usize,
+    mut collected: Collected,
+) -> ReadReport {
+    let time = match (selected.time, selected.rate_hz) {
+        (Some(time), _) => header.name(time),
+        (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
+    };
+    let mut columns = vec![format!("time: {time}"), format!("position: {}", header.span(&selected.position))];
+    if let Some(velocity) = &selected.velocity {
+        columns.push(format!("velocity: {}", header.span(velocity)));
+    }
+    if let Some(measurement) = &selected.measurement {
+        columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
+    }
+    let mut remarks = selected.remarks.clone();
+    remarks.append(&mut collected.remarks);
+    ReadReport {
+        format,
+        rows,
+        columns,
+        dropped: collected.dropped,
+        dropped_rows: collected.dropped_rows,
+        remarks,
+        line_is_row: false,
+    }
+}
+
+/// A recording of the selected series.
+pub(super) fn recording(
+    path: &Path,
+    selected: &Selected,
+    series: Vec<Vec<f64>>,
+    report: ReadReport,
+) -> Recording {
+    let joints = selected.position.len();
+    let mut series = series.into_iter();
+    Recording {
+        file: path.to_owned(),
+        time_s: series.next().unwrap_or_default(),
+        position_rad: series.by_ref().take(joints).collect(),
+        velocity_rad_s: selected.velocity.as_ref().map(|_| series.by_ref().take(joints).collect()),
+        measurement: selected.measurement.as_ref().map(|_| series.by_ref().take(joints).collect()),
+        unit: selected.unit,
+        report,
+    }
+}

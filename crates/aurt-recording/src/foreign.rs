@@ -1,0 +1,45 @@
+use std::path::Path;
+
+use crate::RecordingError;
+
+/// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
+const FOREIGN: [(&[u8], &str, &str); 5] = [
+    (
+        b"SQLite format 3\0",
+        "a rosbag2 in SQLite (.db3)",
+        "convert its folder to MCAP: `rosbags-convert --src FOLDER --dst NEW --dst-storage mcap` (pip install rosbags), or \
+         `ros2 bag convert` with storage_id: mcap",
+    ),
+    (
+        b"#ROSBAG V2.0",
+        "a bag of ROS 1",
+        "convert it to MCAP: `rosbags-convert --src FILE.bag --dst NEW --dst-storage mcap` (pip install rosbags)",
+    ),
+    (
+        b"ARROW1\0\0",
+        "an Arrow file (Feather)",
+        "write it as Parquet: pandas.read_feather(\"log.arrow\").to_parquet(\"log.parquet\")",
+    ),
+    (
+        b"\x89HDF\r\n\x1a\n",
+        "an HDF5 file",
+        "write its arrays to .npz: numpy.savez(\"log.npz\", time=…, q=…, current=…), or save from MATLAB with \"-v7\"",
+    ),
+    (b"PK\x03\x04\x14\0\x06\0", "an Excel workbook", "save it as CSV"),
+];
+
+/// Refuses a file that is known to be of a format that is not read.
+///
+/// # Errors
+/// [`RecordingError::Malformed`] with the way to convert it.
+pub(crate) fn refuse(path: &Path, beginning: &[u8]) -> Result<(), RecordingError> {
+    match FOREIGN.iter().find(|(mark, ..)| beginning.starts_with(mark)) {
+        None => Ok(()),
+        Some((_, name, remedy)) => Err(RecordingError::Malformed {
+            path: path.to_owned(),
+            place: "its first bytes".to_owned(),
+            reason: format!("it is {name}, which is not read"),
+            remedy: (*remedy).to_owned(),
+        }),
+    }
+}

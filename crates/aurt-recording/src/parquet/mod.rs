@@ -1,0 +1,262 @@
+//! Apache Parquet, the tables of pandas, Polars, Spark and LeRobot.
+//!
+//! Source: Apache Parquet, "File Format" (`parquet.thrift`, `Encodings.md`). The crate `parquet` reads zstd, which Polars
+//! writes by default, only with a C compiler, and brings some twenty crates; a recording needs columns of numbers alone,
+//! hence this reader.
+
+mod encodings;
+mod footer;
+mod pages;
+mod thrift;
+
+use std::fs::File;
+use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::csv::{Table, Visit};
+use crate::parquet::footer::{Footer, Leaf, Number};
+use crate::parquet::pages::{Column, Problem};
+use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput, TimeUnit};
+
+const MAGIC: &[u8] = b"PAR1";
+/// Bytes that a footer may have.
+const FOOTER_LIMIT: u64 = 1 << 28;
+/// Numbers that a list may have to be a joint's each.
+const LONGEST_LIST: usize = 4096;
+/// The column that LeRobot counts its episodes in.
+const EPISODE: &str = "episode_index";
+/// Time between two episodes; no filter reaches across it.
+const BETWEEN_EPISODES_S: f64 = 10.0;
+
+/// Parquet files: columns of numbers, one row per sample, or columns of lists with a number for each joint.
+///
+/// A column `q` of lists of 6 is `q_0` … `q_5`, as arrays are. Stamps that the file knows to be moments are turned into
+/// seconds; those since 1970 count from the first whole second. Episodes of a LeRobot data set, whose stamps begin at zero
+/// each, follow each other at a distance of 10 s. Pages are decoded one by one for each column that is needed:
+/// uncompressed, Snappy, gzip, zstd, LZ4 (raw).
+#[derive(Debug, Clone, Copy)]
+pub struct Parquet;
+
+impl RecordingFormat for Parquet {
+    fn name(&self) -> &'static str {
+        "Parquet"
+    }
+
+    fn endings(&self) -> &'static [&'static str] {
+        &["parquet"]
+    }
+
+    fn recognises(&self, beginning: &[u8]) -> bool {
+        beginning.starts_with(MAGIC) || beginning.starts_with(b"PARE")
+    }
+
+    fn read(
+        &self,
+        input: RecordingInput<'_>,
+        options: &ReadOptions,
+        piece_rows: usize,
+        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    ) -> Result<Recording, RecordingError> {
+        let footer = footer(&input)?;
+        Reader { path: input.path, file: input.rewound()?, options, footer }.read(piece_rows, visit)
+    }
+}
+
+/// Reads the footer, which is at the end of the file.
+fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
+    let refused = |reason: &str, remedy: &str| RecordingError::Malformed {
+        path: input.path.to_owned(),
+        place: "its footer".to_owned(),
+        reason: reason.to_owned(),
+        remedy: remedy.to_owned(),
+    };
+    let cut = || {
+        refused(
+            "the file breaks off or is no Parquet file, and without its end none of its columns can be found",
+            "copy or write the file anew; a recording that may break off is better kept as MCAP or CSV",
+        )
+    };
+    if input.beginning.starts_with(b"PARE") {
+        return Err(refused("the file is encrypted", "write it without encryption"));
+    }
+    let mut file = input.rewound()?;
+    let unreadable = |source| crate::format::unreadable(input.path, source);
+    let end = file.seek(SeekFrom::End(0)).map_err(unreadable)?;
+    let begin = end.checked_sub(8).ok_or_else(cut)?;
+    file.seek(SeekFrom::Start(begin)).map_err(unreadable)?;
+    let mut tail = [0; 8];
+    file.read_exact(&mut tail).map_err(unreadable)?;
+    let [length @ .., b'P', b'A', b'R', b'1'] = tail else { return Err(cut()) };
+    let length = u64::from(u32::from_le_bytes(length));
+    let begin = begin.checked_sub(length).filter(|_| length <= FOOTER_LIMIT).ok_or_else(cut)?;
+    file.seek(SeekFrom::Start(begin)).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
+    Footer::read(Cursor::new(bytes)).ok_or_else(cut)
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    file: &'a File,
+    options: &'a ReadOptions,
+    footer: Footer,
+}
+
+impl Reader<'_> {
+    fn read(mut self, piece_rows: usize, visit: Visit<'_>) -> Result<Recording, RecordingError> {
+        let leaves = std::mem::take(&mut self.footer.leaves);
+        let (mut names, mut places, mut unfit) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, leaf) in leaves.iter().enumerate() {
+            let width = if leaf.listed.is_some() { self.first_row(leaf)?.len() } else { 1 };
+            if width > LONGEST_LIST {
+                unfit.push(format!("{} (lists of {width})", leaf.name));
+                continue;
+            }
+            places.extend((0..width).map(|part| (k, part)));
+            match leaf.listed {
+                Some(_) if width != 1 => names.extend((0..width).map(|n| format!("{}_{n}", leaf.name))),
+                _ => names.push(leaf.name.clone()),
+            }
+        }
+        if names.is_empty() {
+            let others = self.footer.others.join(", ");
+            let found = format!("none of its columns are numbers: {others}");
+            return Err(RecordingError::NoRows { path: self.path.to_owned(), found });
+        }
+        let count = names.len();
+        let mut table = Table::new(self.path, names, count, self.options)?;
+        let wanted: Vec<(usize, usize)> = table.wanted().iter().map(|column| places[*column]).collect();
+        if !unfit.is_empty() {
+            table.remark(format!("not read: {}", unfit.join(", ")));
+        }
+        let mut needed: Vec<usize> = wanted.iter().map(|(leaf, _)| *leaf).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        let time = table.time().map(|column| places[column].0);
+        let mut columns = Vec::new();
+        let mut begins = vec![0; leaves.len()];
+        let mut row_width = 0;
+        for k in needed {
+            let mut leaf = leaves[k].clone();
+            let width = places.iter().filter(|(of, _)| *of == k).count();
+            if time == Some(k) {
+                self.count_from_first_second(&mut leaf, &mut table)?;
+            }
+            begins[k] = row_width;
+            row_width += width;
+            columns.push((self.column(&leaf, Some(width)), width, leaf.name));
+        }
+        let mut episodes = self.episodes(&leaves, time.is_some());
+        if episodes.is_some() {
+            table.remark(format!(
+                "episodes by `{EPISODE}` follow each other at a distance of {BETWEEN_EPISODES_S} s"
+            ));
+        }
+        let (mut left, mut values) = (self.footer.rows, vec![0.0; row_width]);
+        let sources: Vec<usize> = wanted.iter().map(|(leaf, part)| begins[*leaf] + part).collect();
+        table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
+            if left == 0 {
+                return Ok(false);
+            }
+            left -= 1;
+            let mut begin = 0;
+            for (column, width, name) in &mut columns {
+                column.next(&mut values[begin..begin + *width]).map_err(|p| self.failed(name, p))?;
+                begin += *width;
+            }
+            for (value, source) in row.iter_mut().zip(&sources) {
+                *value = values[*source];
+            }
+            if let (Some(episodes), Some(stamp)) = (&mut episodes, row.first_mut()) {
+                episodes.place(stamp).map_err(|p| self.failed(EPISODE, p))?;
+            }
+            Ok(true)
+        })
+    }
+
+    fn column(&self, leaf: &Leaf, width: Option<usize>) -> Column<'_> {
+        let groups = self.footer.groups.iter().filter(|(rows, _)| *rows > 0);
+        let chunks: Vec<_> = groups.map(|(_, chunks)| chunks[leaf.place]).collect();
+        Column::new(self.file, leaf, &chunks, width)
+    }
+
+    fn first_row(&self, leaf: &Leaf) -> Result<Vec<f64>, RecordingError> {
+        self.column(leaf, None).first_row().map_err(|p| self.failed(&leaf.name, p))
+    }
+
+    /// Lets moments count from the first whole second, so that they keep their nanoseconds.
+    fn count_from_first_second(&self, leaf: &mut Leaf, table: &mut Table<'_>) -> Result<(), RecordingError> {
+        let Number::Stamp { per_second, .. } = leaf.number else { return Ok(()) };
+        if self.options.recorded.time.is_some_and(|unit| unit != TimeUnit::Second) {
+            return Err(RecordingError::Columns {
+                path: self.path.to_owned(),
+                line: 0,
+                reason: format!("the file itself says in what unit the moments of `{}` are", leaf.name),
+                remedy: "remove the key `time`".to_owned(),
+            });
+        }
+        let begin = self.first_row(leaf)?;
+        // Up to 2⁵³ ns all stamps are exact.
+        let second =
+            begin.first().copied().filter(|s| s.abs() * 1e9 > 9_007_199_254_740_992.0).map(f64::floor);
+        if let Some(second) = second {
+            leaf.number = Number::Stamp { per_second, origin: (second as i64).saturating_mul(per_second) };
+            table.remark(format!("time counts from {second} s, so that stamps keep their nanoseconds"));
+        }
+        Ok(())
+    }
+
+    fn episodes<'a>(&'a self, leaves: &[Leaf], timed: bool) -> Option<Episodes<'a>> {
+        let scaled = self.options.recorded.time.is_some_and(|unit| unit != TimeUnit::Second);
+        let leaf =
+            leaves.iter().find(|l| l.name == EPISODE && l.listed.is_none()).filter(|_| timed && !scaled)?;
+        let column = self.column(leaf, Some(1));
+        Some(Episodes { column, current: None, shift_s: 0.0, last_s: 0.0 })
+    }
+
+    fn failed(&self, column: &str, problem: Problem) -> RecordingError {
+        let (reason, remedy) = match problem {
+            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file anew"),
+            Problem::Unknown(what) => (
+                format!("it has {what}, which are not read"),
+                "write it as pandas does, with compression \"snappy\", \"gzip\" or \"zstd\"",
+            ),
+            Problem::Lengths { expected, found } => (
+                format!("its first list has {expected} numbers, another has {found}"),
+                "write lists with a number for each joint",
+            ),
+        };
+        RecordingError::Malformed {
+            path: self.path.to_owned(),
+            place: format!("column {column}"),
+            reason,
+            remedy: remedy.to_owned(),
+        }
+    }
+}
+
+/// Episodes whose stamps begin anew.
+struct Episodes<'a> {
+    column: Column<'a>,
+    current: Option<u64>,
+    shift_s: f64,
+    last_s: f64,
+}
+
+impl Episodes<'_> {
+    /// Moves a stamp to after the episodes before.
+    fn place(&mut self, stamp_s: &mut f64) -> Result<(), Problem> {
+        let mut episode = [0.0];
+        self.column.next(&mut episode)?;
+        let episode = episode[0].to_bits();
+        if self.current.is_some_and(|current| current != episode) {
+            self.shift_s = self.last_s + BETWEEN_EPISODES_S - *stamp_s;
+        }
+        self.current = Some(episode);
+        if self.shift_s != 0.0 {
+            *stamp_s += self.shift_s;
+        }
+        self.last_s = *stamp_s;
+        Ok(())
+    }
+}

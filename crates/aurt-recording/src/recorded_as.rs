@@ -1,0 +1,153 @@
+use std::f64::consts::{PI, TAU};
+
+use crate::RecordingError;
+
+/// The unit of positions and, per second, of velocities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngleUnit {
+    /// rad.
+    Radian,
+    /// Degrees.
+    Degree,
+}
+
+/// The unit of time stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// s.
+    Second,
+    /// ms.
+    Millisecond,
+    /// µs.
+    Microsecond,
+    /// ns.
+    Nanosecond,
+}
+
+impl TimeUnit {
+    /// How it is written.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Second => "s",
+            Self::Millisecond => "ms",
+            Self::Microsecond => "µs",
+            Self::Nanosecond => "ns",
+        }
+    }
+}
+
+/// The unit of motor currents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurrentUnit {
+    /// A.
+    Ampere,
+    /// mA.
+    Milliampere,
+}
+
+/// What a file does not tell of itself: units, sampling rate, encoders, gears, and what to read of a bag.
+/// Whatever is `None` is as usual: rad, s, A, joint side.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordedAs {
+    /// Unit of positions; velocities are in this unit per second.
+    pub angle: Option<AngleUnit>,
+    /// Unit of the time stamps.
+    pub time: Option<TimeUnit>,
+    /// Unit of motor currents.
+    pub current: Option<CurrentUnit>,
+    /// Rows per second, in Hz; the clock of files without time stamps. Stamps that there are, are not read.
+    pub rate_hz: Option<f64>,
+    /// Counts that positions advance by in a turn, for all joints (one number) or for each. Velocities are in counts/s.
+    pub counts_per_revolution: Option<Vec<f64>>,
+    /// Turns of the motor per turn of the joint, for all joints (one number) or for each, where positions and velocities
+    /// are the motor's. A negative ratio turns the sign. Measurements stay as they are.
+    pub gear_ratio: Option<Vec<f64>>,
+    /// The topic of a bag that is read.
+    pub topic: Option<String>,
+    /// The robot's joints by name, in the robot's order; for formats that name joints.
+    pub joint_names: Option<Vec<String>>,
+}
+
+/// What a number is multiplied with and then divided by. Both steps are exact where the unit allows it, so that
+/// 2 ms become the number that is written 0.002.
+pub(crate) type Factor = [f64; 2];
+
+impl RecordedAs {
+    /// The same, with what it does not say from `general`.
+    #[must_use]
+    pub fn or(self, general: &Self) -> Self {
+        Self {
+            angle: self.angle.or(general.angle),
+            time: self.time.or(general.time),
+            current: self.current.or(general.current),
+            rate_hz: self.rate_hz.or(general.rate_hz),
+            counts_per_revolution: self
+                .counts_per_revolution
+                .or_else(|| general.counts_per_revolution.clone()),
+            gear_ratio: self.gear_ratio.or_else(|| general.gear_ratio.clone()),
+            topic: self.topic.or_else(|| general.topic.clone()),
+            joint_names: self.joint_names.or_else(|| general.joint_names.clone()),
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), RecordingError> {
+        if let Some(value) = self.rate_hz.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+            let remedy = "it is rows per second, above zero";
+            return Err(RecordingError::InvalidOption { option: "rate_hz", value, remedy });
+        }
+        let lists =
+            [("counts_per_revolution", &self.counts_per_revolution), ("gear_ratio", &self.gear_ratio)];
+        for (option, list) in lists {
+            let bad = list.iter().flatten().find(|v| !v.is_finite() || **v == 0.0);
+            if let Some(value) = bad.copied() {
+                let remedy = "it must be finite and not zero";
+                return Err(RecordingError::InvalidOption { option, value, remedy });
+            }
+        }
+        Ok(())
+    }
+
+    /// The factor of time stamps.
+    pub(crate) const fn time_factor(&self) -> Factor {
+        match self.time {
+            None | Some(TimeUnit::Second) => [1.0, 1.0],
+            Some(TimeUnit::Millisecond) => [1.0, 1e3],
+            Some(TimeUnit::Microsecond) => [1.0, 1e6],
+            Some(TimeUnit::Nanosecond) => [1.0, 1e9],
+        }
+    }
+
+    /// The factor of motor currents.
+    pub(crate) const fn current_factor(&self) -> Factor {
+        match self.current {
+            None | Some(CurrentUnit::Ampere) => [1.0, 1.0],
+            Some(CurrentUnit::Milliampere) => [1.0, 1e3],
+        }
+    }
+
+    /// The factor of each joint's positions and velocities.
+    ///
+    /// # Errors
+    /// [`RecordingError::Count`] if a list has neither one number nor one for each joint.
+    pub(crate) fn angle_factors(&self, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+        let of_joint = |what: &str, list: &Option<Vec<f64>>| match list.as_deref() {
+            None => Ok(vec![1.0; joints]),
+            Some([one]) => Ok(vec![*one; joints]),
+            Some(list) if list.len() == joints => Ok(list.to_vec()),
+            Some(list) => Err(RecordingError::Count {
+                what: format!("`{what}` (one number, or one for each joint)"),
+                expected: joints,
+                found: list.len(),
+            }),
+        };
+        let counts = of_joint("counts_per_revolution", &self.counts_per_revolution)?;
+        let gears = of_joint("gear_ratio", &self.gear_ratio)?;
+        let [up, down] = match (&self.counts_per_revolution, self.angle) {
+            (Some(_), _) => [TAU, 1.0],
+            (None, Some(AngleUnit::Degree)) => [PI, 180.0],
+            (None, _) => [1.0, 1.0],
+        };
+        Ok(counts.iter().zip(&gears).map(|(counts, gear)| [up, down * counts * gear]).collect())
+    }
+}
