@@ -14,7 +14,7 @@ use crate::{
     fitting::{Assigned, Detail, Job, Outcome},
     predictor::Predictor,
     progress::Progress,
-    results::metrics::Role,
+    results::{metrics::Role, predictions::at_stamps},
 };
 
 /// How recordings are preprocessed and coefficients found.
@@ -131,6 +131,14 @@ impl CalibratedModel {
         let loaded = Loaded::from(recording.clone());
         let prepared = self.pipeline().preprocess(&loaded, Purpose::Prediction)?;
         Ok(predict(&self.model, &self.calibration, &prepared)?)
+    }
+
+    /// The prediction for every stamp of a recording, as `[joint][sample]`; see [`at_stamps`].
+    ///
+    /// # Errors
+    /// What makes the recording unfit.
+    pub fn predict_at_stamps(&self, recording: &Recording) -> Result<Vec<Vec<f64>>, Failure> {
+        Ok(at_stamps(&recording.time_s, &self.predict(recording)?))
     }
 
     /// A predictor for single samples, in a control loop.

@@ -74,7 +74,7 @@ pub use crate::{
     predictor::Predictor,
     progress::Progress,
     robot::{ModelBuilder, Robot},
-    simulating::simulate,
+    simulating::{Drive, simulate},
     torque::TorqueSeries,
 };
 
