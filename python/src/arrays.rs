@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use aurt::traits::Motion;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::error::{raised, refused};
@@ -241,8 +241,8 @@ pub fn vector(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     if shape.len() != 1 {
         return Err(refused(format!("{name} has the shape {}; it must be a list of numbers", shape_of(&shape))));
     }
-    let array: Bound<'_, PyArray1<f64>> = array.into_any().cast_into()?;
-    Ok(array.to_vec()?)
+    let array: PyReadonlyArray1<'_, f64> = array.extract()?;
+    Ok(array.as_array().to_vec())
 }
 
 /// An array of samples (rows) from series of joints.
