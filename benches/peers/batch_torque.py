@@ -6,9 +6,8 @@
 The robot is the UR10e by name with bodies of some inertia. All sides get the same states and the same bodies; torques that
 differ by more than 1e-9 of the largest end the run. `rigid bodies` is `Robot.torque`, what RNEA computes; `with friction`
 is `Model.torque` of a calibrated model, Coulomb and viscous friction included, and `load-dependent` one whose Coulomb
-friction grows with the load. Times are for one state of the fastest of the rounds, which go by turns, each on one core:
-the number of the process's threads that compute is one, and is printed beside them as the processor's time over the
-clock's.
+friction grows with the load. What counts is the time that the processor spent, over all threads of a process, so that
+neither a second core nor other programs on the machine help anyone. Rounds go by turns.
 """
 
 import argparse
@@ -59,11 +58,10 @@ def model_of(joints, links):
 
 
 def timed(work):
-    """Seconds by the clock, cores that were busy meanwhile, and what came out."""
-    clock, busy = time.perf_counter(), time.process_time()
+    """Seconds that the processor spent, and what came out."""
+    begun = time.process_time()
     result = work()
-    took = time.perf_counter() - clock
-    return took, (time.process_time() - busy) / took, result
+    return time.process_time() - begun, result
 
 
 def calibrated(robot, **structure):
@@ -76,6 +74,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--states", type=int, default=100_000)
     parser.add_argument("--compiler", default="g++")
+    parser.add_argument("--program", help="the C++ program, if it is built already")
     arguments = parser.parse_args()
     states = arguments.states
     chain, robot = ROBOTS["ur10e"], aurt.Robot.by_name("ur10e")
@@ -96,9 +95,10 @@ def main():
         "load-dependent": lambda: loaded.torque(*motion),
     }
     times = {name: [] for name in ["Python loop", "C++", *ours]}
-    cores = {name: [] for name in ours}
     with tempfile.TemporaryDirectory() as folder:
-        peer = build_peer(arguments.compiler, folder, "pinocchio_rnea")
+        peer = pathlib.Path(arguments.program or folder)
+        if not peer.is_file():
+            peer = build_peer(arguments.compiler, peer, "pinocchio_rnea")
         file = pathlib.Path(folder) / "states"
         with file.open("wb") as out:
             numpy.array([float(states)]).tofile(out)
@@ -110,12 +110,11 @@ def main():
         for _ in range(arguments.rounds):
             printed = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.split()
             times["C++"].append(1e-9 * float(printed[0]) * states)
-            took, _, expected = timed(loop)
+            took, expected = timed(loop)
             times["Python loop"].append(took)
             for name, work in ours.items():
-                took, busy, torque = timed(work)
+                took, torque = timed(work)
                 times[name].append(took)
-                cores[name].append(busy)
                 if name == "rigid bodies":
                     off = max(abs(torque - expected).max(), abs(torque[0] - [float(v) for v in printed[1:]]).max())
                     assert off <= 1e-9 * abs(expected).max(), f"torques differ by {off} Nm"
@@ -127,7 +126,6 @@ def main():
             for other in ("Python loop", "C++"):
                 ratios = [theirs / mine for theirs, mine in zip(times[other], values)]
                 line += f"   {other} / this {statistics.median(ratios):6.1f} [{min(ratios):.1f}, {max(ratios):.1f}]"
-            line += f"   busy cores {statistics.median(cores[name]):.2f}"
         print(line)
     print(f"torques of the rigid bodies agree within {off:.1e} Nm of {abs(expected).max():.0f} Nm")
 

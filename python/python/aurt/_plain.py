@@ -11,7 +11,7 @@ import numpy
 def rows(list_of_dicts: list[dict[str, Any]]) -> Any:
     """The rows as a data frame where pandas is installed, else as they are."""
     try:
-        import pandas
+        import pandas  # type: ignore[import-untyped, unused-ignore]
     except ImportError:
         return list_of_dicts
     return pandas.DataFrame(list_of_dicts)
