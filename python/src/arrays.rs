@@ -103,6 +103,11 @@ impl<'py> Matrix<'py> {
     }
 }
 
+/// Whether all values are finite; without an early end, so that it is a few instructions for many values.
+pub fn all_finite(values: &[f64]) -> bool {
+    values.iter().fold(true, |all, value| all & value.is_finite())
+}
+
 /// A [`Matrix`] that needs no lock.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
@@ -116,11 +121,28 @@ impl View<'_> {
     /// # Errors
     /// The first value that is not finite.
     fn joint_after_joint(&self, rows: &Range<usize>) -> Result<Vec<f64>, aurt::Error> {
-        let joints = self.values.ncols();
-        let mut series = Vec::with_capacity(joints * rows.len());
-        for joint in 0..joints {
-            let column = self.values.column(joint);
-            series.extend(rows.clone().map(|k| column[k]));
+        let (joints, count) = (self.values.ncols(), rows.len());
+        let mut series = vec![0.0; joints * count];
+        let columns = series.chunks_exact_mut(count.max(1)).enumerate();
+        match self.values.to_slice() {
+            // Rows one after another, as most arrays have them.
+            Some(all) => {
+                let all = &all[rows.start * joints..rows.end * joints];
+                for (joint, column) in columns {
+                    for (to, row) in column.iter_mut().zip(all.chunks_exact(joints)) {
+                        *to = row[joint];
+                    }
+                }
+            }
+            None => {
+                for (joint, column) in columns {
+                    let from = self.values.column(joint);
+                    column.iter_mut().zip(rows.clone()).for_each(|(to, k)| *to = from[k]);
+                }
+            }
+        }
+        if all_finite(&series) {
+            return Ok(series);
         }
         match series.iter().position(|value| !value.is_finite()) {
             None => Ok(series),

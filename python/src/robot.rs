@@ -8,7 +8,7 @@ use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use std::path::PathBuf;
 
 use crate::{
-    arrays::{States, shaped, vector},
+    arrays::{States, all_finite, shaped, vector},
     error::{raised, refused},
     friction,
     rows::{inline_table, json_of, rows},
@@ -304,10 +304,14 @@ impl Torque {
     pub fn write(&mut self, first: usize, samples: usize, tile: &[f64], stride: usize) -> Result<(), aurt::Error> {
         let joints = self.joints;
         let rows = &mut self.values[first * joints..(first + samples) * joints];
-        for (k, row) in rows.chunks_exact_mut(joints).enumerate() {
-            for (joint, value) in row.iter_mut().enumerate() {
-                *value = tile[joint * stride + k];
+        for joint in 0..joints {
+            let column = &tile[joint * stride..joint * stride + samples];
+            for (row, value) in rows.chunks_exact_mut(joints).zip(column) {
+                row[joint] = *value;
             }
+        }
+        if all_finite(rows) {
+            return Ok(());
         }
         match rows.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
