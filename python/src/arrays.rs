@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use aurt::traits::Motion;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::error::{raised, refused};
@@ -122,24 +125,17 @@ impl View<'_> {
     /// The first value that is not finite.
     fn joint_after_joint(&self, rows: &Range<usize>) -> Result<Vec<f64>, aurt::Error> {
         let (joints, count) = (self.values.ncols(), rows.len());
-        let mut series = vec![0.0; joints * count];
-        let columns = series.chunks_exact_mut(count.max(1)).enumerate();
+        let mut series = Vec::with_capacity(joints * count);
         match self.values.to_slice() {
             // Rows one after another, as most arrays have them.
             Some(all) => {
                 let all = &all[rows.start * joints..rows.end * joints];
-                for (joint, column) in columns {
-                    for (to, row) in column.iter_mut().zip(all.chunks_exact(joints)) {
-                        *to = row[joint];
-                    }
-                }
+                (0..joints).for_each(|joint| series.extend(all.chunks_exact(joints).map(|row| row[joint])));
             }
-            None => {
-                for (joint, column) in columns {
-                    let from = self.values.column(joint);
-                    column.iter_mut().zip(rows.clone()).for_each(|(to, k)| *to = from[k]);
-                }
-            }
+            None => (0..joints).for_each(|joint| {
+                let from = self.values.column(joint);
+                series.extend(rows.clone().map(|k| from[k]));
+            }),
         }
         if all_finite(&series) {
             return Ok(series);
@@ -185,8 +181,8 @@ impl<'py> States<'py> {
         ddq: &Bound<'py, PyAny>,
         t: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
-        let [q, dq, ddq] = [("q", q), ("dq", dq), ("ddq", ddq)]
-            .map(|(name, given)| Matrix::new(name, given, Some(joints)));
+        let [q, dq, ddq] =
+            [("q", q), ("dq", dq), ("ddq", ddq)].map(|(name, given)| Matrix::new(name, given, Some(joints)));
         let (q, dq, ddq) = (q?, dq?, ddq?);
         q.check_samples(&dq)?;
         q.check_samples(&ddq)?;
@@ -251,7 +247,10 @@ pub fn times(given: &Bound<'_, PyAny>, samples: usize) -> PyResult<Vec<f64>> {
         return Err(refused(format!("stamp {k} of t is {}, no finite number", stamps[k])));
     }
     if let Some(k) = stamps.windows(2).position(|pair| pair[1] < pair[0]) {
-        return Err(refused(format!("stamp {} of t lies before the one before it; sort the samples by time", k + 1)));
+        return Err(refused(format!(
+            "stamp {} of t lies before the one before it; sort the samples by time",
+            k + 1
+        )));
     }
     Ok(stamps)
 }
@@ -261,7 +260,10 @@ pub fn vector(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = float_array(name, given)?;
     let shape = array.shape().to_vec();
     if shape.len() != 1 {
-        return Err(refused(format!("{name} has the shape {}; it must be a list of numbers", shape_of(&shape))));
+        return Err(refused(format!(
+            "{name} has the shape {}; it must be a list of numbers",
+            shape_of(&shape)
+        )));
     }
     let array: PyReadonlyArray1<'_, f64> = array.extract()?;
     Ok(array.as_array().to_vec())
@@ -278,6 +280,10 @@ pub fn samples_by_joint<'py>(py: Python<'py>, by_joint: &[Vec<f64>]) -> PyResult
 }
 
 /// An array of rows that stand one after another.
-pub fn shaped<'py>(py: Python<'py>, rows: Vec<f64>, shape: [usize; 2]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub fn shaped<'py>(
+    py: Python<'py>,
+    rows: Vec<f64>,
+    shape: [usize; 2],
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     PyArray1::from_vec(py, rows).reshape(shape)
 }

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use aurt::traits::{
-    Columns, CoulombModel, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ViscousBasis,
+    Columns, CoulombModel, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, ModelError,
+    Parameter, ViscousBasis,
 };
 use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*};
@@ -81,7 +81,10 @@ impl PythonModel {
             let known = INVARIANTS.iter().find(|(name, _)| name == word);
             invariants.push(known.map(|(_, invariant)| *invariant).ok_or_else(|| {
                 let names: Vec<&str> = INVARIANTS.iter().map(|(name, _)| *name).collect();
-                refused(format!("`{word}` is nothing that a model can declare; known are {}", names.join(", ")))
+                refused(format!(
+                    "`{word}` is nothing that a model can declare; known are {}",
+                    names.join(", ")
+                ))
             })?);
         }
         Ok(Self {
@@ -125,7 +128,9 @@ impl PythonModel {
         for (k, column) in values.as_array().columns().into_iter().enumerate() {
             for (row, (to, from)) in out.column_mut(k).iter_mut().zip(column).enumerate() {
                 if !from.is_finite() {
-                    return Err(refused(format!("evaluate() gave {from} in column {k}, sample {row} of the batch")));
+                    return Err(refused(format!(
+                        "evaluate() gave {from} in column {k}, sample {row} of the batch"
+                    )));
                 }
                 *to = *from;
             }

@@ -13,7 +13,7 @@ use crate::{
     error::{raised, refused},
     recording::{Recording, recordings},
     report::Report,
-    robot::{Structure, Torque},
+    robot::{Structure, torques},
     rows::rows,
     settings::{listener, settings},
     work,
@@ -131,13 +131,13 @@ impl Model {
                 "the model `{name}` remembers the motion and needs the time stamps: give t, one for each sample"
             )));
         }
-        let mut torque = Torque::new(states.samples(), self.joints());
         let mut series = TorqueSeries::new(&self.calibrated).map_err(raised)?;
-        states.for_each(py, AT_ONCE, |motion, first| {
-            let (values, stride) = series.next(motion.view())?;
-            torque.write(first, motion.samples(), values, stride)
-        })?;
-        torque.finish(py, states.single())
+        torques(&states, py, self.joints(), |torque| {
+            states.for_each(py, AT_ONCE, |motion, first| {
+                let (values, stride) = series.next(motion.view())?;
+                torque.write(first, motion.samples(), values, stride)
+            })
+        })
     }
 
     /// What the model predicts at every stamp of a recording, preprocessed as the model's own were; (samples, joints).
@@ -145,7 +145,9 @@ impl Model {
         let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
         let predicted = work::run(py, None, move |_| model.predict_at_stamps(&recording))?;
         if predicted.iter().flatten().any(|value| !value.is_finite()) {
-            return Err(refused("the prediction holds what is no number; the motion is far beyond that of a robot"));
+            return Err(refused(
+                "the prediction holds what is no number; the motion is far beyond that of a robot",
+            ));
         }
         samples_by_joint(py, &predicted)
     }
@@ -165,11 +167,17 @@ impl Model {
         bandwidth_hz: f64,
     ) -> PyResult<Recording> {
         let drive = match driven_by {
-            "motion" if bandwidth_hz.is_finite() && bandwidth_hz > 0.0 => aurt::Drive::Motion { bandwidth_hz },
-            "motion" => return Err(refused(format!("bandwidth_hz is {bandwidth_hz}; it must be a positive number"))),
+            "motion" if bandwidth_hz.is_finite() && bandwidth_hz > 0.0 => {
+                aurt::Drive::Motion { bandwidth_hz }
+            }
+            "motion" => {
+                return Err(refused(format!("bandwidth_hz is {bandwidth_hz}; it must be a positive number")));
+            }
             "measurement" => aurt::Drive::Measurement,
             other => {
-                return Err(refused(format!("driven_by is `{other}`; it must be \"motion\" or \"measurement\"")));
+                return Err(refused(format!(
+                    "driven_by is `{other}`; it must be \"motion\" or \"measurement\""
+                )));
             }
         };
         let (model, recording) = (self.calibrated.clone(), recording.inner.clone());

@@ -56,7 +56,9 @@ impl Recording {
             } else if let Ok(path) = t.extract::<PathBuf>() {
                 py.detach(|| read_recording(&path, &options)).map_err(raised)?
             } else {
-                return Err(PyTypeError::new_err("a recording needs t and q, or a data frame, or the path of a file"));
+                return Err(PyTypeError::new_err(
+                    "a recording needs t and q, or a data frame, or the path of a file",
+                ));
             };
             return Ok(Self::of(match name {
                 Some(name) => recording.named(name),
@@ -73,7 +75,9 @@ impl Recording {
         let measured = match (tau, current) {
             (Some(_), Some(_)) => return Err(refused("a recording has tau or current, not both")),
             (Some(tau), None) => Some((Matrix::new("tau", tau, Some(joints))?, MeasurementUnit::NewtonMetre)),
-            (None, Some(current)) => Some((Matrix::new("current", current, Some(joints))?, MeasurementUnit::Ampere)),
+            (None, Some(current)) => {
+                Some((Matrix::new("current", current, Some(joints))?, MeasurementUnit::Ampere))
+            }
             (None, None) => None,
         };
         if let Some((measured, own)) = measured {
@@ -163,7 +167,8 @@ impl Recording {
     }
 
     fn __repr__(&self) -> String {
-        let measured = self.unit().map_or_else(|| "nothing measured".to_owned(), |unit| format!("measured in {unit}"));
+        let measured =
+            self.unit().map_or_else(|| "nothing measured".to_owned(), |unit| format!("measured in {unit}"));
         format!(
             "<aurt.Recording {}: {} samples, {} joints, {:.3} s, {measured}>",
             self.name(),
@@ -206,7 +211,10 @@ fn stamps(t: &Bound<'_, PyAny>, q: &Matrix<'_>) -> PyResult<Vec<f64>> {
 }
 
 /// Recordings that a user gave: one, or a list.
-pub fn recordings(name: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Arc<aurt_recording::Recording>>> {
+pub fn recordings(
+    name: &str,
+    given: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Arc<aurt_recording::Recording>>> {
     let Some(given) = given else { return Ok(Vec::new()) };
     if let Ok(one) = given.cast::<Recording>() {
         return Ok(vec![one.get().inner.clone()]);

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use aurt::traits::{RegressorTile, RobotModel};
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use std::path::PathBuf;
 
 use crate::{
-    arrays::{States, all_finite, shaped, vector},
+    arrays::{States, all_finite, vector},
     error::{raised, refused},
     friction,
     rows::{inline_table, json_of, rows},
@@ -204,13 +204,13 @@ impl Robot {
         };
         let states = States::new(self.joints(), q, dq, ddq, None)?;
         let body = self.inner.rigid_body();
-        let mut torque = Torque::new(states.samples(), self.joints());
         let mut tile = vec![0.0; self.joints() * AT_ONCE];
-        states.for_each(py, AT_ONCE, |motion, first| {
-            body.torque(motion.view(), &standard, &mut tile, AT_ONCE);
-            torque.write(first, motion.samples(), &tile, AT_ONCE)
-        })?;
-        torque.finish(py, states.single())
+        torques(&states, py, self.joints(), |torque| {
+            states.for_each(py, AT_ONCE, |motion, first| {
+                body.torque(motion.view(), &standard, &mut tile, AT_ONCE);
+                torque.write(first, motion.samples(), &tile, AT_ONCE)
+            })
+        })
     }
 
     /// The structure of a model of this robot.
@@ -245,7 +245,9 @@ impl Robot {
         for term in arm_terms.unwrap_or_default() {
             let text = written("arm_terms", &term)?;
             builder = builder.arm_term(text.ok_or_else(|| {
-                PyTypeError::new_err("an arm term is a name or a dict; models in Python are friction of joints")
+                PyTypeError::new_err(
+                    "an arm term is a name or a dict; models in Python are friction of joints",
+                )
             })?);
         }
         let model = py.detach(|| builder.build()).map_err(raised)?;
@@ -290,18 +292,36 @@ fn written(what: &str, given: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
 }
 
 /// Torques of samples and joints as they come, tile by tile.
-pub struct Torque {
+pub struct Torque<'a> {
     joints: usize,
-    values: Vec<f64>,
+    values: &'a mut [f64],
 }
 
-impl Torque {
-    pub fn new(samples: usize, joints: usize) -> Self {
-        Self { joints, values: vec![0.0; samples * joints] }
+/// The array (samples, joints), or (joints,) for a single sample, that `fill` fills. NumPy allocates it: it has larger pages
+/// for large arrays.
+pub fn torques<'py>(
+    states: &States<'_>,
+    py: Python<'py>,
+    joints: usize,
+    fill: impl FnOnce(&mut Torque<'_>) -> PyResult<()>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = PyArray2::<f64>::zeros(py, [states.samples(), joints], false);
+    {
+        let mut writable = array.try_readwrite()?;
+        fill(&mut Torque { joints, values: writable.as_slice_mut()? })?;
     }
+    if states.single() { array.get_item(0) } else { Ok(array.into_any()) }
+}
 
+impl Torque<'_> {
     /// Writes a tile whose joints are `stride` apart to the samples from `first` on.
-    pub fn write(&mut self, first: usize, samples: usize, tile: &[f64], stride: usize) -> Result<(), aurt::Error> {
+    pub fn write(
+        &mut self,
+        first: usize,
+        samples: usize,
+        tile: &[f64],
+        stride: usize,
+    ) -> Result<(), aurt::Error> {
         let joints = self.joints;
         let rows = &mut self.values[first * joints..(first + samples) * joints];
         for joint in 0..joints {
@@ -313,21 +333,16 @@ impl Torque {
         if all_finite(rows) {
             return Ok(());
         }
-        match rows.iter().position(|value| !value.is_finite()) {
-            None => Ok(()),
-            Some(place) => Err(aurt::Error::Argument {
-                option: "torque",
-                reason: format!("the torque of joint {} at sample {} is no number", place % joints, first + place / joints),
-                remedy: "the motion or the parameters are far beyond those of a robot".into(),
-            }),
-        }
-    }
-
-    /// The array (samples, joints), or (joints,) for a single sample.
-    pub fn finish<'py>(self, py: Python<'py>, single: bool) -> PyResult<Bound<'py, PyAny>> {
-        let samples = self.values.len() / self.joints.max(1);
-        let array = shaped(py, self.values, [samples, self.joints])?;
-        if single { array.get_item(0) } else { Ok(array.into_any()) }
+        let place = rows.iter().position(|value| !value.is_finite()).unwrap_or(0);
+        Err(aurt::Error::Argument {
+            option: "torque",
+            reason: format!(
+                "the torque of joint {} at sample {} is no number",
+                place % joints,
+                first + place / joints
+            ),
+            remedy: "the motion or the parameters are far beyond those of a robot".into(),
+        })
     }
 }
 

@@ -19,7 +19,9 @@ pub fn json_of(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Value> {
     let plain = py.import("aurt._plain")?.getattr("plain")?;
     options.set_item("default", plain)?;
     let text = py.import("json")?.call_method("dumps", (given,), Some(&options)).map_err(|error| {
-        let wrong = PyTypeError::new_err(format!("{name} holds what is neither text nor a finite number, list or dict"));
+        let wrong = PyTypeError::new_err(format!(
+            "{name} holds what is neither text nor a finite number, list or dict"
+        ));
         wrong.set_cause(py, Some(error));
         wrong
     })?;

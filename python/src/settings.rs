@@ -40,7 +40,8 @@ pub fn settings<'py>(
         let number = || -> PyResult<f64> {
             value.extract().map_err(|_| PyTypeError::new_err(format!("{key} must be a number")))
         };
-        let some = || -> PyResult<Option<f64>> { if value.is_none() { Ok(None) } else { number().map(Some) } };
+        let some =
+            || -> PyResult<Option<f64>> { if value.is_none() { Ok(None) } else { number().map(Some) } };
         let flag = || -> PyResult<bool> {
             value.extract().map_err(|_| PyTypeError::new_err(format!("{key} must be True or False")))
         };

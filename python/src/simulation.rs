@@ -44,7 +44,9 @@ pub fn simulate(
     document["seed"] = json!(seed);
     document["motion"] = match motion {
         Some(motion) => json_of("motion", motion)?,
-        None => json!({"kind": "multi_sine", "duration_s": 15.0, "harmonics": 8, "top_hz": 1.0, "share": 0.6}),
+        None => {
+            json!({"kind": "multi_sine", "duration_s": 15.0, "harmonics": 8, "top_hz": 1.0, "share": 0.6})
+        }
     };
     if let Some(effects) = effects {
         document["effect"] = json_of("effects", effects)?;

@@ -1,10 +1,10 @@
 //! Diagnosing recordings in memory.
 
+use aurt_calibration::TermScopes;
 use aurt_diagnosis::{
     Improvement, Investigation, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improvement,
     investigate, series, write_verdict,
 };
-use aurt_calibration::TermScopes;
 use aurt_experiment::Registry;
 use aurt_recording::Recording;
 use aurt_report::Page;
@@ -94,7 +94,8 @@ impl Diagnoser {
             let asked = Asked::of(question);
             let document = json!(verdict);
             let held_out = verdict.held_out.recordings.clone();
-            let added: Vec<String> = improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect();
+            let added: Vec<String> =
+                improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect();
             let report = Diagnosed {
                 verdict: &verdict,
                 asked,

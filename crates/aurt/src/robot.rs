@@ -83,12 +83,16 @@ impl Robot {
     /// [`Failure::Argument`] for another name.
     pub fn by_name(name: &str, gravity_m_s2: [f64; 3]) -> Result<Self, Failure> {
         let Some(known) = known_robot(name) else {
-            let meant = probably_meant(name).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
+            let meant =
+                probably_meant(name).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
             let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| robot.name).collect();
             return Err(Failure::Argument {
                 option: "name",
                 reason: format!("`{name}` names no known robot"),
-                remedy: format!("{meant}known are {}; others need a URDF file or an MDH table", names.join(", ")),
+                remedy: format!(
+                    "{meant}known are {}; others need a URDF file or an MDH table",
+                    names.join(", ")
+                ),
             });
         };
         Self::of_description(known.description(), gravity_m_s2)

@@ -46,7 +46,12 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// What makes the recording unfit; a model whose inertia is not positive, a motion that runs away.
-    pub fn moved(&self, recording: &Recording, drive: Drive, progress: &Progress) -> Result<Recording, Failure> {
+    pub fn moved(
+        &self,
+        recording: &Recording,
+        drive: Drive,
+        progress: &Progress,
+    ) -> Result<Recording, Failure> {
         let purpose = match drive {
             Drive::Motion { .. } => Purpose::Prediction,
             Drive::Measurement => Purpose::Validation,
@@ -55,7 +60,8 @@ impl CalibratedModel {
         let unfit = |reason: &str| Failure::ModelFile {
             path: recording.file.clone(),
             reason: reason.into(),
-            remedy: "use a recording of a second or more, with a measurement if that is to drive the model".into(),
+            remedy: "use a recording of a second or more, with a measurement if that is to drive the model"
+                .into(),
         };
         let longest = prepared.data.segments.into_iter().max_by_key(|segment| segment.motion.samples());
         let segment = longest.ok_or_else(|| unfit("has no stretch without gaps that could be simulated"))?;

@@ -168,7 +168,12 @@ impl<'m> TorqueSeries<'m> {
         Ok((&self.torque, stride))
     }
 
-    fn add_friction(&mut self, joint: usize, motion: MotionView<'_>, stride: usize) -> Result<(), ModelError> {
+    fn add_friction(
+        &mut self,
+        joint: usize,
+        motion: MotionView<'_>,
+        stride: usize,
+    ) -> Result<(), ModelError> {
         let (samples, stack) = (motion.samples(), &self.model.stacks()[joint]);
         let series = JointSeries {
             time_s: motion.time_s(),

@@ -41,7 +41,9 @@ fn torques_are_those_of_the_regressor() {
         let samples = 700;
         let time_s: Vec<f64> = (0..samples).map(|k| 0.002 * k as f64).collect();
         let of = |scale: f64| -> Vec<f64> {
-            (0..2).flat_map(|j| time_s.iter().map(move |t| scale * ((1.0 + 0.4 * j as f64) * 3.0 * t).sin())).collect()
+            (0..2)
+                .flat_map(|j| time_s.iter().map(move |t| scale * ((1.0 + 0.4 * j as f64) * 3.0 * t).sin()))
+                .collect()
         };
         let motion = Series::new(2, time_s.clone(), of(1.0), of(2.0), of(-5.0)).unwrap();
 
@@ -82,7 +84,9 @@ fn robots_have_names_and_files() {
     let urdf = r#"<robot name="r"><link name="a"/><link name="b"/>
         <joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>"#;
     assert_eq!(Robot::from_urdf(urdf, None, None, [0.0; 3]).unwrap().joints(), 1);
-    assert!(Robot::read_urdf("none.urdf", None, None, [0.0; 3]).unwrap_err().to_string().contains("none.urdf"));
+    assert!(
+        Robot::read_urdf("none.urdf", None, None, [0.0; 3]).unwrap_err().to_string().contains("none.urdf")
+    );
 }
 
 #[test]
@@ -114,7 +118,8 @@ fn predictions_stand_at_the_stamps_and_models_move() {
     let predicted = outcome.calibrated.predict_at_stamps(&recording).unwrap();
     assert!(predicted.iter().all(|series| series.len() == recording.samples()));
     let drive = Drive::Motion { bandwidth_hz: 10.0 };
-    let moved = outcome.calibrated.moved(&recording.window([0.0, 3.0]).unwrap(), drive, &Progress::silent()).unwrap();
+    let moved =
+        outcome.calibrated.moved(&recording.window([0.0, 3.0]).unwrap(), drive, &Progress::silent()).unwrap();
     let far = moved.position_rad[0].iter().zip(&recording.position_rad[0]);
     assert!(far.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 0.02);
 }
