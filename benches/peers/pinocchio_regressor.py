@@ -25,17 +25,17 @@ from robots import ROBOTS
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-def build_peer(compiler, folder):
+def build_peer(compiler, folder, name="pinocchio_regressor"):
     """The C++ program, built against the headers of the installed `pin`."""
     include = next(p / "include" for p in pathlib.Path(pinocchio.__file__).parents if p.name == "cmeel.prefix")
     if not (include / "eigen3").is_dir():
         sys.exit("Eigen's headers are missing: pip install cmeel-eigen")
-    program = pathlib.Path(folder) / "pinocchio_regressor"
+    program = pathlib.Path(folder) / name
     flags = ["-std=c++17", "-O3", "-march=native", "-DNDEBUG", "-w"]
     # Pinocchio's list of joint types is longer than Boost's defaults; these are the values of its own CMake files.
     flags += ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30"]
     flags += ["-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
-    source = HERE / "pinocchio_regressor.cpp"
+    source = HERE / f"{name}.cpp"
     command = [compiler, *flags, "-isystem", include, "-isystem", include / "eigen3", source, "-o", program]
     subprocess.run([str(part) for part in command], check=True)
     return program

@@ -4,7 +4,7 @@ use aurt_calibration::{CalibrationOptions, Prediction, TermScopes, predict};
 use aurt_experiment::Registry;
 use aurt_output::write_file;
 use aurt_recording::{PreprocessOptions, Recording};
-use aurt_traits::{LoadTorque, MotionView, RobotModel, RobotState, RobotTile};
+use aurt_traits::RobotModel;
 use std::path::Path;
 
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
     fitting::{Assigned, Detail, Job, Outcome},
     predictor::Predictor,
     progress::Progress,
-    results::metrics::Role,
+    results::{metrics::Role, predictions::at_stamps},
 };
 
 /// How recordings are preprocessed and coefficients found.
@@ -82,6 +82,19 @@ impl Calibrator {
     /// # Errors
     /// What makes a recording unfit or the fit impossible.
     pub fn calibrate(self) -> Result<Outcome, Failure> {
+        self.run(Detail::Errors, &Progress::silent())
+    }
+
+    /// The same with the comparison of prediction and measurement row by row, which reports show; `progress` is told what
+    /// is being done.
+    ///
+    /// # Errors
+    /// As [`Self::calibrate`].
+    pub fn calibrate_with_series(self, progress: &Progress) -> Result<Outcome, Failure> {
+        self.run(Detail::Compared, progress)
+    }
+
+    fn run(self, detail: Detail, progress: &Progress) -> Result<Outcome, Failure> {
         let job = Job {
             model: self.model,
             preprocessing: self.settings.preprocessing,
@@ -89,7 +102,7 @@ impl Calibrator {
             options: self.settings.calibration,
             scopes: TermScopes::default(),
         };
-        job.fit(&self.recordings, Detail::Errors, &Progress::silent())
+        job.fit(&self.recordings, detail, progress)
     }
 }
 
@@ -110,32 +123,6 @@ impl CalibratedModel {
         Ok(write_file(path.as_ref(), &self.to_file()?)?)
     }
 
-    /// Torques (or currents) for a motion, as `[joint][sample]`, in [`Calibration::unit`](aurt_calibration::Calibration).
-    /// Friction with memory starts at the first sample.
-    ///
-    /// # Errors
-    /// [`aurt_traits::ModelError::Count`] for another number of joints; whatever a model reports.
-    pub fn torque(&self, motion: MotionView<'_>) -> Result<Vec<Vec<f64>>, Failure> {
-        const AT_ONCE: usize = 256;
-        let load: &LoadTorque = &self.calibration.load;
-        let coefficients = self.calibration.coefficients();
-        let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
-        let mut torque = vec![Vec::with_capacity(motion.samples()); self.model.joints()];
-        for first in (0..motion.samples()).step_by(AT_ONCE) {
-            let part = motion.slice(first..(first + AT_ONCE).min(motion.samples()));
-            self.model.evaluate(part, load, &mut state, &mut tile)?;
-            for (joint, series) in torque.iter_mut().enumerate() {
-                let begin = series.len();
-                series.resize(begin + part.samples(), 0.0);
-                for (slot, column) in self.model.row_slots(joint).zip(self.model.row_columns(joint)) {
-                    let sum = series[begin..].iter_mut().zip(tile.slot(slot));
-                    sum.for_each(|(sum, value)| *sum += coefficients[*column] * value);
-                }
-            }
-        }
-        Ok(torque)
-    }
-
     /// Predictions for a recording, preprocessed as the model's own were, one for each stretch without gaps.
     ///
     /// # Errors
@@ -144,6 +131,14 @@ impl CalibratedModel {
         let loaded = Loaded::from(recording.clone());
         let prepared = self.pipeline().preprocess(&loaded, Purpose::Prediction)?;
         Ok(predict(&self.model, &self.calibration, &prepared)?)
+    }
+
+    /// The prediction for every stamp of a recording, as `[joint][sample]`; see [`at_stamps`].
+    ///
+    /// # Errors
+    /// What makes the recording unfit.
+    pub fn predict_at_stamps(&self, recording: &Recording) -> Result<Vec<Vec<f64>>, Failure> {
+        Ok(at_stamps(&recording.time_s, &self.predict(recording)?))
     }
 
     /// A predictor for single samples, in a control loop.

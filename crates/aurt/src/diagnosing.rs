@@ -7,14 +7,12 @@ use aurt_diagnosis::{
     improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
-use aurt_recording::Recording;
 use aurt_report::Page;
-use aurt_traits::{MeasurementUnit, RobotModel};
+use aurt_traits::MeasurementUnit;
 use serde_json::{Map, Value, json};
 
 use crate::{
     calibrated_file::CalibratedModel,
-    calibrating::Settings,
     data::{Instrument, Loaded, Pipeline, Purpose, Source},
     failure::Failure,
     fitting::{calibration_options, fit_experiment},
@@ -103,7 +101,7 @@ pub fn is_found(verdict: &Verdict) -> bool {
 /// square of their number and time with its cube.
 const MOST_JOINTS: usize = 20;
 
-fn check_joints(experiment: &Path, joints: usize) -> Result<(), Failure> {
+pub(crate) fn check_joints(experiment: &Path, joints: usize) -> Result<(), Failure> {
     if joints <= MOST_JOINTS {
         return Ok(());
     }
@@ -193,82 +191,6 @@ pub fn diagnose_experiment(
     Ok(Diagnosis { verdict, document, asked, unit, held_out, comparison, improved })
 }
 
-/// A diagnosis of recordings in memory.
-///
-/// With recordings of a [target](Self::target), the question is what these show beyond the model; without, what the model
-/// lacks in the recordings that it is calibrated on.
-#[derive(Debug, Clone)]
-pub struct Diagnoser {
-    model: RobotModel,
-    settings: Settings,
-    recordings: Vec<(Recording, Role)>,
-}
-
-impl Diagnoser {
-    /// A diagnosis of a model, which is fitted to the recordings.
-    #[must_use]
-    pub fn new(model: RobotModel) -> Self {
-        Self { model, settings: Settings::default(), recordings: Vec::new() }
-    }
-
-    /// How recordings are preprocessed and coefficients found.
-    #[must_use]
-    pub fn settings(self, settings: Settings) -> Self {
-        Self { settings, ..self }
-    }
-
-    fn recording(mut self, recording: &Recording, role: Role) -> Self {
-        self.recordings.push((recording.clone(), role));
-        self
-    }
-
-    /// Adds a recording that the model is calibrated on.
-    #[must_use]
-    pub fn calibration(self, recording: &Recording) -> Self {
-        self.recording(recording, Role::Calibration)
-    }
-
-    /// Adds a recording whose mismatch with the model is to be explained.
-    #[must_use]
-    pub fn target(self, recording: &Recording) -> Self {
-        self.recording(recording, Role::Target)
-    }
-
-    /// Adds a recording that is held out, for judging what was found.
-    #[must_use]
-    pub fn validation(self, recording: &Recording) -> Self {
-        self.recording(recording, Role::Validation)
-    }
-
-    /// Finds what is missing.
-    ///
-    /// # Errors
-    /// What makes a recording unfit, and what the diagnosis reports.
-    pub fn diagnose(&self) -> Result<Verdict, Failure> {
-        let registry = Registry::linked()?;
-        let Settings { preprocessing, instrument, calibration } = &self.settings;
-        let pipeline = Pipeline { joints: self.model.joints(), preprocessing, instrument };
-        let loaded: Vec<(Loaded, Role)> =
-            self.recordings.iter().map(|(r, role)| (Loaded::from(r.clone()), *role)).collect();
-        let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
-        let is_target = |(_, role): &(Loaded, Role)| *role == Role::Target;
-        let questioned = if loaded.iter().any(is_target) { Role::Target } else { Role::Calibration };
-        let recordings = questioned_recordings(loaded, &pipeline, &mut std::iter::empty(), questioned)?;
-        let question = Question {
-            model: &self.model,
-            frozen: None,
-            recordings: &recordings,
-            unit,
-            f_dyn_hz: preprocessing.f_dyn_hz,
-            calibration: *calibration,
-            selection: SelectionOptions::default(),
-            without: &[],
-        };
-        let investigation = investigate(&question, &registry, |_| {})?;
-        Ok(write_verdict(&question, &investigation).checked()?)
-    }
-}
-
 /// Reads and preprocesses the recordings of an experiment, each with its part.
 fn read(
     experiment: &Experiment,
@@ -312,7 +234,7 @@ fn read(
 
 /// Preprocesses recordings, each with its part; those of the part that is `questioned` take the next file of
 /// `predictions`, if there is one.
-fn questioned_recordings(
+pub(crate) fn questioned_recordings(
     loaded: Vec<(Loaded, Role)>,
     pipeline: &Pipeline<'_>,
     predictions: &mut dyn Iterator<Item = &Path>,
@@ -372,7 +294,7 @@ fn is_named(library: &Path, experiment: &Experiment) -> bool {
 }
 
 /// What was found and done while a recording was read and preprocessed.
-fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
+pub(crate) fn notes_of(recording: &QuestionedRecording) -> Vec<String> {
     let mut notes = recording.raw.report.notes();
     notes.extend(recording.data.data.report.notes());
     notes

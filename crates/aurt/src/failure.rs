@@ -8,6 +8,7 @@ use aurt_experiment::{BuildError, ExperimentErrors};
 use aurt_export::ExportError;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
+use aurt_robots::RobotErrors;
 use aurt_simulation::SimulationError;
 use aurt_sweep::SweepError;
 use aurt_traits::{MeasurementUnit, ModelError};
@@ -31,6 +32,9 @@ pub enum Failure {
     /// The rigid bodies.
     #[error(transparent)]
     Rbd(RbdError),
+    /// The description of a robot.
+    #[error(transparent)]
+    Robot(#[from] RobotErrors),
     /// A recording.
     #[error(transparent)]
     Recording(Box<RecordingError>),

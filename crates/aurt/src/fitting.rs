@@ -39,6 +39,8 @@ pub struct Job {
 pub enum Detail {
     /// The model and its errors.
     Errors,
+    /// Also the comparison of prediction and measurement, row by row.
+    Compared,
     /// Also the prediction for every file and its comparison with the measurement, row by row.
     RowByRow,
 }
@@ -177,6 +179,8 @@ impl Job {
                     predictions.push((name.clone(), here.predict_file(loaded)?));
                 }
                 prediction = Some(name);
+            }
+            if detail != Detail::Errors {
                 comparison = compare(&here.model, &here.calibration, prepared, rows)?;
             }
             let mut notes = loaded.recording.report.notes();

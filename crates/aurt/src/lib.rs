@@ -33,6 +33,7 @@ pub mod calibrated_file;
 pub mod calibrating;
 pub mod data;
 pub mod demo;
+pub mod diagnoser;
 pub mod diagnosing;
 pub mod exporting;
 mod failure;
@@ -55,6 +56,7 @@ mod simulating;
 pub mod streaming;
 pub mod sweeping;
 pub mod table_file;
+mod torque;
 
 use aurt_diagnosis::Verdict;
 use aurt_experiment::{Experiment, Registry};
@@ -65,13 +67,15 @@ pub use aurt_traits as traits;
 pub use crate::{
     calibrated_file::CalibratedModel,
     calibrating::{Calibrator, Settings},
-    diagnosing::{Diagnoser, Diagnosis, DiagnosisOptions},
+    diagnoser::{Diagnoser, Explanation},
+    diagnosing::{Diagnosis, DiagnosisOptions},
     failure::Failure as Error,
     fitting::Outcome,
     predictor::Predictor,
     progress::Progress,
     robot::{ModelBuilder, Robot},
-    simulating::simulate,
+    simulating::{Drive, simulate},
+    torque::TorqueSeries,
 };
 
 /// Calibrates and judges a model as an experiment says.

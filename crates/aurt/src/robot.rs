@@ -4,7 +4,11 @@ use std::path::Path;
 
 use aurt_experiment::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
-use aurt_traits::{ArmTerm, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis};
+use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot, probably_meant};
+use aurt_traits::{
+    ArmTerm, BaseParameters, CoulombModel, HysteresisModel, JointStack, RigidBodyRegressor, RobotModel,
+    ViscousBasis,
+};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -24,6 +28,7 @@ use crate::failure::Failure;
 pub struct Robot {
     dynamics: RigidBodyDynamics,
     notes: Vec<String>,
+    described: Option<Box<DescribedRobot>>,
 }
 
 impl Robot {
@@ -34,7 +39,63 @@ impl Robot {
     pub fn new(description: &dyn RobotDescription, gravity_m_s2: [f64; 3]) -> Result<Self, Failure> {
         let chain = description.chain(gravity_m_s2)?;
         let dynamics = RigidBodyDynamics::new(std::sync::Arc::new(chain), BASE_PARAMETER_SEED)?;
-        Ok(Self { dynamics, notes: description.notes() })
+        Ok(Self { dynamics, notes: description.notes(), described: None })
+    }
+
+    /// The robot of a chain of a description file, or of a name; [`Self::described`] has its names and limits.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_description(described: DescribedRobot, gravity_m_s2: [f64; 3]) -> Result<Self, Failure> {
+        Ok(Self { described: Some(Box::new(described.clone())), ..Self::new(&described, gravity_m_s2)? })
+    }
+
+    /// The serial chain between two links of a URDF file; without `base` it starts at the file's root, without `tip` it
+    /// ends where the only moving chain does.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file, each with its place.
+    pub fn read_urdf(
+        path: impl AsRef<Path>,
+        base: Option<&str>,
+        tip: Option<&str>,
+        gravity_m_s2: [f64; 3],
+    ) -> Result<Self, Failure> {
+        Self::of_description(aurt_robots::read(path, base, tip)?, gravity_m_s2)
+    }
+
+    /// The same from the text of such a file.
+    ///
+    /// # Errors
+    /// As [`Self::read_urdf`].
+    pub fn from_urdf(
+        text: &str,
+        base: Option<&str>,
+        tip: Option<&str>,
+        gravity_m_s2: [f64; 3],
+    ) -> Result<Self, Failure> {
+        Self::of_description(aurt_robots::parse(text, "robot.urdf", base, tip)?, gravity_m_s2)
+    }
+
+    /// A robot known by name, such as `ur10e`: geometry and limits, without masses, which makers do not publish.
+    ///
+    /// # Errors
+    /// [`Failure::Argument`] for another name.
+    pub fn by_name(name: &str, gravity_m_s2: [f64; 3]) -> Result<Self, Failure> {
+        let Some(known) = known_robot(name) else {
+            let meant =
+                probably_meant(name).map(|name| format!("did you mean `{name}`? ")).unwrap_or_default();
+            let names: Vec<&str> = KNOWN_ROBOTS.iter().map(|robot| robot.name).collect();
+            return Err(Failure::Argument {
+                option: "name",
+                reason: format!("`{name}` names no known robot"),
+                remedy: format!(
+                    "{meant}known are {}; others need a URDF file or an MDH table",
+                    names.join(", ")
+                ),
+            });
+        };
+        Self::of_description(known.description(), gravity_m_s2)
     }
 
     /// The robot of a table of modified Denavit–Hartenberg parameters (text with the columns `alpha`, `a`, `d`).
@@ -59,6 +120,24 @@ impl Robot {
         self.dynamics.rigid_body.joints()
     }
 
+    /// Names, limits and, where the description has masses, standard parameters; none of a table.
+    #[must_use]
+    pub fn described(&self) -> Option<&DescribedRobot> {
+        self.described.as_deref()
+    }
+
+    /// The rigid bodies, τ = Y(q, q̇, q̈) π with 10 N standard parameters π.
+    #[must_use]
+    pub fn rigid_body(&self) -> &dyn RigidBodyRegressor {
+        &*self.dynamics.rigid_body
+    }
+
+    /// The base inertial parameters.
+    #[must_use]
+    pub fn base_parameters(&self) -> &BaseParameters {
+        &self.dynamics.base
+    }
+
     /// What a person should know of how the geometry was read.
     #[must_use]
     pub fn notes(&self) -> &[String] {
@@ -71,9 +150,9 @@ impl Robot {
     pub fn model(&self) -> ModelBuilder {
         ModelBuilder {
             dynamics: self.dynamics.clone(),
-            coulomb: "none".into(),
-            hysteresis: "sign".into(),
-            viscous: r#"{ model = "polynomial", powers = [1] }"#.into(),
+            coulomb: Choice::Named("none".into()),
+            hysteresis: Choice::Named("sign".into()),
+            viscous: Choice::Named(r#"{ model = "polynomial", powers = [1] }"#.into()),
             arm_terms: Vec::new(),
         }
     }
@@ -84,29 +163,85 @@ impl Robot {
 #[derive(Debug, Clone)]
 pub struct ModelBuilder {
     dynamics: RigidBodyDynamics,
-    coulomb: String,
-    hysteresis: String,
-    viscous: String,
+    coulomb: Choice<dyn CoulombModel>,
+    hysteresis: Choice<dyn HysteresisModel>,
+    viscous: Choice<dyn ViscousBasis>,
     arm_terms: Vec<String>,
+}
+
+/// A model as it is asked for.
+enum Choice<M: ?Sized> {
+    /// By its name, or as an experiment writes it.
+    Named(String),
+    /// The model itself.
+    Given(Box<M>),
+}
+
+impl<M: ?Sized> Clone for Choice<M>
+where
+    Box<M>: Clone,
+{
+    fn clone(&self) -> Self {
+        match self {
+            Self::Named(name) => Self::Named(name.clone()),
+            Self::Given(model) => Self::Given(model.clone()),
+        }
+    }
+}
+
+impl<M: ?Sized + std::fmt::Debug> std::fmt::Debug for Choice<M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Named(name) => f.debug_tuple("Named").field(name).finish(),
+            Self::Given(model) => f.debug_tuple("Given").field(model).finish(),
+        }
+    }
+}
+
+impl<M: SlotModel + ?Sized> Choice<M> {
+    fn build(self, registry: &Registry) -> Result<Box<M>, Failure> {
+        match self {
+            Self::Named(name) => found(registry, &name),
+            Self::Given(model) => Ok(model),
+        }
+    }
 }
 
 impl ModelBuilder {
     /// The Coulomb level f_C(τ_J) of every joint.
     #[must_use]
     pub fn coulomb(self, model: impl Into<String>) -> Self {
-        Self { coulomb: model.into(), ..self }
+        Self { coulomb: Choice::Named(model.into()), ..self }
+    }
+
+    /// The same, of a model that no registry knows.
+    #[must_use]
+    pub fn coulomb_model(self, model: Box<dyn CoulombModel>) -> Self {
+        Self { coulomb: Choice::Given(model), ..self }
     }
 
     /// The hysteresis H(z, q̇) of every joint.
     #[must_use]
     pub fn hysteresis(self, model: impl Into<String>) -> Self {
-        Self { hysteresis: model.into(), ..self }
+        Self { hysteresis: Choice::Named(model.into()), ..self }
+    }
+
+    /// The same, of a model that no registry knows.
+    #[must_use]
+    pub fn hysteresis_model(self, model: Box<dyn HysteresisModel>) -> Self {
+        Self { hysteresis: Choice::Given(model), ..self }
     }
 
     /// The viscous friction f_v(q̇) of every joint.
     #[must_use]
     pub fn viscous(self, model: impl Into<String>) -> Self {
-        Self { viscous: model.into(), ..self }
+        Self { viscous: Choice::Named(model.into()), ..self }
+    }
+
+    /// The same, of a model that no registry knows.
+    #[must_use]
+    pub fn viscous_model(self, model: Box<dyn ViscousBasis>) -> Self {
+        Self { viscous: Choice::Given(model), ..self }
     }
 
     /// Adds an arm term: rotor inertia, a payload, a spring.
@@ -130,9 +265,9 @@ impl ModelBuilder {
     /// Unknown models, wrong keys, and models that do not fit their slot or the robot.
     pub fn build_with(self, registry: &Registry) -> Result<RobotModel, Failure> {
         let stack = JointStack::new(
-            found::<dyn CoulombModel>(registry, &self.coulomb)?,
-            found::<dyn HysteresisModel>(registry, &self.hysteresis)?,
-            found::<dyn ViscousBasis>(registry, &self.viscous)?,
+            self.coulomb.build(registry)?,
+            self.hysteresis.build(registry)?,
+            self.viscous.build(registry)?,
         )
         .map_err(Failure::Models)?;
         let terms = self.arm_terms.iter().map(|term| found::<dyn ArmTerm>(registry, term));

@@ -9,10 +9,7 @@ use std::{
 use aurt_calibration::Prediction;
 use aurt_traits::MeasurementUnit;
 
-/// A prediction at the given stamps, one row each.
-///
-/// Predictions live on the uniform grid of preprocessing. Between two points of the grid they are interpolated
-/// linearly; before, after and between segments the nearest point of the grid counts.
+/// A prediction at the given stamps, one row each; as [`at_stamps`].
 pub fn to_csv(stamps_s: &[f64], predictions: &[Prediction], unit: MeasurementUnit) -> Vec<u8> {
     let joints = predictions.first().map_or(0, |p| p.predicted.len());
     let mut csv = String::from("timestamp");
@@ -29,6 +26,18 @@ pub fn to_csv(stamps_s: &[f64], predictions: &[Prediction], unit: MeasurementUni
         csv.push('\n');
     }
     csv.into_bytes()
+}
+
+/// A prediction at the given stamps, as `[joint][stamp]`.
+///
+/// Predictions live on the uniform grid of preprocessing. Between two points of the grid they are interpolated
+/// linearly; before, after and between segments the nearest point of the grid counts.
+#[must_use]
+pub fn at_stamps(stamps_s: &[f64], predictions: &[Prediction]) -> Vec<Vec<f64>> {
+    let joints = predictions.first().map_or(0, |p| p.predicted.len());
+    let places: Vec<Option<Place>> = stamps_s.iter().map(|stamp| Place::of(*stamp, predictions)).collect();
+    let value = |place: &Option<Place>, joint| place.map_or(f64::NAN, |p| p.value(predictions, joint));
+    (0..joints).map(|joint| places.iter().map(|place| value(place, joint)).collect()).collect()
 }
 
 /// A point of a segment's grid and how far the stamp is on the way to the next one.

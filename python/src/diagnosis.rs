@@ -1,0 +1,199 @@
+//! Diagnosis, and the verdicts that it gives.
+
+use std::path::PathBuf;
+
+use aurt::{
+    CalibratedModel, Diagnoser, DiagnosisOptions, Explanation, diagnosing::diagnose_experiment as diagnosed,
+    prelude::Report as Page, rendering::style::Style, traits::RobotModel,
+};
+use aurt_experiment::{Experiment, Registry};
+use pyo3::{prelude::*, types::PyDict};
+use serde_json::Value;
+
+use crate::{
+    error::refused,
+    model::Model,
+    recording::recordings,
+    report::Report,
+    robot::Structure,
+    rows::{python_of, rows},
+    settings::{listener, settings},
+    work,
+};
+
+/// What a diagnosis found: where model and recordings differ, and what physics is missing.
+#[pyclass(frozen, module = "aurt")]
+pub struct Verdict {
+    found: bool,
+    document: Value,
+    text: String,
+    added: Vec<String>,
+    notes: Vec<String>,
+    model: CalibratedModel,
+    page: Page,
+}
+
+/// Says what recordings show that a model lacks: with a target, what has changed in it; without, what is missing in the
+/// recordings that the model is calibrated on.
+#[pyfunction]
+#[pyo3(signature = (model, calibration, *, target=None, validation=None, **settings))]
+pub fn diagnose(
+    py: Python<'_>,
+    model: &Bound<'_, PyAny>,
+    calibration: &Bound<'_, PyAny>,
+    target: Option<&Bound<'_, PyAny>>,
+    validation: Option<&Bound<'_, PyAny>>,
+    settings: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Verdict> {
+    let structure = Structure::of(model)?;
+    let reference = recordings("calibration", Some(calibration))?;
+    let (target, held_out) = (recordings("target", target)?, recordings("validation", validation)?);
+    if reference.is_empty() && target.is_empty() {
+        return Err(refused("there is no recording to be diagnosed"));
+    }
+    let (settings, progress) = self::settings("diagnose", settings)?;
+    work::run(py, progress.as_ref(), move |progress| {
+        let mut diagnoser = Diagnoser::new(RobotModel::clone(&structure)).settings(settings);
+        for recording in &reference {
+            diagnoser = diagnoser.calibration(recording);
+        }
+        for recording in &target {
+            diagnoser = diagnoser.target(recording);
+        }
+        for recording in &held_out {
+            diagnoser = diagnoser.validation(recording);
+        }
+        let explanation = diagnoser.explain(progress)?;
+        let (found, text) = (explanation.is_found(), explanation.to_text(Style::PLAIN));
+        let Explanation { document, added, notes, model, report: page, .. } = explanation;
+        Ok(Verdict { found, document, text, added, notes, model, page })
+    })
+}
+
+/// Diagnoses as an experiment's file says.
+#[pyfunction]
+#[pyo3(signature = (path, *, progress=None))]
+pub fn diagnose_experiment(
+    py: Python<'_>,
+    path: PathBuf,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Verdict> {
+    let progress = progress.map(listener).transpose()?.flatten();
+    work::run(py, progress.as_ref(), move |progress| {
+        let mut registry = Registry::linked()?;
+        let experiment = Experiment::read(&path, &mut registry)?;
+        let folder = path.parent().map(PathBuf::from).unwrap_or_default();
+        let options = DiagnosisOptions { improve_for: Some(folder), ..DiagnosisOptions::default() };
+        let diagnosis = diagnosed(&experiment, &mut registry, &options, progress)?;
+        let (found, text) = (diagnosis.is_found(), diagnosis.to_text(Style::PLAIN));
+        let Some(improved) = diagnosis.improved else {
+            return Err(aurt::Error::Argument {
+                option: "path",
+                reason: "the experiment gives no improved model".into(),
+                remedy: "diagnose it with `aurt diagnose --verdict-only`".into(),
+            });
+        };
+        Ok(Verdict {
+            found,
+            document: diagnosis.document,
+            text,
+            added: improved.added,
+            notes: improved.notes,
+            model: improved.model,
+            page: improved.report,
+        })
+    })
+}
+
+#[pymethods]
+impl Verdict {
+    /// The answer: "no_mismatch", "named", "ambiguous" or "unexplained".
+    #[getter]
+    fn answer(&self) -> &str {
+        self.document["verdict"].as_str().unwrap_or_default()
+    }
+
+    /// Where there is a target, the answer about what is missing in all recordings; else None.
+    #[getter]
+    fn structure(&self) -> Option<&str> {
+        self.document["structure"].as_str()
+    }
+
+    /// Whether something has changed or is missing.
+    #[getter]
+    fn found(&self) -> bool {
+        self.found
+    }
+
+    /// The effects as rows, strongest first.
+    #[getter]
+    fn effects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.list(py, "effects")
+    }
+
+    /// What describes these recordings and fails a test, as rows.
+    #[getter]
+    fn indications<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.list(py, "indications")
+    }
+
+    /// Effects that these recordings can neither show nor exclude, as rows.
+    #[getter]
+    fn not_decidable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.list(py, "not_decidable")
+    }
+
+    /// What is left, joint by joint, as rows.
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.list(py, "residual")
+    }
+
+    /// The model that has what was found, calibrated.
+    #[getter]
+    fn model(&self) -> Model {
+        Model::alone(self.model.clone())
+    }
+
+    /// What that model has and the diagnosed one has not.
+    #[getter]
+    fn added(&self) -> Vec<String> {
+        self.added.clone()
+    }
+
+    /// What a person should know about that model.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// All of it, as `verdict.json` has it.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.document)
+    }
+
+    /// The report.
+    fn report(&self) -> Report {
+        Report::of(&self.page)
+    }
+
+    fn _repr_html_(&self) -> String {
+        Report::of(&self.page).notebook()
+    }
+
+    fn __str__(&self) -> &str {
+        &self.text
+    }
+
+    fn __repr__(&self) -> String {
+        let effects = self.document["effects"].as_array().map(Vec::as_slice).unwrap_or_default();
+        let names: Vec<&str> = effects.iter().filter_map(|effect| effect["effect"].as_str()).collect();
+        format!("<aurt.Verdict: {} [{}]>", self.answer(), names.join(", "))
+    }
+}
+
+impl Verdict {
+    fn list<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        rows(py, self.document[key].as_array().map(Vec::as_slice).unwrap_or_default())
+    }
+}

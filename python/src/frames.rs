@@ -1,0 +1,75 @@
+//! Recordings in data frames.
+//!
+//! What a column is, is told by its name, by the rules for files: a frame is written as a table and read as one.
+
+use std::{fmt::Write, fs};
+
+use aurt_recording::{ReadOptions, Recording, read_recording};
+use pyo3::prelude::*;
+
+use crate::{
+    arrays::vector,
+    error::{raised, refused},
+};
+
+/// Whether something is a data frame: it has columns.
+pub fn is_frame(given: &Bound<'_, PyAny>) -> PyResult<bool> {
+    Ok(given.hasattr("columns")? && given.hasattr("shape")?)
+}
+
+/// The recording in a frame.
+///
+/// # Errors
+/// As of a file; lines count from 1 with the header, so that row k of the frame is line k + 2.
+pub fn read(frame: &Bound<'_, PyAny>, options: &ReadOptions, name: &str) -> PyResult<Recording> {
+    let py = frame.py();
+    let columns: Vec<(String, Bound<'_, PyAny>)> =
+        py.import("aurt._plain")?.call_method1("columns", (frame,))?.extract()?;
+    let mut numbers = Vec::new();
+    for (name, values) in &columns {
+        numbers.push(vector(&format!("the column `{name}`"), values)?);
+    }
+    let header: Vec<String> = columns.iter().map(|(name, _)| quoted(name)).collect();
+    let text = || {
+        let mut text = header.join(",") + "\n";
+        for row in 0..numbers.first().map_or(0, Vec::len) {
+            for (k, column) in numbers.iter().enumerate() {
+                let comma = if k == 0 { "" } else { "," };
+                // Rust writes a number with as many digits as it takes to read the same number.
+                let _ = write!(text, "{comma}{}", column[row]);
+            }
+            text.push('\n');
+        }
+        text
+    };
+    let text = py.detach(text);
+    let failed = |error: std::io::Error| refused(format!("the table of the frame cannot be kept: {error}"));
+    let folder = tempfile::tempdir().map_err(failed)?;
+    let path = folder.path().join(file_name(name));
+    fs::write(&path, text).map_err(failed)?;
+    let read = py.detach(|| read_recording(&path, options));
+    let recording = read.map_err(|error| {
+        // Messages name the frame, not the table that it was for a moment.
+        let message = raised(error).value(py).to_string();
+        refused(message.replace(&path.display().to_string(), name))
+    })?;
+    Ok(recording.named(name))
+}
+
+/// A name as a cell of a header.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r', ';', '\t', ' ']) {
+        format!("\"{}\"", name.replace('"', "\"\"").replace(['\n', '\r'], " "))
+    } else {
+        name.to_owned()
+    }
+}
+
+/// A name that can be a file's.
+fn file_name(name: &str) -> String {
+    let plain: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' })
+        .collect();
+    format!("{plain}.csv")
+}

@@ -1,0 +1,309 @@
+//! Calibration, and the models that it gives.
+
+use std::{path::PathBuf, sync::Arc};
+
+use aurt::{CalibratedModel, Calibrator, Outcome, TorqueSeries, fitting::fit_experiment, traits::RobotModel};
+use aurt_experiment::{Experiment, Registry};
+use numpy::{PyArray1, PyArray2};
+use pyo3::{prelude::*, types::PyDict};
+use serde_json::json;
+
+use crate::{
+    arrays::{States, samples_by_joint, vector},
+    error::{raised, refused},
+    recording::{Recording, recordings},
+    report::Report,
+    robot::{Structure, torques},
+    rows::rows,
+    settings::{listener, settings},
+    work,
+};
+
+/// Samples that are evaluated together.
+const AT_ONCE: usize = 256;
+
+/// A model with its coefficients.
+#[pyclass(frozen, module = "aurt")]
+pub struct Model {
+    calibrated: Arc<CalibratedModel>,
+    /// What calibration found, unless the model is from a file.
+    outcome: Option<Outcome>,
+}
+
+/// Calibrates a model on recordings, and judges it on them and on those that are held out.
+#[pyfunction]
+#[pyo3(signature = (model, calibration, *, validation=None, **settings))]
+pub fn calibrate(
+    py: Python<'_>,
+    model: &Bound<'_, PyAny>,
+    calibration: &Bound<'_, PyAny>,
+    validation: Option<&Bound<'_, PyAny>>,
+    settings: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Model> {
+    let structure = Structure::of(model)?;
+    let fitted = recordings("calibration", Some(calibration))?;
+    let held_out = recordings("validation", validation)?;
+    if fitted.is_empty() {
+        return Err(refused("calibration lists no recording"));
+    }
+    let (settings, progress) = self::settings("calibrate", settings)?;
+    let outcome = work::run(py, progress.as_ref(), move |progress| {
+        let mut calibrator = Calibrator::new(RobotModel::clone(&structure)).settings(settings);
+        for recording in &fitted {
+            calibrator = calibrator.calibration(recording);
+        }
+        for recording in &held_out {
+            calibrator = calibrator.validation(recording);
+        }
+        calibrator.calibrate_with_series(progress)
+    })?;
+    Ok(Model::of(outcome))
+}
+
+/// Calibrates as an experiment's file says.
+#[pyfunction]
+#[pyo3(signature = (path, *, progress=None))]
+pub fn calibrate_experiment(
+    py: Python<'_>,
+    path: PathBuf,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Model> {
+    let progress = progress.map(listener).transpose()?.flatten();
+    let outcome = work::run(py, progress.as_ref(), move |progress| {
+        let experiment = Experiment::read(path, &mut Registry::linked()?)?;
+        fit_experiment(&experiment, progress)
+    })?;
+    Ok(Model::of(outcome))
+}
+
+impl Model {
+    fn of(outcome: Outcome) -> Self {
+        Self { calibrated: Arc::new(outcome.calibrated.clone()), outcome: Some(outcome) }
+    }
+
+    /// A model without the recordings that it was judged on.
+    pub fn alone(calibrated: CalibratedModel) -> Self {
+        Self { calibrated: Arc::new(calibrated), outcome: None }
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// Reads a model that `save` or the command line wrote.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Ok(Self::alone(py.detach(|| CalibratedModel::load(&path)).map_err(raised)?))
+    }
+
+    /// Writes the model into a file, which appears whole or not at all.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.calibrated.save(&path)).map_err(raised)
+    }
+
+    /// Number of joints N.
+    #[getter]
+    fn joints(&self) -> usize {
+        self.calibrated.model.joints()
+    }
+
+    /// Unit of predictions, "Nm" or "A".
+    #[getter]
+    fn unit(&self) -> &'static str {
+        self.calibrated.calibration.unit.symbol()
+    }
+
+    /// Torques (or currents) for every sample of a motion; friction with memory starts at the first and needs the times.
+    #[pyo3(signature = (q, dq, ddq, t=None))]
+    fn torque<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        ddq: &Bound<'py, PyAny>,
+        t: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let states = States::new(self.joints(), q, dq, ddq, t)?;
+        if let Some(name) = self.memory()
+            && !states.has_times()
+            && !states.single()
+        {
+            return Err(refused(format!(
+                "the model `{name}` remembers the motion and needs the time stamps: give t, one for each sample"
+            )));
+        }
+        let mut series = TorqueSeries::new(&self.calibrated).map_err(raised)?;
+        torques(&states, py, self.joints(), |torque| {
+            states.for_each(py, AT_ONCE, |motion, first| {
+                let (values, stride) = series.next(motion.view())?;
+                torque.write(first, motion.samples(), values, stride)
+            })
+        })
+    }
+
+    /// What the model predicts at every stamp of a recording, preprocessed as the model's own were; (samples, joints).
+    fn predict<'py>(&self, py: Python<'py>, recording: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
+        let predicted = work::run(py, None, move |_| model.predict_at_stamps(&recording))?;
+        if predicted.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(refused(
+                "the prediction holds what is no number; the motion is far beyond that of a robot",
+            ));
+        }
+        samples_by_joint(py, &predicted)
+    }
+
+    /// A predictor for single samples, in a control loop.
+    fn predictor(&self) -> PyResult<Predictor> {
+        Ok(Predictor { inner: self.calibrated.predictor().map_err(raised)? })
+    }
+
+    /// How the model moves when it follows the recording's motion, or when what was measured drives it.
+    #[pyo3(signature = (recording, *, driven_by="motion", bandwidth_hz=10.0))]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        recording: &Recording,
+        driven_by: &str,
+        bandwidth_hz: f64,
+    ) -> PyResult<Recording> {
+        let drive = match driven_by {
+            "motion" if bandwidth_hz.is_finite() && bandwidth_hz > 0.0 => {
+                aurt::Drive::Motion { bandwidth_hz }
+            }
+            "motion" => {
+                return Err(refused(format!("bandwidth_hz is {bandwidth_hz}; it must be a positive number")));
+            }
+            "measurement" => aurt::Drive::Measurement,
+            other => {
+                return Err(refused(format!(
+                    "driven_by is `{other}`; it must be \"motion\" or \"measurement\""
+                )));
+            }
+        };
+        let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
+        Ok(Recording::of(work::run(py, None, move |progress| model.moved(&recording, drive, progress))?))
+    }
+
+    /// The coefficients as rows: name, unit, value, std_dev, relative_std_dev_percent, interval_95, excited.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let list: Vec<_> = self.calibrated.calibration.parameters.iter().map(|p| json!(p)).collect();
+        rows(py, &list)
+    }
+
+    /// The coefficients.
+    #[getter]
+    fn coefficients<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.calibrated.calibration.coefficients())
+    }
+
+    /// The errors as rows, one for each recording and joint; all rows, and those in which the joint moves.
+    #[getter]
+    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut list = Vec::new();
+        for result in self.outcome.iter().flat_map(|outcome| &outcome.recordings) {
+            let (all, moving) = (&result.validation.all, &result.validation.moving);
+            for joint in 0..self.joints() {
+                list.push(json!({
+                    "recording": result.label,
+                    "role": result.role.name(),
+                    "joint": joint,
+                    "samples": all.samples[joint],
+                    "mse": all.mse[joint],
+                    "nmse": all.nmse[joint],
+                    "nrmse": all.nrmse[joint],
+                    "moving_samples": moving.samples[joint],
+                    "moving_mse": moving.mse[joint],
+                    "moving_nmse": moving.nmse[joint],
+                    "moving_nrmse": moving.nrmse[joint],
+                }));
+            }
+        }
+        rows(py, &list)
+    }
+
+    /// σ_j, what the model leaves of each joint in the fit, in the unit of predictions.
+    #[getter]
+    fn sigma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.calibrated.calibration.sigma)
+    }
+
+    /// What a user should know of this calibration.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.calibrated.calibration.warnings.clone()
+    }
+
+    /// The structure, without coefficients.
+    #[getter]
+    fn structure(&self) -> Structure {
+        Structure { model: Arc::new(self.calibrated.model.clone()) }
+    }
+
+    /// The report of the calibration.
+    fn report(&self) -> PyResult<Report> {
+        let outcome = self.outcome.as_ref().ok_or_else(|| {
+            refused("this model has no recordings to report on; those that calibrate() gives have")
+        })?;
+        Ok(Report::of(&aurt::report(outcome)))
+    }
+
+    fn __repr__(&self) -> String {
+        let calibration = &self.calibrated.calibration;
+        format!(
+            "<aurt.Model: {} joints, {} coefficients, calibrated on {}, in {}>",
+            self.joints(),
+            calibration.parameters.len(),
+            calibration.recordings.join(", "),
+            self.unit()
+        )
+    }
+}
+
+impl Model {
+    /// The first model with a memory, if there is one.
+    fn memory(&self) -> Option<String> {
+        let model = &self.calibrated.model;
+        let of_stacks = model.stacks().iter().flat_map(|stack| {
+            [
+                (stack.coulomb().state_len(), stack.coulomb().name()),
+                (stack.hysteresis().state_len(), stack.hysteresis().name()),
+                (stack.viscous().state_len(), stack.viscous().name()),
+            ]
+        });
+        let of_terms = model.arm_terms().iter().map(|term| (term.state_len(model.joints()), term.name()));
+        of_stacks.chain(of_terms).find(|(states, _)| *states > 0).map(|(_, name)| name.to_owned())
+    }
+}
+
+/// Torques of a calibrated model, sample by sample, with the memory of its friction.
+#[pyclass(module = "aurt")]
+pub struct Predictor {
+    inner: aurt::Predictor,
+}
+
+#[pymethods]
+impl Predictor {
+    /// Torques (or currents) of all joints for a sample `dt_s` after the last one; of the first sample it has no effect.
+    fn torque<'py>(
+        &mut self,
+        py: Python<'py>,
+        dt_s: f64,
+        q: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        ddq: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (q, dq, ddq) = (vector("q", q)?, vector("dq", dq)?, vector("ddq", ddq)?);
+        let values = q.iter().chain(&dq).chain(&ddq).chain([&dt_s]);
+        if let Some(value) = values.copied().find(|value| !value.is_finite()) {
+            return Err(refused(format!("dt_s, q, dq and ddq must be finite numbers; one is {value}")));
+        }
+        let torque = self.inner.torque(dt_s, &q, &dq, &ddq).map_err(raised)?;
+        Ok(PyArray1::from_slice(py, torque))
+    }
+
+    /// Forgets the past: the next sample is a first one.
+    fn reset(&mut self) {
+        self.inner.reset();
+    }
+}

@@ -1,0 +1,228 @@
+//! `Recording`: what a robot's joints did and what was measured meanwhile.
+
+use std::{path::PathBuf, sync::Arc};
+
+use aurt::traits::MeasurementUnit;
+use aurt_recording::{ReadOptions, read_recording};
+use numpy::{PyArray1, PyArray2};
+use pyo3::{exceptions::PyTypeError, prelude::*};
+
+use crate::{
+    arrays::{Matrix, samples_by_joint, times},
+    error::{raised, refused},
+    frames,
+};
+
+/// What a robot's joints did and what was measured meanwhile.
+#[pyclass(frozen, module = "aurt")]
+pub struct Recording {
+    pub inner: Arc<aurt_recording::Recording>,
+}
+
+/// The unit that a user named.
+fn unit_of(unit: Option<&str>) -> PyResult<Option<MeasurementUnit>> {
+    match unit {
+        None => Ok(None),
+        Some("Nm") => Ok(Some(MeasurementUnit::NewtonMetre)),
+        Some("A") => Ok(Some(MeasurementUnit::Ampere)),
+        Some(other) => Err(refused(format!("unit is `{other}`; it must be \"Nm\" or \"A\""))),
+    }
+}
+
+#[pymethods]
+impl Recording {
+    /// From arrays (stamps in s; positions, velocities and measurements with a row for each sample), from a data frame whose
+    /// columns have their usual names, or from a file.
+    #[new]
+    #[pyo3(signature = (t, q=None, dq=None, *, tau=None, current=None, unit=None, name=None))]
+    fn new(
+        py: Python<'_>,
+        t: &Bound<'_, PyAny>,
+        q: Option<&Bound<'_, PyAny>>,
+        dq: Option<&Bound<'_, PyAny>>,
+        tau: Option<&Bound<'_, PyAny>>,
+        current: Option<&Bound<'_, PyAny>>,
+        unit: Option<&str>,
+        name: Option<String>,
+    ) -> PyResult<Self> {
+        let unit = unit_of(unit)?;
+        let Some(q) = q else {
+            if dq.is_some() || tau.is_some() || current.is_some() {
+                return Err(PyTypeError::new_err("dq, tau and current need q, the positions"));
+            }
+            let options = ReadOptions { unit, needs_measurement: false, ..ReadOptions::default() };
+            let recording = if frames::is_frame(t)? {
+                frames::read(t, &options, name.as_deref().unwrap_or("frame"))?
+            } else if let Ok(path) = t.extract::<PathBuf>() {
+                py.detach(|| read_recording(&path, &options)).map_err(raised)?
+            } else {
+                return Err(PyTypeError::new_err(
+                    "a recording needs t and q, or a data frame, or the path of a file",
+                ));
+            };
+            return Ok(Self::of(match name {
+                Some(name) => recording.named(name),
+                None => recording,
+            }));
+        };
+        let q = Matrix::new("q", q, None)?;
+        let (joints, time_s) = (q.joints(), stamps(t, &q)?);
+        let mut recording = aurt_recording::Recording::from_arrays(time_s, q.by_joint()).map_err(raised)?;
+        if let Some(dq) = dq {
+            let dq = Matrix::new("dq", dq, Some(joints))?;
+            recording = recording.with_velocity(dq.by_joint()).map_err(raised)?;
+        }
+        let measured = match (tau, current) {
+            (Some(_), Some(_)) => return Err(refused("a recording has tau or current, not both")),
+            (Some(tau), None) => Some((Matrix::new("tau", tau, Some(joints))?, MeasurementUnit::NewtonMetre)),
+            (None, Some(current)) => {
+                Some((Matrix::new("current", current, Some(joints))?, MeasurementUnit::Ampere))
+            }
+            (None, None) => None,
+        };
+        if let Some((measured, own)) = measured {
+            if unit.is_some_and(|unit| unit != own) {
+                return Err(refused(format!("unit contradicts the argument, which is in {}", own.symbol())));
+            }
+            recording = recording.with_measurement(measured.by_joint(), own).map_err(raised)?;
+        }
+        Ok(Self::of(match name {
+            Some(name) => recording.named(name),
+            None => recording,
+        }))
+    }
+
+    /// The recording's name, which messages and reports use.
+    #[getter]
+    fn name(&self) -> String {
+        self.inner.file.display().to_string()
+    }
+
+    /// Number of joints.
+    #[getter]
+    fn joints(&self) -> usize {
+        self.inner.joints()
+    }
+
+    /// Time from the first to the last stamp, s.
+    #[getter]
+    fn duration_s(&self) -> f64 {
+        self.inner.duration_s()
+    }
+
+    /// Time stamps, s.
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.time_s)
+    }
+
+    /// Joint angles, rad; (samples, joints).
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        samples_by_joint(py, &self.inner.position_rad)
+    }
+
+    /// Measured joint velocities, rad/s, or None.
+    #[getter]
+    fn dq<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.inner.velocity_rad_s.as_ref().map(|series| samples_by_joint(py, series)).transpose()
+    }
+
+    /// Measured joint torques, Nm, or None.
+    #[getter]
+    fn tau<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.measured(py, MeasurementUnit::NewtonMetre)
+    }
+
+    /// Measured motor currents, A, or None.
+    #[getter]
+    fn current<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.measured(py, MeasurementUnit::Ampere)
+    }
+
+    /// Unit of what was measured, "Nm" or "A"; None if nothing was.
+    #[getter]
+    fn unit(&self) -> Option<&'static str> {
+        self.inner.measurement.as_ref().map(|_| self.inner.unit.symbol())
+    }
+
+    /// What was found and done while it was read, in sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.report.notes()
+    }
+
+    /// The samples between two times, s from the first stamp.
+    fn window(&self, from_s: f64, to_s: f64) -> PyResult<Self> {
+        Ok(Self::of(self.inner.window([from_s, to_s]).map_err(raised)?))
+    }
+
+    /// The same under another name.
+    fn named(&self, name: &str) -> Self {
+        Self::of(aurt_recording::Recording::clone(&self.inner).named(name))
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.samples()
+    }
+
+    fn __repr__(&self) -> String {
+        let measured =
+            self.unit().map_or_else(|| "nothing measured".to_owned(), |unit| format!("measured in {unit}"));
+        format!(
+            "<aurt.Recording {}: {} samples, {} joints, {:.3} s, {measured}>",
+            self.name(),
+            self.inner.samples(),
+            self.joints(),
+            self.duration_s()
+        )
+    }
+}
+
+impl Recording {
+    pub fn of(inner: aurt_recording::Recording) -> Self {
+        Self { inner: Arc::new(inner) }
+    }
+
+    fn measured<'py>(
+        &self,
+        py: Python<'py>,
+        unit: MeasurementUnit,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let measured = self.inner.measurement.as_ref().filter(|_| self.inner.unit == unit);
+        measured.map(|series| samples_by_joint(py, series)).transpose()
+    }
+}
+
+/// The stamps of positions.
+fn stamps(t: &Bound<'_, PyAny>, q: &Matrix<'_>) -> PyResult<Vec<f64>> {
+    times(t, q.samples()).map_err(|error| {
+        let is_transposed = t.len().is_ok_and(|stamps| stamps == q.joints() && stamps != q.samples());
+        if !is_transposed {
+            return error;
+        }
+        refused(format!(
+            "q has the shape ({}, {}), and t has {} stamps; a row of q is a sample: transpose it: q.T",
+            q.samples(),
+            q.joints(),
+            q.joints()
+        ))
+    })
+}
+
+/// Recordings that a user gave: one, or a list.
+pub fn recordings(
+    name: &str,
+    given: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Arc<aurt_recording::Recording>>> {
+    let Some(given) = given else { return Ok(Vec::new()) };
+    if let Ok(one) = given.cast::<Recording>() {
+        return Ok(vec![one.get().inner.clone()]);
+    }
+    let wrong = || PyTypeError::new_err(format!("{name} must be an aurt.Recording or a list of them"));
+    let mut list = Vec::new();
+    for item in given.try_iter().map_err(|_| wrong())? {
+        list.push(item?.cast::<Recording>().map_err(|_| wrong())?.get().inner.clone());
+    }
+    Ok(list)
+}

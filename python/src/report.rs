@@ -1,0 +1,59 @@
+//! Reports in notebooks and files.
+
+use std::path::PathBuf;
+
+use aurt::output::OutputFile;
+use pyo3::prelude::*;
+
+use crate::error::raised;
+
+/// A report: one self-contained HTML page that shows itself in a notebook.
+#[pyclass(frozen, module = "aurt")]
+pub struct Report {
+    html: String,
+    title: String,
+}
+
+impl Report {
+    pub fn of(page: &aurt::prelude::Report) -> Self {
+        Self { html: page.to_html(), title: page.title.clone() }
+    }
+
+    /// The page in a frame of its own, so that its styles stay within it.
+    pub fn notebook(&self) -> String {
+        let page = self.html.replace('&', "&amp;").replace('"', "&quot;");
+        format!(
+            "<iframe srcdoc=\"{page}\" style=\"width: 100%; height: 40em; border: 1px solid #ccc\" \
+             sandbox=\"allow-scripts allow-downloads\"></iframe>"
+        )
+    }
+}
+
+#[pymethods]
+impl Report {
+    /// The page.
+    #[getter]
+    fn html(&self) -> &str {
+        &self.html
+    }
+
+    /// What it is about.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Writes the page into a file, which appears whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        let file = OutputFile::new("path", &path, &[]).map_err(raised)?;
+        file.write(self.html.as_bytes()).map_err(raised)
+    }
+
+    fn _repr_html_(&self) -> String {
+        self.notebook()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<aurt.Report: {}>", self.title)
+    }
+}

@@ -1,0 +1,396 @@
+//! Robots, and the structure of models on top of them.
+
+use std::sync::Arc;
+
+use aurt::traits::{RegressorTile, RobotModel};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use std::path::PathBuf;
+
+use crate::{
+    arrays::{States, all_finite, vector},
+    error::{raised, refused},
+    friction,
+    rows::{inline_table, json_of, rows},
+};
+
+/// Earth's gravity in a base frame whose z axis points up, m/s².
+const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
+/// Samples that are evaluated together.
+const AT_ONCE: usize = 256;
+
+/// A robot: its rigid bodies under gravity, without values of their parameters.
+#[pyclass(frozen, module = "aurt")]
+pub struct Robot {
+    pub inner: aurt::Robot,
+    name: String,
+}
+
+#[pymethods]
+impl Robot {
+    /// The serial chain between two links of a URDF file.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
+    fn from_urdf(
+        py: Python<'_>,
+        path: PathBuf,
+        base: Option<String>,
+        tip: Option<String>,
+        gravity: [f64; 3],
+    ) -> PyResult<Self> {
+        let read = || aurt::Robot::read_urdf(&path, base.as_deref(), tip.as_deref(), gravity);
+        Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
+    }
+
+    /// The robot of a table of modified Denavit–Hartenberg parameters: a file, or the text itself with its header.
+    #[staticmethod]
+    #[pyo3(signature = (table, *, gravity=GRAVITY_M_S2))]
+    fn from_mdh(py: Python<'_>, table: PathBuf, gravity: [f64; 3]) -> PyResult<Self> {
+        let text = table.to_str().filter(|text| text.contains('\n')).map(str::to_owned);
+        let read = || match &text {
+            Some(text) => aurt::Robot::from_mdh(text, gravity),
+            None => aurt::Robot::read_mdh(&table, gravity),
+        };
+        Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
+    }
+
+    /// A robot that is known by name: geometry and limits.
+    #[staticmethod]
+    #[pyo3(signature = (name, *, gravity=GRAVITY_M_S2))]
+    fn by_name(py: Python<'_>, name: &str, gravity: [f64; 3]) -> PyResult<Self> {
+        let robot = py.detach(|| aurt::Robot::by_name(name, gravity)).map_err(raised)?;
+        Ok(Self::named(robot, name))
+    }
+
+    /// The robot's name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of joints N.
+    #[getter]
+    fn joints(&self) -> usize {
+        self.inner.joints()
+    }
+
+    /// Names of the joints, base first.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        match self.inner.described() {
+            Some(described) => described.joint_names.clone(),
+            None => (0..self.joints()).map(|joint| format!("joint_{joint}")).collect(),
+        }
+    }
+
+    /// Limits as rows: joint, lower_rad, upper_rad, velocity_rad_s, torque_nm; nothing of a table.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let limits = self.inner.described().map(|described| described.limits.as_slice()).unwrap_or_default();
+        let row = |(joint, limit): (usize, &aurt_robots::JointLimits)| {
+            serde_json::json!({
+                "joint": joint,
+                "lower_rad": limit.position_rad.map(|[low, _]| low),
+                "upper_rad": limit.position_rad.map(|[_, high]| high),
+                "velocity_rad_s": limit.velocity_rad_s,
+                "torque_nm": limit.torque_nm,
+            })
+        };
+        rows(py, &limits.iter().enumerate().map(row).collect::<Vec<_>>())
+    }
+
+    /// What a person should know of how the geometry was read.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.notes().to_vec()
+    }
+
+    /// The 10 N standard inertial parameters {XX XY XZ YY YZ ZZ mX mY mZ m} of a description that has masses, else None.
+    #[getter]
+    fn standard_parameters<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let described = self.inner.described()?;
+        Some(PyArray1::from_slice(py, described.standard_parameters.as_ref()?))
+    }
+
+    /// The base inertial parameters as rows: name, unit, and the standard parameters that each stands for.
+    #[getter]
+    fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (standard, base) = (self.inner.rigid_body().standard_parameters(), self.inner.base_parameters());
+        let row = |(column, combination): (&usize, &Vec<(usize, f64)>)| {
+            let of: serde_json::Map<String, serde_json::Value> = combination
+                .iter()
+                .map(|(index, factor)| (standard[*index].name.clone(), serde_json::json!(factor)))
+                .collect();
+            serde_json::json!({
+                "name": standard[*column].name, "unit": standard[*column].unit, "index": column, "combination": of,
+            })
+        };
+        rows(py, &base.columns.iter().zip(&base.combinations).map(row).collect::<Vec<_>>())
+    }
+
+    /// Values of the base parameters from those of the 10 N standard parameters.
+    fn base_values<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let standard = self.standard(parameters)?;
+        Ok(PyArray1::from_vec(py, self.inner.base_parameters().values(&standard)))
+    }
+
+    /// The regressor Y of the base parameters (or of the standard ones), τ = Y π, as an array (samples, joints, parameters).
+    #[pyo3(signature = (q, dq, ddq, *, standard=false))]
+    fn regressor<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        ddq: &Bound<'py, PyAny>,
+        standard: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (body, joints) = (self.inner.rigid_body(), self.joints());
+        let states = States::new(joints, q, dq, ddq, None)?;
+        let all = body.standard_parameters().len();
+        let columns: Vec<usize> =
+            if standard { (0..all).collect() } else { self.inner.base_parameters().columns.clone() };
+        let count = columns.len();
+        let mut destination = vec![RegressorTile::UNWANTED; joints * all];
+        for joint in 0..joints {
+            for (k, column) in columns.iter().enumerate() {
+                destination[joint * all + column] = (joint * count + k) as u32;
+            }
+        }
+        let mut values = vec![0.0; states.samples() * joints * count];
+        let mut tile = vec![0.0; joints * count * AT_ONCE];
+        states.for_each(py, AT_ONCE, |motion, first| {
+            let samples = motion.samples();
+            // Entries that are always zero are never written.
+            body.evaluate(
+                motion.view(),
+                &mut RegressorTile::new(&destination, all, samples, AT_ONCE, &mut tile),
+            );
+            let rows = &mut values[first * joints * count..(first + samples) * joints * count];
+            for (entry, column) in tile.chunks_exact(AT_ONCE).enumerate() {
+                let to = rows.iter_mut().skip(entry).step_by(joints * count);
+                to.zip(&column[..samples]).for_each(|(to, from)| *to = *from);
+            }
+            Ok::<(), aurt::Error>(())
+        })?;
+        let shape = [states.samples(), joints, count];
+        let array: Bound<'py, PyArray3<f64>> = PyArray1::from_vec(py, values).reshape(shape)?;
+        if states.single() { array.get_item(0) } else { Ok(array.into_any()) }
+    }
+
+    /// Rigid-body torques in Nm for every sample, with the 10 N standard parameters of the links (those of the description
+    /// unless given).
+    #[pyo3(signature = (q, dq, ddq, parameters=None))]
+    fn torque<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        dq: &Bound<'py, PyAny>,
+        ddq: &Bound<'py, PyAny>,
+        parameters: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let described = self.inner.described().and_then(|described| described.standard_parameters.clone());
+        let standard = match (parameters, described) {
+            (Some(given), _) => self.standard(given)?,
+            (None, Some(described)) => described,
+            (None, None) => {
+                return Err(refused(
+                    "the robot's description has no masses; give `parameters`, ten for each link, or calibrate a model",
+                ));
+            }
+        };
+        let states = States::new(self.joints(), q, dq, ddq, None)?;
+        let body = self.inner.rigid_body();
+        let mut tile = vec![0.0; self.joints() * AT_ONCE];
+        torques(&states, py, self.joints(), |torque| {
+            states.for_each(py, AT_ONCE, |motion, first| {
+                body.torque(motion.view(), &standard, &mut tile, AT_ONCE);
+                torque.write(first, motion.samples(), &tile, AT_ONCE)
+            })
+        })
+    }
+
+    /// The structure of a model of this robot.
+    #[pyo3(signature = (*, coulomb=None, hysteresis=None, viscous=None, arm_terms=None))]
+    fn model(
+        &self,
+        py: Python<'_>,
+        coulomb: Option<&Bound<'_, PyAny>>,
+        hysteresis: Option<&Bound<'_, PyAny>>,
+        viscous: Option<&Bound<'_, PyAny>>,
+        arm_terms: Option<Vec<Bound<'_, PyAny>>>,
+    ) -> PyResult<Structure> {
+        let mut builder = self.inner.model();
+        if let Some(given) = coulomb {
+            builder = match written("coulomb", given)? {
+                Some(text) => builder.coulomb(text),
+                None => builder.coulomb_model(friction::coulomb(given)?),
+            };
+        }
+        if let Some(given) = hysteresis {
+            builder = match written("hysteresis", given)? {
+                Some(text) => builder.hysteresis(text),
+                None => builder.hysteresis_model(friction::hysteresis(given)?),
+            };
+        }
+        if let Some(given) = viscous {
+            builder = match written("viscous", given)? {
+                Some(text) => builder.viscous(text),
+                None => builder.viscous_model(friction::viscous(given)?),
+            };
+        }
+        for term in arm_terms.unwrap_or_default() {
+            let text = written("arm_terms", &term)?;
+            builder = builder.arm_term(text.ok_or_else(|| {
+                PyTypeError::new_err(
+                    "an arm term is a name or a dict; models in Python are friction of joints",
+                )
+            })?);
+        }
+        let model = py.detach(|| builder.build()).map_err(raised)?;
+        Ok(Structure { model: Arc::new(model) })
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<aurt.Robot {}: {} joints>", self.name, self.joints())
+    }
+}
+
+impl Robot {
+    fn named(inner: aurt::Robot, otherwise: &str) -> Self {
+        let name = inner.described().map_or(otherwise, |described| described.name.as_str()).to_owned();
+        Self { inner, name }
+    }
+
+    fn standard(&self, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let (standard, expected) = (vector("parameters", given)?, 10 * self.joints());
+        if standard.len() != expected {
+            return Err(refused(format!(
+                "parameters has {} values; it must have {expected}, ten for each link: XX XY XZ YY YZ ZZ mX mY mZ m",
+                standard.len()
+            )));
+        }
+        match standard.iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(refused(format!("value {k} of parameters is {}, no finite number", standard[k]))),
+            None => Ok(standard),
+        }
+    }
+}
+
+/// A friction model as experiments write it: a name, or a dict with `model` and its keys; `None` of anything else.
+fn written(what: &str, given: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if let Ok(name) = given.extract::<String>() {
+        return Ok(Some(name));
+    }
+    if given.is_instance_of::<PyDict>() {
+        return Ok(Some(inline_table(&json_of(what, given)?)));
+    }
+    Ok(None)
+}
+
+/// Torques of samples and joints as they come, tile by tile.
+pub struct Torque<'a> {
+    joints: usize,
+    values: &'a mut [f64],
+}
+
+/// The array (samples, joints), or (joints,) for a single sample, that `fill` fills. NumPy allocates it: it has larger pages
+/// for large arrays.
+pub fn torques<'py>(
+    states: &States<'_>,
+    py: Python<'py>,
+    joints: usize,
+    fill: impl FnOnce(&mut Torque<'_>) -> PyResult<()>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = PyArray2::<f64>::zeros(py, [states.samples(), joints], false);
+    {
+        let mut writable = array.try_readwrite()?;
+        fill(&mut Torque { joints, values: writable.as_slice_mut()? })?;
+    }
+    if states.single() { array.get_item(0) } else { Ok(array.into_any()) }
+}
+
+impl Torque<'_> {
+    /// Writes a tile whose joints are `stride` apart to the samples from `first` on.
+    pub fn write(
+        &mut self,
+        first: usize,
+        samples: usize,
+        tile: &[f64],
+        stride: usize,
+    ) -> Result<(), aurt::Error> {
+        let joints = self.joints;
+        let rows = &mut self.values[first * joints..(first + samples) * joints];
+        for joint in 0..joints {
+            let column = &tile[joint * stride..joint * stride + samples];
+            for (row, value) in rows.chunks_exact_mut(joints).zip(column) {
+                row[joint] = *value;
+            }
+        }
+        if all_finite(rows) {
+            return Ok(());
+        }
+        let place = rows.iter().position(|value| !value.is_finite()).unwrap_or(0);
+        Err(aurt::Error::Argument {
+            option: "torque",
+            reason: format!(
+                "the torque of joint {} at sample {} is no number",
+                place % joints,
+                first + place / joints
+            ),
+            remedy: "the motion or the parameters are far beyond those of a robot".into(),
+        })
+    }
+}
+
+/// The structure of a model: rigid bodies, friction of every joint, arm terms; without values of its coefficients.
+#[pyclass(frozen, module = "aurt")]
+pub struct Structure {
+    pub model: Arc<RobotModel>,
+}
+
+impl Structure {
+    /// The structure that a user gave, or that of a robot.
+    pub fn of(given: &Bound<'_, PyAny>) -> PyResult<Arc<RobotModel>> {
+        if let Ok(structure) = given.cast::<Self>() {
+            return Ok(structure.get().model.clone());
+        }
+        if let Ok(robot) = given.cast::<Robot>() {
+            return Ok(Arc::new(robot.get().inner.model().build().map_err(raised)?));
+        }
+        Err(PyTypeError::new_err("the model must be an aurt.Robot, or what its method model() gives"))
+    }
+}
+
+#[pymethods]
+impl Structure {
+    /// Number of joints N.
+    #[getter]
+    fn joints(&self) -> usize {
+        self.model.joints()
+    }
+
+    /// The coefficients as rows: name and unit.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let row = |p: &aurt::traits::Parameter| serde_json::json!({"name": p.name, "unit": p.unit});
+        rows(py, &self.model.parameters().iter().map(row).collect::<Vec<_>>())
+    }
+
+    fn __repr__(&self) -> String {
+        let stack = &self.model.stacks()[0];
+        let terms: Vec<&str> = self.model.arm_terms().iter().map(|term| term.name()).collect();
+        format!(
+            "<aurt.Structure: {} joints, {} · {} + {}, arm terms [{}], {} coefficients>",
+            self.joints(),
+            stack.coulomb().name(),
+            stack.hysteresis().name(),
+            stack.viscous().name(),
+            terms.join(", "),
+            self.model.parameters().len()
+        )
+    }
+}

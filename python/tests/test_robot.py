@@ -1,0 +1,94 @@
+"""Robots: descriptions, regressors, torques."""
+
+import numpy
+import pytest
+
+import aurt
+from conftest import TWO_LINK, TWO_LINK_GRAVITY, states
+
+PENDULUM = """<robot name="pendulum">
+  <link name="base"/>
+  <link name="rod"><inertial>
+    <origin xyz="0.5 0 0"/><mass value="2"/><inertia ixx="0" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>
+  </inertial></link>
+  <joint name="hinge" type="revolute">
+    <parent link="base"/><child link="rod"/><axis xyz="0 -1 0"/>
+    <limit lower="-1" upper="2" velocity="3" effort="40"/>
+  </joint>
+</robot>
+"""
+
+
+def test_a_robot_by_name_has_geometry_and_limits():
+    robot = aurt.Robot.by_name("ur10e")
+    assert robot.joints == 6 and robot.name == "ur10e" and robot.standard_parameters is None
+    assert len(robot.limits) == 6 and len(robot.base_parameters) == 36
+    with pytest.raises(aurt.Error, match="did you mean `ur10e`"):
+        aurt.Robot.by_name("ur1oe")
+
+
+def test_the_torque_of_a_pendulum_is_that_of_the_textbook(tmp_path):
+    path = tmp_path / "pendulum.urdf"
+    path.write_text(PENDULUM)
+    robot = aurt.Robot.from_urdf(path)
+    assert robot.joint_names == ["hinge"] and robot.name == "pendulum"
+    angle, acceleration = numpy.linspace(-1.0, 2.0, 50)[:, None], numpy.linspace(-5.0, 5.0, 50)[:, None]
+    # Inertia about the hinge, 0.1 + 2 · 0.5², and gravity at a lever of half a metre.
+    expected = (0.1 + 2.0 * 0.25) * acceleration + 2.0 * 9.81 * 0.5 * numpy.cos(angle)
+    assert numpy.allclose(robot.torque(angle, 0.0 * angle, acceleration), expected, rtol=1e-12, atol=1e-12)
+    with pytest.raises(aurt.Error, match="pendulum.urdf"):
+        path.write_text(PENDULUM.replace('value="2"', 'value="two"'))
+        aurt.Robot.from_urdf(path)
+
+
+def test_regressors_give_the_torques():
+    robot = aurt.Robot.by_name("ur10e")
+    parameters = numpy.random.default_rng(1).uniform(-1.0, 1.0, 60)
+    motion = states(700, 6)
+    torque = robot.torque(*motion, parameters)
+    standard = robot.regressor(*motion, standard=True)
+    base = robot.regressor(*motion)
+    assert standard.shape == (700, 6, 60) and base.shape == (700, 6, 36)
+    assert numpy.allclose(standard @ parameters, torque, rtol=0, atol=1e-11 * abs(torque).max())
+    assert numpy.allclose(base @ robot.base_values(parameters), torque, rtol=0, atol=1e-9 * abs(torque).max())
+    one = robot.regressor(*(x[3] for x in motion))
+    assert numpy.array_equal(one, base[3])
+
+
+def test_a_table_is_text_or_a_file(tmp_path):
+    path = tmp_path / "mdh.csv"
+    path.write_text(TWO_LINK)
+    motion, parameters = states(20, 2), numpy.ones(20)
+    torques = [
+        aurt.Robot.from_mdh(table, gravity=TWO_LINK_GRAVITY).torque(*motion, parameters) for table in (TWO_LINK, path)
+    ]
+    assert numpy.array_equal(*torques)
+    with pytest.raises(aurt.Error, match="none.csv"):
+        aurt.Robot.from_mdh(tmp_path / "none.csv")
+
+
+def test_parameters_that_do_not_fit_are_refused():
+    robot, motion = aurt.Robot.by_name("ur10e"), states(5, 6)
+    with pytest.raises(aurt.Error, match="no masses"):
+        robot.torque(*motion)
+    with pytest.raises(aurt.Error, match="must have 60"):
+        robot.torque(*motion, numpy.ones(59))
+    with pytest.raises(aurt.Error, match="value 2 of parameters"):
+        robot.torque(*motion, [0.0, 0.0, numpy.nan] + 57 * [0.0])
+    with pytest.raises(aurt.Error, match="is no number"):
+        robot.torque(*motion, 60 * [1e308])
+
+
+def test_models_are_named_as_experiments_name_them(two_link):
+    structure = two_link.model(
+        coulomb="absolute",
+        viscous={"model": "polynomial", "powers": numpy.array([1, 3])},
+        arm_terms=["rotor_inertia", {"model": "spring", "joints": [1]}],
+    )
+    names = [row for row in structure.parameters["name"]]
+    assert "F_v3_1" in names and any(name.startswith("spring") for name in names)
+    for wrong in ({"coulomb": "absolut"}, {"viscous": {"model": "polynomial", "powers": [0]}}, {"hysteresis": "absolute"}):
+        with pytest.raises(aurt.Error):
+            two_link.model(**wrong)
+    with pytest.raises(TypeError, match="evaluate"):
+        two_link.model(coulomb=3)
