@@ -74,6 +74,17 @@ pub enum CalibrationError {
         /// The one that was fitted.
         calibration: PathBuf,
     },
+    /// Too little of the unchanged machine to tell a change from its usual variation.
+    #[error(
+        "the experiment's recordings hold {found} whole windows of the unchanged machine, and {needed} are needed to tell how \
+         much it varies anyway; list more recordings of it, or make windows shorter with --window-s"
+    )]
+    TooFewWindows {
+        /// Windows that there are.
+        found: usize,
+        /// Windows that are needed.
+        needed: usize,
+    },
     /// Nothing to calibrate on.
     #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,

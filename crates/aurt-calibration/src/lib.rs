@@ -46,7 +46,10 @@ pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;
 pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
-pub use recursive::{ChangePoint, Cusum, Tracker, average_run_length, threshold_for};
+pub use recursive::{
+    Baseline, ChangePoint, Cusum, Cut, Drift, DriftGroup, DriftParameter, DriftReference, DriftWindow,
+    MIN_WINDOWS, Tracker, average_run_length, drift_windows, threshold_for,
+};
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};

@@ -44,7 +44,7 @@ mod recording;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
-pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording};
+pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,

@@ -55,6 +55,7 @@ mod simulating;
 pub mod streaming;
 pub mod sweeping;
 pub mod table_file;
+pub mod tracking;
 
 use aurt_diagnosis::Verdict;
 use aurt_experiment::{Experiment, Registry};

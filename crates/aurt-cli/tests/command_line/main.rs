@@ -22,4 +22,5 @@ mod reports;
 mod simulation;
 mod support;
 mod sweeps;
+mod tracking;
 mod words;

@@ -9,6 +9,7 @@ pub mod parts;
 pub mod recording;
 pub mod sensitivity;
 pub mod sweep;
+pub mod track;
 
 /// Name of a report in its folder.
 pub const FILE: &str = "report.html";

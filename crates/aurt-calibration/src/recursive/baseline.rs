@@ -1,0 +1,150 @@
+use serde::Serialize;
+
+use crate::{CalibrationError, Solution, uncertainty::NORMAL_95};
+
+/// Fewer windows than this do not tell how much an unchanged machine varies.
+pub const MIN_WINDOWS: usize = 6;
+
+/// How the drift parameters of an unchanged machine vary from window to window.
+///
+/// A window's estimate δ has a formal deviation s from noise alone; what the model lacks adds to it. Over N windows of the
+/// unchanged machine, m is the mean of δ weighted by 1/s², and c² = Σ ((δ − m)/s)² / (N − 1), at least 1: the deviation
+/// of a further window from m is c √(s² + 1/Σ s⁻²), in Student's distribution with N − 1 degrees of freedom.
+#[derive(Debug, Clone, Serialize)]
+pub struct Baseline {
+    /// Windows that determine each parameter.
+    pub windows: Vec<usize>,
+    /// m.
+    pub mean: Vec<f64>,
+    /// c.
+    pub inflation: Vec<f64>,
+    /// 1/Σ s⁻².
+    #[serde(skip)]
+    variance_of_mean: Vec<f64>,
+}
+
+/// A drift parameter with what is known of its precision; all `None` where the rows do not determine it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Drift {
+    /// Change since the baseline.
+    pub value: Option<f64>,
+    /// 95 % interval.
+    pub interval_95: Option<[f64; 2]>,
+    /// The innovation, whitened: N(0, 1) while the machine is as the baseline.
+    pub standardised: Option<f64>,
+}
+
+impl Baseline {
+    /// Learns from windows of the unchanged machine.
+    ///
+    /// # Errors
+    /// [`CalibrationError::TooFewWindows`] if no parameter is determined by [`MIN_WINDOWS`] of them.
+    pub fn learn(windows: &[Solution]) -> Result<Self, CalibrationError> {
+        let parameters = windows.first().map_or(0, |w| w.coefficients.len());
+        let mut baseline = Self {
+            windows: Vec::new(),
+            mean: Vec::new(),
+            inflation: Vec::new(),
+            variance_of_mean: Vec::new(),
+        };
+        for k in 0..parameters {
+            let known: Vec<(f64, f64)> = windows.iter().filter_map(|w| with_variance(w, k)).collect();
+            let information: f64 = known.iter().map(|(_, variance)| 1.0 / variance).sum();
+            let mean = known.iter().map(|(value, variance)| value / variance).sum::<f64>() / information;
+            let squares: f64 = known.iter().map(|(value, variance)| (value - mean).powi(2) / variance).sum();
+            baseline.windows.push(known.len());
+            baseline.mean.push(mean);
+            baseline.inflation.push((squares / known.len().saturating_sub(1).max(1) as f64).sqrt().max(1.0));
+            baseline.variance_of_mean.push(1.0 / information);
+        }
+        let found = baseline.windows.iter().copied().max().unwrap_or(0);
+        if found < MIN_WINDOWS {
+            return Err(CalibrationError::TooFewWindows { found: windows.len(), needed: MIN_WINDOWS });
+        }
+        Ok(baseline)
+    }
+
+    /// What rows say of a parameter; nothing where they or the baseline's do not determine it.
+    #[must_use]
+    pub fn drift(&self, solution: &Solution, parameter: usize) -> Drift {
+        let known = self.windows[parameter] >= MIN_WINDOWS;
+        let Some((value, variance)) = with_variance(solution, parameter).filter(|_| known) else {
+            return Drift { value: None, interval_95: None, standardised: None };
+        };
+        let freedom = (self.windows[parameter] - 1) as f64;
+        let std = self.inflation[parameter] * (variance + self.variance_of_mean[parameter]).sqrt();
+        let value = value - self.mean[parameter];
+        let half = std * student(NORMAL_95, freedom);
+        Drift {
+            value: Some(value),
+            interval_95: Some([value - half, value + half]),
+            standardised: Some(normal(value / std, freedom)),
+        }
+    }
+
+    /// How far the mean of a parameter may be off, in deviations of a window, at two standard deviations.
+    #[must_use]
+    pub fn mean_error(&self, parameter: usize) -> f64 {
+        2.0 / (self.windows[parameter].max(1) as f64).sqrt()
+    }
+}
+
+fn with_variance(solution: &Solution, k: usize) -> Option<(f64, f64)> {
+    let variance = solution.covariance[k * solution.coefficients.len() + k];
+    (solution.excited[k] && variance > 0.0 && variance.is_finite())
+        .then_some((solution.coefficients[k], variance))
+}
+
+/// The factor of Wallace's approximation of Student's distribution (Wallace 1959, *Annals of Mathematical Statistics* 30).
+fn wallace(freedom: f64) -> f64 {
+    (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0)
+}
+
+/// The normal deviate with the probability of Student's t.
+fn normal(t: f64, freedom: f64) -> f64 {
+    let z = wallace(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt();
+    z.copysign(t)
+}
+
+/// Student's t with the probability of a normal deviate.
+fn student(z: f64, freedom: f64) -> f64 {
+    (freedom * libm::expm1((z / wallace(freedom)).powi(2) / freedom)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(value: f64, std: f64) -> Solution {
+        Solution {
+            coefficients: vec![value],
+            excited: vec![true],
+            residual_sum: Vec::new(),
+            covariance: vec![std * std],
+            condition_number: 1.0,
+        }
+    }
+
+    /// Quantiles of Student's distribution from tables: t_0.975 with 5, 10 and 30 degrees of freedom.
+    #[test]
+    fn students_quantiles_are_those_of_tables() {
+        for (freedom, expected) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423)] {
+            assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 5e-3);
+            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 5e-3);
+        }
+    }
+
+    #[test]
+    fn what_the_model_lacks_widens_intervals() {
+        let spread = |by: f64| -> Vec<Solution> {
+            (0..10).map(|i| window(1.0 + by * f64::from(i % 2 * 2 - 1), 0.1)).collect()
+        };
+        let narrow = Baseline::learn(&spread(0.0)).unwrap().drift(&window(1.5, 0.1), 0);
+        let wide = Baseline::learn(&spread(0.5)).unwrap().drift(&window(1.5, 0.1), 0);
+        assert!((narrow.value.unwrap() - 0.5).abs() < 1e-12);
+        assert!(narrow.standardised.unwrap() > 2.5 && wide.standardised.unwrap() < 1.5);
+        assert!(narrow.interval_95.unwrap()[0] > 0.0 && wide.interval_95.unwrap()[0] < 0.0);
+        let too_few = Baseline::learn(&spread(0.1)[..5]).unwrap_err();
+        assert!(matches!(too_few, CalibrationError::TooFewWindows { found: 5, .. }));
+    }
+}
