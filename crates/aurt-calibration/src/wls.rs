@@ -2,11 +2,13 @@ use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
-    CalibrationError, ConsistentReport, Fit, JointFactor, JointRange, System, TermScopes,
+    CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
+    System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
     deviations::{Observed, sandwich},
+    essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
     system::Solution,
@@ -131,6 +133,20 @@ pub(crate) fn finished(
 ) -> Result<Calibration, CalibrationError> {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
     let FittedTo { recordings, mut bandwidth, ranges, names } = fitted_to;
+    let mut essential = None;
+    if options.estimator == Estimator::Essential {
+        let (recordings, scopes) =
+            recordings.ok_or(CalibrationError::NeedsRows { estimator: "essential" })?;
+        let weights = weights(&estimate.sigma);
+        let full = Full { model, options, load, system, weights: &weights };
+        let listed: Vec<Listed<'_>> = recordings
+            .iter()
+            .map(|recording| Listed { recording, acting: scopes.acting(model, &recording.name) })
+            .collect();
+        let (kept, report) = eliminate(&full, &listed)?;
+        estimate.solution = system.solve(&weights, |k| kept[k])?;
+        essential = Some(report);
+    }
     if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
         let observed = (recordings, scopes, load);
         remember(setting, system, &mut estimate, bandwidth, observed)?;
@@ -156,7 +172,11 @@ pub(crate) fn finished(
         consistent = Some(report);
     }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    let mut warnings = warnings(&parameters, estimate.solution.condition_number);
+    let is_eliminated =
+        |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
+    let judged: Vec<CalibratedParameter> =
+        parameters.iter().filter(|p| !is_eliminated(&p.name)).cloned().collect();
+    let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
@@ -181,6 +201,7 @@ pub(crate) fn finished(
         recordings: names,
         shape_fit: None,
         consistent,
+        essential,
     })
 }
 
@@ -194,7 +215,10 @@ fn remember(
 ) -> Result<(), CalibrationError> {
     let Setting { model, options, .. } = *setting;
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
-    let plain = system.solve(&weights, |_| true)?;
+    let excited = estimate.solution.excited.clone();
+    // What was eliminated is not fitted.
+    let is_fitted = |k: usize| options.estimator != Estimator::Essential || excited[k];
+    let plain = system.solve(&weights, is_fitted)?;
     let covariance = sandwich(&Observed {
         model,
         recordings,

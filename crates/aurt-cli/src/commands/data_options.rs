@@ -91,6 +91,7 @@ enum EstimatorName {
     Wls,
     Ols,
     Consistent,
+    Essential,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -128,6 +129,7 @@ impl FittingOptions {
                 EstimatorName::Wls => Estimator::Wls,
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
+                EstimatorName::Essential => Estimator::Essential,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

@@ -8,6 +8,7 @@ mod chain;
 mod checks;
 mod damage;
 mod diagnosis;
+mod estimators;
 mod injection;
 mod instruction_sets;
 mod long_recordings;

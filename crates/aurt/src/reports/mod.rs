@@ -4,6 +4,7 @@
 
 pub mod calibration;
 pub mod diagnosis;
+mod essential;
 pub mod figures;
 pub mod parts;
 pub mod recording;

@@ -83,6 +83,9 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                 Estimator::Consistent => {
                     "weighted least squares, then the nearest machine that can exist".into()
                 }
+                Estimator::Essential => {
+                    "weighted least squares of the fewest parameters that predict as well as all".into()
+                }
             },
         ),
         entry(

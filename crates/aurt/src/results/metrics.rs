@@ -91,6 +91,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.consistent {
             document["consistent"] = json!(report);
         }
+        if let Some(report) = &self.calibration.essential {
+            document["essential"] = json!(report);
+        }
         document
     }
 
@@ -159,6 +162,9 @@ impl Results<'_> {
                 report.determined,
                 report.standard.len()
             )));
+        }
+        if let Some(report) = &self.calibration.essential {
+            text.push_str(&super::essential::to_text(report));
         }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
@@ -244,6 +250,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Wls => "wls",
         Estimator::Ols => "ols",
         Estimator::Consistent => "consistent",
+        Estimator::Essential => "essential",
     }
 }
 

@@ -1,0 +1,59 @@
+//! Estimators beyond least squares, as an experiment asks for them.
+
+use crate::support::Folder;
+
+/// The demo with powers of the velocity that its machine does not have.
+fn demo(estimator: &str) -> Folder {
+    let folder = Folder::new().with_whole_demo();
+    let text = folder.read("experiment.toml").replace("powers = [1]", "powers = [1, 2, 3]");
+    folder.write("experiment.toml", &format!("{text}\n[calibration]\nestimator = \"{estimator}\"\n"));
+    folder
+}
+
+/// Mean over the joints of the error on the recording that took no part.
+fn held_out(folder: &Folder) -> f64 {
+    let metrics = folder.json("results/metrics.json");
+    let recordings = metrics["recordings"].as_array().unwrap();
+    let other = recordings.iter().find(|r| r["file"] == "other_motion.csv").unwrap();
+    let errors = crate::support::numbers(&other["mse"]);
+    errors.iter().sum::<f64>() / errors.len() as f64
+}
+
+#[test]
+fn the_essential_parameters_are_those_that_the_machine_has() {
+    let (all, few) = (demo("wls"), demo("essential"));
+    all.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    let said = few.aurt(["run", "experiment.toml", "--out", "results"]).succeeded().stdout();
+    let report = few.json("results/metrics.json")["essential"].clone();
+    let steps = report["steps"].as_array().unwrap();
+    let eliminated: Vec<&str> =
+        steps.iter().filter(|s| s["eliminated"] == true).map(|s| s["parameter"].as_str().unwrap()).collect();
+    let superfluous = |joint: usize| [format!("F_v2_{joint}"), format!("F_v3_{joint}")];
+    let gone = (0..6).flat_map(superfluous).filter(|name| eliminated.contains(&name.as_str())).count();
+    assert!(gone >= 10, "only {gone} of the 12 that do not exist were found: {eliminated:?}");
+    for real in ["F_C0_0", "F_v1_0", "F_C0_1", "F_v1_5", "rotor_inertia.I_a_2"] {
+        assert!(!eliminated.contains(&real), "{real} exists: {eliminated:?}");
+    }
+    let count = |what: &str| report[what].as_u64().unwrap() as usize;
+    assert_eq!(count("kept") + eliminated.len(), count("parameters"));
+    assert!(held_out(&few) < 1.02 * held_out(&all), "{} {}", held_out(&few), held_out(&all));
+    assert!(said.contains("essential: ") && said.contains("eliminated"), "{said}");
+    assert!(few.read("results/report.html").contains("Essential parameters"));
+    // Predicting again from the model's file gives the same.
+    let predict = ["predict", "--model", "results/rd_calibrated.json", "--data", "other_motion.csv"];
+    few.aurt(predict.iter().chain(&["--out", "again.csv"])).succeeded();
+    assert!(few.read("again.csv").lines().count() > 1000);
+}
+
+#[test]
+fn what_holds_nothing_out_is_refused() {
+    let folder = demo("essential");
+    let text = folder.read("experiment.toml");
+    let short = text.replace(
+        "calibration = [\"exciting_motion.csv\"]",
+        "calibration = [{ file = \"exciting_motion.csv\", window_s = [2.0, 7.0] }]",
+    );
+    assert_ne!(short, text);
+    folder.write("experiment.toml", &short);
+    folder.aurt(["run", "experiment.toml", "--out", "short"]).refused(&["essential", "blocks", "recordings"]);
+}
