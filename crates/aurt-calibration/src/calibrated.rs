@@ -1,7 +1,7 @@
 use aurt_traits::{LoadTorque, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 
-use crate::{ConsistentReport, EssentialReport, ShapeReport};
+use crate::{ConsistentReport, EssentialReport, PositionBias, ShapeReport};
 
 /// Which least-squares weights are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -16,6 +16,8 @@ pub enum Estimator {
     Consistent,
     /// As [`Wls`](Self::Wls), with the fewest parameters that predict blocks held out as well as all of them.
     Essential,
+    /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables).
+    Eiv,
 }
 
 impl Estimator {
@@ -160,6 +162,9 @@ pub struct Calibration {
     /// The elimination of parameters, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub essential: Option<EssentialReport>,
+    /// What noise of the positions does to least squares, where rows were looked at again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_bias: Option<PositionBias>,
 }
 
 impl Calibration {

@@ -15,6 +15,7 @@ mod consistent;
 mod dense;
 mod deviations;
 mod error;
+mod errors_in_positions;
 mod essential;
 mod excitation;
 mod factor;
@@ -44,6 +45,7 @@ pub use consistent::{
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
+pub use errors_in_positions::{JointPositionNoise, ParameterBias, PositionBias};
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;

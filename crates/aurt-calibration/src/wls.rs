@@ -3,11 +3,12 @@ use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
     CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
-    System, TermScopes,
+    PositionBias, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
     deviations::{Observed, sandwich},
+    errors_in_positions::{Corrected, Fitted, correct},
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
@@ -147,11 +148,23 @@ pub(crate) fn finished(
         estimate.solution = system.solve(&weights, |k| kept[k])?;
         essential = Some(report);
     }
+    let corrected = without_position_noise(setting, system, &estimate, load, recordings)?;
+    let least_squares = estimate.solution.clone();
+    let mut bread = None;
+    if let Some(corrected) = corrected.as_ref().filter(|_| options.estimator == Estimator::Eiv) {
+        estimate.solution.coefficients.clone_from(&corrected.coefficients);
+        estimate.solution.covariance.clone_from(&corrected.bread);
+        bread = Some(corrected.bread.as_slice());
+    }
     if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
         let observed = (recordings, scopes, load);
-        remember(setting, system, &mut estimate, bandwidth, observed)?;
+        remember(setting, system, &mut estimate, (bandwidth, bread), observed)?;
         bandwidth = 1.0;
     }
+    let n = estimate.solution.coefficients.len();
+    let deviation = |k: usize| (bandwidth * estimate.solution.covariance[k * n + k]).sqrt();
+    let position_bias =
+        corrected.as_ref().map(|corrected| PositionBias::of(model, &least_squares, corrected, deviation));
     let mut consistent = None;
     if options.estimator == Estimator::Consistent {
         let scale = bandwidth * noise_scale(system, &estimate)?;
@@ -178,6 +191,8 @@ pub(crate) fn finished(
         parameters.iter().filter(|p| !is_eliminated(&p.name)).cloned().collect();
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
+    let is_biased = options.estimator != Estimator::Eiv;
+    warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
@@ -202,7 +217,38 @@ pub(crate) fn finished(
         shape_fit: None,
         consistent,
         essential,
+        position_bias,
     })
+}
+
+/// The estimate without the bias of noise in the positions, where there are rows to be looked at again.
+///
+/// # Errors
+/// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
+/// report.
+fn without_position_noise(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: &Estimate,
+    load: &LoadTorque,
+    recordings: Option<(&[&NamedRecording], &TermScopes)>,
+) -> Result<Option<Corrected>, CalibrationError> {
+    let Setting { model, options, .. } = *setting;
+    let is_used = options.estimator == Estimator::Eiv;
+    let Some((recordings, scopes)) = recordings else {
+        return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
+    };
+    if !is_used && (options.deviations == Deviations::White || options.estimator == Estimator::Essential) {
+        return Ok(None);
+    }
+    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
+    let solution = &estimate.solution;
+    let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
+    match correct(&fitted, is_used) {
+        Ok(corrected) => Ok(Some(corrected)),
+        Err(CalibrationError::NoisyPositions { .. }) if !is_used => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.
@@ -210,7 +256,7 @@ fn remember(
     setting: &Setting<'_>,
     system: &System,
     estimate: &mut Estimate,
-    bandwidth: f64,
+    (bandwidth, bread): (f64, Option<&[f64]>),
     (recordings, scopes, load): (&[&NamedRecording], &TermScopes, &LoadTorque),
 ) -> Result<(), CalibrationError> {
     let Setting { model, options, .. } = *setting;
@@ -218,7 +264,10 @@ fn remember(
     let excited = estimate.solution.excited.clone();
     // What was eliminated is not fitted.
     let is_fitted = |k: usize| options.estimator != Estimator::Essential || excited[k];
-    let plain = system.solve(&weights, is_fitted)?;
+    let mut plain = system.solve(&weights, is_fitted)?;
+    if let Some(bread) = bread {
+        plain.covariance.copy_from_slice(bread);
+    }
     let covariance = sandwich(&Observed {
         model,
         recordings,

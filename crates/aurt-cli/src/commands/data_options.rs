@@ -92,6 +92,7 @@ enum EstimatorName {
     Ols,
     Consistent,
     Essential,
+    Eiv,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -130,6 +131,7 @@ impl FittingOptions {
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
                 EstimatorName::Essential => Estimator::Essential,
+                EstimatorName::Eiv => Estimator::Eiv,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

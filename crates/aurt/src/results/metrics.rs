@@ -94,6 +94,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.essential {
             document["essential"] = json!(report);
         }
+        if let Some(report) = &self.calibration.position_bias {
+            document["position_bias"] = json!(report);
+        }
         document
     }
 
@@ -165,6 +168,9 @@ impl Results<'_> {
         }
         if let Some(report) = &self.calibration.essential {
             text.push_str(&super::essential::to_text(report));
+        }
+        if let Some(report) = &self.calibration.position_bias {
+            text.push_str(&wrapped(&super::position_bias::sentence(report)));
         }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
@@ -251,6 +257,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Ols => "ols",
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
+        Estimator::Eiv => "eiv",
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod essential;
 pub mod metrics;
 pub mod parameters;
+pub mod position_bias;
 pub mod predictions;
 pub mod shapes;
 pub mod sweep_table;

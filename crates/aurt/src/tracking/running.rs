@@ -3,7 +3,7 @@
 use std::{fs::File, io, path::Path};
 
 use aurt_calibration::{Baseline, CalibrationError, Cut, DriftReference, drift_windows};
-use aurt_recording::{Recording, RecordingError, read_running};
+use aurt_recording::{PreprocessReport, Recording, RecordingError, read_running};
 
 use super::{Alarm, Follower, prepared_of};
 use crate::{
@@ -115,6 +115,7 @@ impl<'a> Running<'a> {
         let Some((first, last)) = piece.time_s.first().copied().zip(piece.time_s.last().copied()) else {
             return Ok(());
         };
+        self.count_jumps(&piece.time_s);
         match &mut self.pending {
             None => {
                 (self.origin_s, self.done_s, self.row_from_s) = (first, first, first);
@@ -138,6 +139,20 @@ impl<'a> Running<'a> {
         Ok(())
     }
 
+    /// Counts where time jumps, as preprocessing finds gaps: over 0.1 s or ten periods.
+    fn count_jumps(&mut self, time_s: &[f64]) {
+        let before = self.pending.as_ref().and_then(|p| p.time_s.last().copied());
+        let stamps: Vec<f64> = before.into_iter().chain(time_s.iter().copied()).collect();
+        let mut steps_s: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
+        steps_s.sort_unstable_by(f64::total_cmp);
+        let period_s = steps_s.get(steps_s.len() / 2).copied().unwrap_or(0.0);
+        let most_s = self.calibrated.preprocessing.max_gap_s.unwrap_or(f64::max(0.1, 10.0 * period_s));
+        for step_s in steps_s.iter().filter(|s| **s > most_s) {
+            self.jumps += 1;
+            self.missing_s += step_s;
+        }
+    }
+
     /// The first stamp that is not before `stamp_s`.
     fn first_from(&self, stamp_s: f64) -> f64 {
         let time_s = self.pending.as_ref().map_or(&[][..], |p| &p.time_s);
@@ -154,7 +169,6 @@ impl<'a> Running<'a> {
         let recording = beginning(pending, after);
         self.done_s = end_s;
         let Some(last_s) = recording.time_s.last().copied() else { return Ok(()) };
-        let first_s = recording.time_s[0];
         let prepared = match prepared_of(self.calibrated, &Loaded { source: self.source.clone(), recording })
         {
             Ok(prepared) => prepared,
@@ -166,7 +180,7 @@ impl<'a> Running<'a> {
             }
             Err(failure) => return Err(failure),
         };
-        self.watch(&prepared.data.report, first_s, span_s);
+        self.watch(&prepared.data.report, span_s);
         let cut = Cut { window_s: self.follower.options.window_s, span_s, origin_s: Some(self.origin_s) };
         for window in drift_windows(self.reference, &prepared, cut)? {
             if let Some(alarm) = self.follower.take(&window, self.baseline)? {
@@ -176,14 +190,8 @@ impl<'a> Running<'a> {
         Ok(())
     }
 
-    /// Counts jumps of the clock and changes of its rate.
-    fn watch(&mut self, report: &aurt_recording::PreprocessReport, first_s: f64, span_s: [f64; 2]) {
-        for [at_s, long_s] in &report.clock.gaps_s {
-            if (span_s[0]..span_s[1]).contains(&(first_s + at_s)) {
-                self.jumps += 1;
-                self.missing_s += long_s;
-            }
-        }
+    /// Counts changes of the rate.
+    fn watch(&mut self, report: &PreprocessReport, span_s: [f64; 2]) {
         let rate_hz = report.rate_hz;
         if let Some(before_hz) = self.rate_hz.filter(|b| (rate_hz / b - 1.0).abs() > 0.1) {
             let at_s = span_s[0] - self.origin_s;
