@@ -1,8 +1,8 @@
 //! How often 95 % intervals hold the truth: a UR10e whose parameters are known, noise with and without a memory, encoders
 //! of several resolutions, one recording and five.
 //!
-//! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the number is
-//! that of the seeds of each row.
+//! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
+//! that of the seeds of each row, a second the only number of recordings.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
@@ -34,8 +34,15 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
-    let encoders = [("exact", None), ("19 bit", Some(19)), ("16 bit", Some(16)), ("12 bit", Some(12))];
-    let rows = [1, RECORDINGS].into_iter().flat_map(|count| {
+    let encoders = [
+        ("exact", None),
+        ("19 bit", Some(19)),
+        ("16 bit", Some(16)),
+        ("14 bit", Some(14)),
+        ("12 bit", Some(12)),
+    ];
+    let counts = std::env::args().nth(2).map_or(vec![1, RECORDINGS], |text| vec![text.parse().unwrap()]);
+    let rows = counts.into_iter().flat_map(|count| {
         noises
             .into_iter()
             .flat_map(move |noise| encoders.into_iter().map(move |encoder| (count, noise, encoder)))

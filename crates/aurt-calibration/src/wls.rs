@@ -191,6 +191,7 @@ pub(crate) fn finished(
         parameters.iter().filter(|p| !is_eliminated(&p.name)).cloned().collect();
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
+    warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
     let is_biased = options.estimator != Estimator::Eiv;
     warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
     warnings.extend(physical::warnings(&physical::Fitted {

@@ -25,10 +25,16 @@ use noise::{Random, acceleration_share, noisier};
 
 /// Order of the filter of the positions, one way.
 const FILTER_ORDER: usize = 4;
+/// Motions lie below this share of the parallel cut-off, which is half of f_dyn, and below this frequency, Hz, as far as
+/// the speed with which a joint crosses the lattice is concerned.
+const MOTION_SHARE: f64 = 0.25;
+const MOTION_HZ: f64 = 3.0;
 /// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
 const NEGLIGIBLE_SHARE: f64 = 1e-4;
 /// Draws of the noise that a bias is shown from, and that it is corrected by.
-const DRAWS: [u64; 2] = [4, 24];
+const DRAWS: [u64; 2] = [4, 16];
+/// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
+const OVERWHELMING: f64 = 0.5;
 /// A bias of so many standard deviations makes intervals of 95 % hold less than 93 %.
 const NOTABLE: f64 = 0.5;
 
@@ -142,6 +148,20 @@ impl PositionBias {
         notable
     }
 
+    /// What to know where noise is more than corrections hold for.
+    pub(crate) fn overwhelming(&self) -> Option<String> {
+        let worst = self.joints.iter().enumerate();
+        let (joint, noise) =
+            worst.max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share))?;
+        (noise.acceleration_share > OVERWHELMING).then(|| {
+            format!(
+                "noise of the positions makes up {:.0} % of the power of joint {joint}'s accelerations, more than its effect on \
+                 estimates can be told or corrected for; lower f_dyn",
+                100.0 * noise.acceleration_share
+            )
+        })
+    }
+
     /// What to know of least squares that was not corrected.
     pub(crate) fn warning(&self) -> Option<String> {
         const NAMED: usize = 3;
@@ -195,9 +215,12 @@ fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
         .iter()
         .map(|recording| {
             let filter = position_filter(recording)?;
+            let report = &recording.data.report;
+            let motion_hz = (MOTION_SHARE * report.parallel_cutoff_hz).min(MOTION_HZ);
+            let smoother = ZeroPhase::butterworth(FILTER_ORDER, motion_hz, report.rate_hz)?;
             let mut own = (*recording).clone();
             for segment in &mut own.data.segments {
-                *segment = noisier(segment, &own.data.position_noise, &filter, &mut random)?;
+                *segment = noisier(segment, &own.data.position_noise, [&filter, &smoother], &mut random)?;
             }
             Ok(own)
         })

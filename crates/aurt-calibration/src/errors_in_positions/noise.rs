@@ -31,14 +31,15 @@ pub(super) fn acceleration_share(
 }
 
 /// The segment with the noise of its positions added once more: the encoder, with its zero anywhere within a step, looks at
-/// the motion again, and what it is off by passes the filter of the positions.
+/// the motion again, and what it is off by passes `filter`, that of the positions. The motion passes `smoother` before: where
+/// filters leave steps of the lattice in it, a second look would see them exactly.
 ///
 /// # Errors
 /// What the filter reports.
 pub(super) fn noisier(
     segment: &Segment,
     noises: &[PositionNoise],
-    filter: &ZeroPhase,
+    [filter, smoother]: [&ZeroPhase; 2],
     random: &mut Random,
 ) -> Result<Segment, CalibrationError> {
     let view = segment.motion.view();
@@ -54,10 +55,12 @@ pub(super) fn noisier(
         // A sample more at either end, as preprocessing has it for the differences.
         let before = q.first().zip(v.first()).map(|(q, v)| q - v * period_s);
         let after = q.last().zip(v.last()).map(|(q, v)| q + v * period_s);
+        let longer: Vec<f64> = before.into_iter().chain(q.iter().copied()).chain(after).collect();
+        let smooth = smoother.filter(&longer)?;
         // White noise of the grid has the spectrum of that of the recording.
         let white = noise.white_rad * (segment.rate_hz / noise.rate_hz).sqrt();
         let zero = random.uniform();
-        let error = before.iter().chain(q).chain(after.iter()).map(|q| {
+        let error = smooth.iter().map(|q| {
             let seen = q + if white > 0.0 { white * random.normal() } else { 0.0 };
             let shown = noise.step_rad.map_or(seen, |step| ((seen / step + zero).round() - zero) * step);
             shown - q
@@ -134,7 +137,8 @@ mod tests {
         for shown in [white, lattice] {
             let noise = PositionNoise::of(&time, &shown);
             let said = acceleration_share(std::slice::from_ref(&segment), 0, &noise, &filter);
-            let drawn = noisier(&segment, &[noise], &filter, &mut random).unwrap();
+            let smoother = ZeroPhase::butterworth(4, 3.0, 250.0).unwrap();
+            let drawn = noisier(&segment, &[noise], [&filter, &smoother], &mut random).unwrap();
             let (a, b) = (segment.motion.view(), drawn.motion.view());
             let pairs = a.acceleration_rad_s2(0).iter().zip(b.acceleration_rad_s2(0));
             let found = pairs.map(|(a, b)| (b - a).powi(2)).sum::<f64>()

@@ -92,9 +92,9 @@ fn noise_of_the_positions_is_told_and_corrected() {
     assert!(error("eiv") < 0.5 * error("wls"), "{} {}", error("eiv"), error("wls"));
 }
 
-/// The row as an encoder of 12 bits shows it.
+/// The row as an encoder of 13 bits shows it.
 fn coarse(line: &str) -> String {
-    let step = std::f64::consts::TAU / 4096.0;
+    let step = std::f64::consts::TAU / 8192.0;
     let cells: Vec<String> = line
         .split(',')
         .enumerate()
