@@ -8,7 +8,9 @@
 //! (2A − E A*) ζ = 2c − E c*,
 //!
 //! corrected scores by simulation (Nakamura 1990; Novick and Stefanski 2002). Exact where the regressor is linear in the
-//! noise; to first order in its power elsewhere.
+//! noise; to first order in its power elsewhere. Friction turns with the sign of the velocity, where that is not enough: the
+//! correction shows that and where noise matters, and intervals around corrected estimates of friction hold less often than
+//! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator.
 
 mod noise;
 
@@ -45,7 +47,7 @@ pub struct PositionBias {
     pub joints: Vec<JointPositionNoise>,
     /// Draws of the noise; none where it is negligible.
     pub draws: u64,
-    /// The coefficients that the recordings determine.
+    /// The rigid bodies' coefficients that the recordings determine.
     pub parameters: Vec<ParameterBias>,
 }
 
@@ -127,7 +129,8 @@ impl PositionBias {
         corrected: &Corrected,
         deviations: impl Fn(usize) -> f64,
     ) -> Self {
-        let parameters = (0..solution.coefficients.len())
+        // Of friction, which turns with the sign of the velocity, first order says too little.
+        let parameters = (0..model.base().len())
             .filter(|k| solution.excited[*k] && corrected.draws > 0)
             .map(|k| {
                 let bias = solution.coefficients[k] - corrected.coefficients[k];
@@ -173,8 +176,8 @@ impl PositionBias {
             .collect();
         (!notable.is_empty()).then(|| {
             format!(
-                "noise of the positions biases {} of {} coefficients by more than {NOTABLE} standard deviations ({}{}): their \
-                 intervals hold the truth less often than they say; lower f_dyn, or use `estimator = \"eiv\"`",
+                "noise of the positions biases {} of {} coefficients of the rigid bodies by more than {NOTABLE} standard deviations ({}{}): their \
+                 intervals hold the truth less often than they say; lower f_dyn",
                 notable.len(),
                 self.parameters.len(),
                 worst.join(", "),

@@ -9,11 +9,18 @@ use crate::{
 /// Fewer windows than this do not tell how much an unchanged machine varies.
 pub const MIN_WINDOWS: usize = 6;
 
+/// Windows over which the memory of what the model lacks is followed.
+const LAGS: usize = 4;
+
 /// How the drift parameters of an unchanged machine vary from window to window.
 ///
 /// A window's estimate δ has a formal deviation s from noise alone; what the model lacks adds to it. Over N windows of the
 /// unchanged machine, m is the mean of δ weighted by 1/s², and c² = Σ ((δ − m)/s)² / (N − 1), at least 1: the deviation
-/// of a further window from m is c √(s² + 1/Σ s⁻²), in Student's distribution with N − 1 degrees of freedom.
+/// of a further window from m is c √(s² + L/Σ s⁻²), in Student's distribution with N − 1 degrees of freedom.
+///
+/// What the model lacks lasts longer than a window. With ρ_k the correlation of windows k apart, the mean over all parameters,
+/// L = 1 + 2 Σ_k (1 − k/(K + 1)) ρ_k, at least 1, is by how much the variance of a mean over many windows exceeds that of
+/// independent ones (Newey and West 1987, K = 4).
 #[derive(Debug, Clone, Serialize)]
 pub struct Baseline {
     /// Windows that determine each parameter.
@@ -22,6 +29,8 @@ pub struct Baseline {
     pub mean: Vec<f64>,
     /// c.
     pub inflation: Vec<f64>,
+    /// L.
+    pub memory: f64,
     /// 1/Σ s⁻².
     #[serde(skip)]
     variance_of_mean: Vec<f64>,
@@ -49,13 +58,18 @@ impl Baseline {
             windows: Vec::new(),
             mean: Vec::new(),
             inflation: Vec::new(),
+            memory: 1.0,
             variance_of_mean: Vec::new(),
         };
+        let mut series: Vec<Vec<f64>> = Vec::new();
         for k in 0..parameters {
             let known: Vec<(f64, f64)> = windows.iter().filter_map(|w| with_variance(w, k)).collect();
             let information: f64 = known.iter().map(|(_, variance)| 1.0 / variance).sum();
             let mean = known.iter().map(|(value, variance)| value / variance).sum::<f64>() / information;
             let squares: f64 = known.iter().map(|(value, variance)| (value - mean).powi(2) / variance).sum();
+            if known.len() >= MIN_WINDOWS {
+                series.push(known.iter().map(|(value, variance)| (value - mean) / variance.sqrt()).collect());
+            }
             baseline.windows.push(known.len());
             baseline.mean.push(mean);
             baseline.inflation.push((squares / known.len().saturating_sub(1).max(1) as f64).sqrt().max(1.0));
@@ -65,18 +79,30 @@ impl Baseline {
         if found < MIN_WINDOWS {
             return Err(CalibrationError::TooFewWindows { found: windows.len(), needed: MIN_WINDOWS });
         }
+        baseline.memory = memory(&series);
         Ok(baseline)
     }
 
-    /// What rows say of a parameter; nothing where they or the baseline's do not determine it.
+    /// What the rows of a window say of a parameter; nothing where they or the baseline's do not determine it.
     #[must_use]
     pub fn drift(&self, solution: &Solution, parameter: usize) -> Drift {
+        self.drift_over(solution, parameter, 1.0)
+    }
+
+    /// As [`Self::drift`], of the rows of many windows, which do not err independently.
+    #[must_use]
+    pub fn drift_of_many(&self, solution: &Solution, parameter: usize) -> Drift {
+        self.drift_over(solution, parameter, self.memory)
+    }
+
+    fn drift_over(&self, solution: &Solution, parameter: usize, memory: f64) -> Drift {
         let known = self.windows[parameter] >= MIN_WINDOWS;
         let Some((value, variance)) = with_variance(solution, parameter).filter(|_| known) else {
             return Drift { value: None, interval_95: None, standardised: None };
         };
         let freedom = (self.windows[parameter] - 1) as f64;
-        let std = self.inflation[parameter] * (variance + self.variance_of_mean[parameter]).sqrt();
+        let std = self.inflation[parameter]
+            * (memory * variance + self.memory * self.variance_of_mean[parameter]).sqrt();
         let value = value - self.mean[parameter];
         let half = std * student(NORMAL_95, freedom);
         Drift {
@@ -89,8 +115,25 @@ impl Baseline {
     /// How far the mean of a parameter may be off, in deviations of a window, at two standard deviations.
     #[must_use]
     pub fn mean_error(&self, parameter: usize) -> f64 {
-        2.0 / (self.windows[parameter].max(1) as f64).sqrt()
+        2.0 * (self.memory / self.windows[parameter].max(1) as f64).sqrt()
     }
+}
+
+/// L of some series of deviations from their means.
+fn memory(series: &[Vec<f64>]) -> f64 {
+    let correlation = |lag: usize| -> f64 {
+        let of = |z: &Vec<f64>| {
+            let power: f64 = z.iter().map(|z| z * z).sum();
+            let product: f64 = z.iter().zip(z.iter().skip(lag)).map(|(a, b)| a * b).sum();
+            // Taking away the mean lowers the correlation by about one part in as many windows as there are.
+            (if power > 0.0 { product / power } else { 0.0 }) + 1.0 / z.len() as f64
+        };
+        series.iter().map(of).sum::<f64>() / series.len().max(1) as f64
+    };
+    let shortest = series.iter().map(Vec::len).min().unwrap_or(0);
+    let lags = LAGS.min(shortest / 4);
+    let sum: f64 = (1..=lags).map(|k| (1.0 - k as f64 / (lags + 1) as f64) * correlation(k)).sum();
+    (1.0 + 2.0 * sum).max(1.0)
 }
 
 fn with_variance(solution: &Solution, k: usize) -> Option<(f64, f64)> {
@@ -111,6 +154,25 @@ mod tests {
             covariance: vec![std * std],
             condition_number: 1.0,
         }
+    }
+
+    /// A first-order autoregression of ρ = 0.6 has L = (1 + ρ)/(1 − ρ) = 4, of which four weighted lags show 2.6.
+    #[test]
+    fn memory_is_seen_over_windows() {
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let independent: Vec<Vec<f64>> = (0..12).map(|_| (0..200).map(|_| noise()).collect()).collect();
+        assert!(memory(&independent) < 1.2, "{}", memory(&independent));
+        let mut before = 0.0;
+        let mut next = || {
+            before = 0.6 * before + noise();
+            before
+        };
+        let lasting: Vec<Vec<f64>> = (0..12).map(|_| (0..200).map(|_| next()).collect()).collect();
+        assert!((2.2..3.0).contains(&memory(&lasting)), "{}", memory(&lasting));
     }
 
     #[test]

@@ -92,7 +92,6 @@ enum EstimatorName {
     Ols,
     Consistent,
     Essential,
-    Eiv,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -131,7 +130,6 @@ impl FittingOptions {
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
                 EstimatorName::Essential => Estimator::Essential,
-                EstimatorName::Eiv => Estimator::Eiv,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

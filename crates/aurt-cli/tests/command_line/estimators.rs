@@ -58,10 +58,17 @@ fn what_holds_nothing_out_is_refused() {
     folder.aurt(["run", "experiment.toml", "--out", "short"]).refused(&["essential", "blocks", "recordings"]);
 }
 
-/// A coarse encoder biases least squares, which says so; without the bias inertias are what they are.
+/// A coarse encoder biases least squares, which says so, and says nothing where the encoder is fine.
 #[test]
-fn noise_of_the_positions_is_told_and_corrected() {
-    let folder = Folder::new().with_whole_demo().with_demo(&["calibrated_parameters.csv"]);
+fn noise_of_the_positions_is_told() {
+    let folder = Folder::new().with_whole_demo();
+    let run = |out: &str| {
+        let said = folder.aurt(["run", "experiment.toml", "--out", out]).succeeded().stdout();
+        let bias = folder.json(&format!("{out}/metrics.json"))["position_bias"].clone();
+        (said.split_whitespace().collect::<Vec<_>>().join(" "), bias)
+    };
+    let (said, _) = run("fine");
+    assert!(said.contains("noise of the positions is at most") && !said.contains("positions biases"), "{said}");
     let rows: Vec<String> = folder
         .read("exciting_motion.csv")
         .lines()
@@ -71,25 +78,15 @@ fn noise_of_the_positions_is_told_and_corrected() {
     folder.write("exciting_motion.csv", &(rows.join("\n") + "\n"));
     // What a user chooses who thinks of fast dynamics rather than of encoders.
     let text = folder.read("experiment.toml").replace("f_dyn_hz = 5.0", "f_dyn_hz = 8.0");
-    folder.write("wls.toml", &text);
-    folder.write("eiv.toml", &format!("{text}\n[calibration]\nestimator = \"eiv\"\n"));
-    let said = folder.aurt(["run", "wls.toml", "--out", "wls"]).succeeded().stdout();
-    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("noise of the positions biases") && words.contains("lower f_dyn"), "{words}");
-    let said = folder.aurt(["run", "eiv.toml", "--out", "eiv"]).succeeded().stdout();
-    assert!(!said.contains("positions biases"), "{said}");
-    // The rotors of the wrist: 0.21 to 0.22 kg m² from exact positions.
-    let exact = folder.read("calibrated_parameters.csv");
-    let value = |table: &str, name: &str| -> f64 {
-        let line = table.lines().find(|l| l.starts_with(&format!("{name},"))).unwrap();
-        line.split(',').nth(1).unwrap().parse().unwrap()
-    };
-    let error = |of: &str| {
-        let table = folder.read(&format!("{of}/calibrated_parameters.csv"));
-        let names = ["rotor_inertia.I_a_3", "rotor_inertia.I_a_4", "rotor_inertia.I_a_5"];
-        names.map(|n| (value(&table, n) / value(&exact, n) - 1.0).abs()).iter().sum::<f64>() / 3.0
-    };
-    assert!(error("eiv") < 0.5 * error("wls"), "{} {}", error("eiv"), error("wls"));
+    folder.write("experiment.toml", &text);
+    let (said, bias) = run("coarse");
+    for words in ["noise of the positions biases", "lower f_dyn", "% of the power of joint"] {
+        assert!(said.contains(words), "`{words}` is missing in {said}");
+    }
+    let step_rad = bias["joints"][1]["step_rad"].as_f64().unwrap();
+    assert!((step_rad / (std::f64::consts::TAU / 8192.0) - 1.0).abs() < 1e-3, "{step_rad}");
+    let worst = bias["parameters"].as_array().unwrap().iter().map(|p| p["deviations"].as_f64().unwrap().abs());
+    assert!(worst.fold(0.0, f64::max) > 1.0, "{bias}");
 }
 
 /// The row as an encoder of 13 bits shows it.

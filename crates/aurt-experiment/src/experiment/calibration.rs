@@ -39,8 +39,6 @@ pub enum Estimator {
     Consistent,
     /// `"essential"`: as `"wls"`, with the fewest parameters that predict blocks of time held out as well as all of them.
     Essential,
-    /// `"eiv"`: as `"wls"`, without the bias of noise in the positions (errors in variables).
-    Eiv,
 }
 
 /// `load_torque`: how the load τ_J of load-dependent friction is formed.
@@ -72,7 +70,6 @@ impl Calibration {
                 ("ols", Estimator::OrdinaryLeastSquares),
                 ("consistent", Estimator::Consistent),
                 ("essential", Estimator::Essential),
-                ("eiv", Estimator::Eiv),
             ],
         );
         let load_torque = section.choice(

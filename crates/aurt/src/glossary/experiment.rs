@@ -38,7 +38,7 @@ pub const TERMS: &[Term] = &[
         title: "estimator",
         text: "How rows of different joints are weighed against each other: \"wls\" (default) by 1/σ² of their joint, \
             \"ols\" all alike (see wls); and what is asked of the estimate: \"consistent\" a machine that can exist, \
-            \"essential\" the fewest parameters that predict as well, \"eiv\" no bias from noise of the positions.",
+            \"essential\" the fewest parameters that predict as well.",
     },
     Term {
         name: "experiment",

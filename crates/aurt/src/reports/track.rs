@@ -33,6 +33,7 @@ pub fn page(tracked: &Tracked, document: &Value) -> Page {
             significant(tracked.average_run_length_windows, 3)
         ),
     ));
+    provenance.push(parts::entry("Memory over windows", significant(tracked.baseline.memory, 3)));
     let [friction, gain, load] = options.half_life_s;
     provenance
         .push(parts::entry("Half-lives", format!("friction {friction} s, gains {gain} s, load {load} s")));

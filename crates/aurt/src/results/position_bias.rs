@@ -20,10 +20,10 @@ pub fn sentence(report: &PositionBias) -> String {
     let largest = report.parameters.iter().max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()));
     match largest {
         Some(p) => format!(
-            "{noise}; it biases least squares by at most {} standard deviations ({})",
+            "{noise}; it biases the rigid bodies by at most {} standard deviations ({})",
             significant(p.deviations.abs(), 2),
             p.name
         ),
-        None => format!("{noise}; it does not bias least squares"),
+        None => format!("{noise}; it does not bias the rigid bodies"),
     }
 }

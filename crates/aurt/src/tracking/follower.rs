@@ -144,6 +144,8 @@ impl Follower {
         for chart in &mut self.charts {
             let drift = baseline.drift(&solution, chart.parameter);
             let Some(z) = drift.standardised.filter(|z| z.is_finite()) else { continue };
+            // Sums of windows that do not err independently grow as those of larger independent ones.
+            let z = z / baseline.memory.sqrt();
             if let Some((change, places)) = chart.push(z, place) {
                 let parameter = &self.parameters[chart.parameter];
                 let named = |place: Place| self.sources.get(place.source).cloned().unwrap_or_default();
@@ -178,8 +180,8 @@ impl Follower {
             recording: name,
             duration_s,
             windows,
-            drift: all.clone().map(|k| baseline.drift(&alone, k)).collect(),
-            tracked: all.map(|k| baseline.drift(&followed, k)).collect(),
+            drift: all.clone().map(|k| baseline.drift_of_many(&alone, k)).collect(),
+            tracked: all.map(|k| baseline.drift_of_many(&followed, k)).collect(),
         });
         Ok(())
     }
