@@ -1,14 +1,14 @@
 //! How often 95 % intervals hold the truth: a UR10e whose parameters are known, noise with and without a memory, encoders
 //! of several resolutions, one recording and five.
 //!
-//! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the number is
-//! that of the seeds of each row.
+//! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
+//! that of the seeds of each row, a second the only number of recordings.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
 mod known_robot;
 
-use aurt_calibration::{CalibrationOptions, Deviations, calibrate};
+use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};
 use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
@@ -17,8 +17,9 @@ use rayon::prelude::*;
 const DURATION_S: f64 = 20.0;
 const RECORDINGS: usize = 5;
 
-/// Intervals that hold the truth, and all: with the memory of the noise, and without; rigid bodies, and friction.
-type Counts = [[usize; 4]; 2];
+/// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white, and
+/// errors in variables.
+type Counts = [[usize; 4]; 3];
 
 fn main() {
     let seeds: u64 = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
@@ -28,12 +29,20 @@ fn main() {
         "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
     );
     println!(
-        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |"
+        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white | \
+         eiv: all | rigid bodies | friction |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
-    let encoders = [("exact", None), ("19 bit", Some(19)), ("16 bit", Some(16)), ("12 bit", Some(12))];
-    let rows = [1, RECORDINGS].into_iter().flat_map(|count| {
+    let encoders = [
+        ("exact", None),
+        ("19 bit", Some(19)),
+        ("16 bit", Some(16)),
+        ("14 bit", Some(14)),
+        ("12 bit", Some(12)),
+    ];
+    let counts = std::env::args().nth(2).map_or(vec![1, RECORDINGS], |text| vec![text.parse().unwrap()]);
+    let rows = counts.into_iter().flat_map(|count| {
         noises
             .into_iter()
             .flat_map(move |noise| encoders.into_iter().map(move |encoder| (count, noise, encoder)))
@@ -50,11 +59,14 @@ fn main() {
             100.0 * held / all
         };
         println!(
-            "| {count} | {noise_name} | {encoder} | {:.1} | {:.1} | {:.1} | {:.1} |",
+            "| {count} | {noise_name} | {encoder} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |",
             share(0, &[0, 1]),
             share(0, &[0]),
             share(0, &[1]),
-            share(1, &[0, 1])
+            share(1, &[0, 1]),
+            share(2, &[0, 1]),
+            share(2, &[0]),
+            share(2, &[1])
         );
     }
 }
@@ -67,8 +79,13 @@ fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bit
         .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, bits))
         .collect();
     let base = robot.model.base().len();
-    [Deviations::Memory, Deviations::White].map(|deviations| {
-        let options = CalibrationOptions { deviations, ..CalibrationOptions::default() };
+    let estimates = [
+        (Estimator::Wls, Deviations::Memory),
+        (Estimator::Wls, Deviations::White),
+        (Estimator::Eiv, Deviations::Memory),
+    ];
+    estimates.map(|(estimator, deviations)| {
+        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
         let unit = MeasurementUnit::NewtonMetre;
         let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
         let mut counts = [0; 4];

@@ -1,7 +1,7 @@
 use aurt_traits::{LoadTorque, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 
-use crate::{ConsistentReport, ShapeReport};
+use crate::{ConsistentReport, EssentialReport, PositionBias, ShapeReport};
 
 /// Which least-squares weights are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -14,6 +14,11 @@ pub enum Estimator {
     Ols,
     /// As [`Wls`](Self::Wls), then the nearest machine that can exist ([`make_consistent`](crate::make_consistent)).
     Consistent,
+    /// As [`Wls`](Self::Wls), with the fewest parameters that predict blocks held out as well as all of them.
+    Essential,
+    /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables), to first order: for study;
+    /// docs/estimation.md has its coverage, which is worse for friction.
+    Eiv,
 }
 
 impl Estimator {
@@ -155,6 +160,12 @@ pub struct Calibration {
     /// The step to a machine that can exist, where that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub consistent: Option<ConsistentReport>,
+    /// The elimination of parameters, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub essential: Option<EssentialReport>,
+    /// What noise of the positions does to least squares, where rows were looked at again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position_bias: Option<PositionBias>,
 }
 
 impl Calibration {

@@ -74,6 +74,48 @@ pub enum CalibrationError {
         /// The one that was fitted.
         calibration: PathBuf,
     },
+    /// Noise of the positions cannot be told from the motion.
+    #[error(
+        "noise of the positions makes up {percent:.0} % of the power of joint {joint}'s accelerations, and what is left determines \
+         no parameters; lower f_dyn, or use `estimator = \"wls\"`"
+    )]
+    NoisyPositions {
+        /// The noisiest joint.
+        joint: usize,
+        /// Its share of noise.
+        percent: f64,
+    },
+    /// Too little to hold something out.
+    #[error(
+        "`estimator = \"essential\"` holds out blocks of at least 2 s, and the recordings make {found}, of which {needed} are \
+         needed; list more or longer recordings"
+    )]
+    TooFewBlocks {
+        /// Blocks that there are.
+        found: usize,
+        /// Blocks that are needed.
+        needed: usize,
+    },
+    /// An estimator that looks at the rows again, of recordings that are read in stretches.
+    #[error(
+        "`estimator = \"{estimator}\"` needs whole recordings, and these are read in stretches; use `estimator = \"wls\"`, or \
+             raise --stream-above"
+    )]
+    NeedsRows {
+        /// The estimator.
+        estimator: &'static str,
+    },
+    /// Too little of the unchanged machine to tell a change from its usual variation.
+    #[error(
+        "the experiment's recordings hold {found} whole windows of the unchanged machine, and {needed} are needed to tell how \
+         much it varies anyway; list more recordings of it, or make windows shorter with --window-s"
+    )]
+    TooFewWindows {
+        /// Windows that there are.
+        found: usize,
+        /// Windows that are needed.
+        needed: usize,
+    },
     /// Nothing to calibrate on.
     #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,

@@ -15,6 +15,8 @@ mod consistent;
 mod dense;
 mod deviations;
 mod error;
+mod errors_in_positions;
+mod essential;
 mod excitation;
 mod factor;
 mod long;
@@ -24,6 +26,7 @@ mod recursive;
 mod row_cache;
 mod scope;
 mod stream;
+mod student;
 mod system;
 mod uncertainty;
 mod validate;
@@ -42,11 +45,16 @@ pub use consistent::{
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
+pub use errors_in_positions::{JointPositionNoise, ParameterBias, PositionBias};
+pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;
 pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
-pub use recursive::{ChangePoint, Cusum, Tracker, average_run_length, threshold_for};
+pub use recursive::{
+    Baseline, ChangePoint, Cusum, Cut, Drift, DriftGroup, DriftParameter, DriftReference, DriftWindow,
+    MIN_WINDOWS, Tracker, average_run_length, drift_windows, threshold_for,
+};
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};

@@ -126,6 +126,18 @@ impl System {
         Ok((reduced.coefficients(self.coefficients)?, reduced.excited(self.coefficients)))
     }
 
+    /// The coefficients of [`Self::solve`] alone.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NotFinite`].
+    pub(crate) fn solve_coefficients_of(
+        &self,
+        weights: &[f64],
+        active: impl Fn(usize) -> bool,
+    ) -> Result<Vec<f64>, CalibrationError> {
+        self.reduced(weights, active)?.coefficients(self.coefficients)
+    }
+
     /// The triangle of all joints' weighted rows, columns scaled to equal length.
     fn reduced(&self, weights: &[f64], active: impl Fn(usize) -> bool) -> Result<Reduced, CalibrationError> {
         let n = self.coefficients;

@@ -2,11 +2,14 @@ use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
-    CalibrationError, ConsistentReport, Fit, JointFactor, JointRange, System, TermScopes,
+    CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
+    PositionBias, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
     deviations::{Observed, sandwich},
+    errors_in_positions::{Corrected, Fitted, correct},
+    essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
     system::Solution,
@@ -131,11 +134,37 @@ pub(crate) fn finished(
 ) -> Result<Calibration, CalibrationError> {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
     let FittedTo { recordings, mut bandwidth, ranges, names } = fitted_to;
+    let mut essential = None;
+    if options.estimator == Estimator::Essential {
+        let (recordings, scopes) =
+            recordings.ok_or(CalibrationError::NeedsRows { estimator: "essential" })?;
+        let weights = weights(&estimate.sigma);
+        let full = Full { model, options, load, system, weights: &weights };
+        let listed: Vec<Listed<'_>> = recordings
+            .iter()
+            .map(|recording| Listed { recording, acting: scopes.acting(model, &recording.name) })
+            .collect();
+        let (kept, report) = eliminate(&full, &listed)?;
+        estimate.solution = system.solve(&weights, |k| kept[k])?;
+        essential = Some(report);
+    }
+    let corrected = without_position_noise(setting, system, &estimate, load, recordings)?;
+    let least_squares = estimate.solution.clone();
+    let mut bread = None;
+    if let Some(corrected) = corrected.as_ref().filter(|_| options.estimator == Estimator::Eiv) {
+        estimate.solution.coefficients.clone_from(&corrected.coefficients);
+        estimate.solution.covariance.clone_from(&corrected.bread);
+        bread = Some(corrected.bread.as_slice());
+    }
     if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
         let observed = (recordings, scopes, load);
-        remember(setting, system, &mut estimate, bandwidth, observed)?;
+        remember(setting, system, &mut estimate, (bandwidth, bread), observed)?;
         bandwidth = 1.0;
     }
+    let n = estimate.solution.coefficients.len();
+    let deviation = |k: usize| (bandwidth * estimate.solution.covariance[k * n + k]).sqrt();
+    let position_bias =
+        corrected.as_ref().map(|corrected| PositionBias::of(model, &least_squares, corrected, deviation));
     let mut consistent = None;
     if options.estimator == Estimator::Consistent {
         let scale = bandwidth * noise_scale(system, &estimate)?;
@@ -156,8 +185,15 @@ pub(crate) fn finished(
         consistent = Some(report);
     }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    let mut warnings = warnings(&parameters, estimate.solution.condition_number);
+    let is_eliminated =
+        |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
+    let judged: Vec<CalibratedParameter> =
+        parameters.iter().filter(|p| !is_eliminated(&p.name)).cloned().collect();
+    let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
+    warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
+    let is_biased = options.estimator != Estimator::Eiv;
+    warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
@@ -181,7 +217,39 @@ pub(crate) fn finished(
         recordings: names,
         shape_fit: None,
         consistent,
+        essential,
+        position_bias,
     })
+}
+
+/// The estimate without the bias of noise in the positions, where there are rows to be looked at again.
+///
+/// # Errors
+/// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
+/// report.
+fn without_position_noise(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: &Estimate,
+    load: &LoadTorque,
+    recordings: Option<(&[&NamedRecording], &TermScopes)>,
+) -> Result<Option<Corrected>, CalibrationError> {
+    let Setting { model, options, .. } = *setting;
+    let is_used = options.estimator == Estimator::Eiv;
+    let Some((recordings, scopes)) = recordings else {
+        return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
+    };
+    if !is_used && (options.deviations == Deviations::White || options.estimator == Estimator::Essential) {
+        return Ok(None);
+    }
+    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
+    let solution = &estimate.solution;
+    let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
+    match correct(&fitted, is_used) {
+        Ok(corrected) => Ok(Some(corrected)),
+        Err(CalibrationError::NoisyPositions { .. }) if !is_used => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.
@@ -189,12 +257,18 @@ fn remember(
     setting: &Setting<'_>,
     system: &System,
     estimate: &mut Estimate,
-    bandwidth: f64,
+    (bandwidth, bread): (f64, Option<&[f64]>),
     (recordings, scopes, load): (&[&NamedRecording], &TermScopes, &LoadTorque),
 ) -> Result<(), CalibrationError> {
     let Setting { model, options, .. } = *setting;
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
-    let plain = system.solve(&weights, |_| true)?;
+    let excited = estimate.solution.excited.clone();
+    // What was eliminated is not fitted.
+    let is_fitted = |k: usize| options.estimator != Estimator::Essential || excited[k];
+    let mut plain = system.solve(&weights, is_fitted)?;
+    if let Some(bread) = bread {
+        plain.covariance.copy_from_slice(bread);
+    }
     let covariance = sandwich(&Observed {
         model,
         recordings,

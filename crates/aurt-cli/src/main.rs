@@ -17,7 +17,7 @@ use std::process::ExitCode;
 
 use aurt::{
     calibrated_file, data, demo, diagnosing, exporting, fitting, glossary, injected, inspection, output,
-    proof, reports, results, sensitivity, streaming, sweeping,
+    proof, reports, results, sensitivity, streaming, sweeping, tracking,
 };
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;

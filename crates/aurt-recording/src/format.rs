@@ -104,6 +104,29 @@ pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, R
     read(path, options, usize::MAX, &mut |_| Ok(()))
 }
 
+/// Reads rows as they come, from a pipe or from a file that grows, in pieces of `piece_rows` rows; `name` is what
+/// messages call it. Returns the report on all of them once the input ends.
+///
+/// # Errors
+/// As [`read_recording`], and what `visit` returns.
+pub fn read_running(
+    mut file: File,
+    name: &Path,
+    options: &ReadOptions,
+    piece_rows: usize,
+    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+) -> Result<ReadReport, RecordingError> {
+    options.validate()?;
+    let mut beginning = Vec::new();
+    let read = file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning);
+    read.map_err(|source| unreadable(name, source))?;
+    let options = ReadOptions { is_running: true, ..options.clone() };
+    let input = RecordingInput { path: name, beginning, bytes: 0, file };
+    let last = input.format().read(input, &options, piece_rows, visit)?;
+    visit(&last)?;
+    Ok(last.report)
+}
+
 /// Rows of a piece of a recording that is read piece by piece.
 const PIECE_ROWS: usize = 1 << 16;
 

@@ -52,7 +52,7 @@ mod recording;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
-pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording};
+pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::Matlab;
 pub use mcap_bag::McapBag;

@@ -298,6 +298,7 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
             experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
             experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
             experiment::Estimator::Consistent => Estimator::Consistent,
+            experiment::Estimator::Essential => Estimator::Essential,
         },
         load_torque: match load_torque {
             experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,

@@ -57,6 +57,7 @@ pub mod streaming;
 pub mod sweeping;
 pub mod table_file;
 mod torque;
+pub mod tracking;
 
 use aurt_diagnosis::Verdict;
 use aurt_experiment::{Experiment, Registry};

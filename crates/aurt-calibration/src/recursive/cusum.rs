@@ -29,6 +29,13 @@ impl Cusum {
         Self { allowance, threshold, sums: [0.0; 2], started: [0; 2], taken: 0 }
     }
 
+    /// Values before this index can no longer begin a change.
+    #[must_use]
+    pub fn needed_from(&self) -> usize {
+        let begun = self.sums.iter().zip(&self.started).filter(|(sum, _)| **sum > 0.0);
+        begun.map(|(_, started)| *started).min().unwrap_or(self.taken)
+    }
+
     /// Takes in the next value; after an alarm both sums start again.
     pub fn push(&mut self, z: f64) -> Option<ChangePoint> {
         let at = self.taken;

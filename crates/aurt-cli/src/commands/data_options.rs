@@ -92,6 +92,7 @@ enum EstimatorName {
     Wls,
     Ols,
     Consistent,
+    Essential,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -129,6 +130,7 @@ impl FittingOptions {
                 EstimatorName::Wls => Estimator::Wls,
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
+                EstimatorName::Essential => Estimator::Essential,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

@@ -25,6 +25,7 @@ mod score;
 mod sensitivity;
 mod simulate;
 mod sweep;
+mod track;
 
 use aurt_plugins::Registry;
 use clap::Subcommand;
@@ -48,6 +49,7 @@ pub enum Command {
     Diagnose(diagnose::Diagnose),
     Sweep(sweep::Sweep),
     Sensitivity(sensitivity::Sensitivity),
+    Track(track::Track),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Conceal(conceal::Conceal),
@@ -65,7 +67,7 @@ pub enum Command {
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 8] = [
     ("Start here", &["demo", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Models in other programs", &["export"]),
     ("Proof", &["prove", "conceal", "score"]),
@@ -104,6 +106,7 @@ impl Command {
             Self::Sweep(command) => command.run(session),
             Self::Diagnose(command) => command.run(session),
             Self::Sensitivity(command) => command.run(session),
+            Self::Track(command) => command.run(session),
             Self::Simulate(command) => command.run(session),
             Self::Excite(command) => command.run(session),
             Self::Conceal(command) => command.run(session),

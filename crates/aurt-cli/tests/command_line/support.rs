@@ -4,7 +4,7 @@ use std::{
     env::consts::{DLL_PREFIX, DLL_SUFFIX},
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::{Command, Output, Stdio},
     sync::LazyLock,
 };
 
@@ -99,6 +99,28 @@ impl Folder {
     /// Runs `aurt` in this folder.
     pub fn aurt<S: AsRef<std::ffi::OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
         self.aurt_with([], arguments)
+    }
+
+    /// Runs `aurt` in this folder with a text on its standard input.
+    pub fn aurt_fed<S: AsRef<std::ffi::OsStr>>(
+        &self,
+        input: String,
+        arguments: impl IntoIterator<Item = S>,
+    ) -> Run {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_aurt"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        // A command that refuses its input stops reading it.
+        let writer = std::thread::spawn(move || drop(std::io::Write::write_all(&mut pipe, input.as_bytes())));
+        let output = child.wait_with_output().unwrap();
+        writer.join().unwrap();
+        Run(output)
     }
 
     /// Runs `aurt` in this folder with some variables in its environment.

@@ -37,6 +37,8 @@ pub enum Estimator {
     /// `"consistent"`: as `"wls"`, then the nearest machine that can exist: links and loads of positive mass that some
     /// distribution of it has, rotors of positive inertia, friction that brakes at all speeds and loads of the calibration.
     Consistent,
+    /// `"essential"`: as `"wls"`, with the fewest parameters that predict blocks of time held out as well as all of them.
+    Essential,
 }
 
 /// `load_torque`: how the load τ_J of load-dependent friction is formed.
@@ -67,6 +69,7 @@ impl Calibration {
                 ("wls", Estimator::WeightedLeastSquares),
                 ("ols", Estimator::OrdinaryLeastSquares),
                 ("consistent", Estimator::Consistent),
+                ("essential", Estimator::Essential),
             ],
         );
         let load_torque = section.choice(

@@ -9,6 +9,9 @@ use crate::{DroppedRow, RecordingError};
 /// Corrupt rows of which line and reason are kept; of more, only the number.
 const KEPT_DETAILS: usize = 10_000;
 
+/// Rows of a machine that runs on over which the share of corrupt ones is judged.
+const JUDGED_ROWS: usize = 10_000;
+
 /// Remarks that are kept.
 const REMARKS: usize = 100;
 
@@ -30,6 +33,8 @@ pub(super) struct Collector<'a> {
     rows: usize,
     dropped: Vec<Dropped>,
     dropped_rows: usize,
+    /// Rows seen and left out when the share of the latter was judged last.
+    judged: [usize; 2],
     /// Whether the latest row was kept.
     follows: bool,
     /// Whether rows were handed out.
@@ -54,6 +59,7 @@ enum Reason {
     TimeBack { stamp: f64, before: f64 },
     TimeAhead { stamp: f64, after: f64 },
     Outlier { value: f64, what: &'static str },
+    NoNumber,
 }
 
 /// What a file held.
@@ -82,6 +88,7 @@ impl<'a> Collector<'a> {
             rows: 0,
             dropped: Vec::new(),
             dropped_rows: 0,
+            judged: [0; 2],
             follows: false,
             begun: false,
             first_second: None,
@@ -146,6 +153,13 @@ impl<'a> Collector<'a> {
         self.follows = true;
     }
 
+    /// Counts a row whose cell in a column of the file is no finite number.
+    pub(super) fn skip(&mut self, line: usize, column: usize) {
+        self.rows += 1;
+        let place = self.columns.iter().position(|c| *c == column).unwrap_or(0);
+        self.drop_row(line, place, Reason::NoNumber);
+    }
+
     fn drop_row(&mut self, line: usize, place: usize, reason: Reason) {
         self.follows = false;
         self.dropped_rows += 1;
@@ -162,9 +176,43 @@ impl<'a> Collector<'a> {
         max_share: f64,
     ) -> Result<Collected, RecordingError> {
         let series = self.piece(true);
-        let allowed = (max_share * self.rows as f64).floor() as usize;
-        if self.dropped_rows > allowed {
-            let first = self.dropped.iter().min_by_key(|d| d.line);
+        self.judge(path, header, max_share, [0; 2])?;
+        self.dropped.sort_by_key(|d| d.line);
+        let dropped = self
+            .dropped
+            .iter()
+            .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
+            .collect();
+        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks })
+    }
+
+    /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.
+    pub(super) fn judge_latest(
+        &mut self,
+        path: &Path,
+        header: &Header,
+        max_share: f64,
+    ) -> Result<(), RecordingError> {
+        if self.rows - self.judged[0] >= JUDGED_ROWS {
+            self.judge(path, header, max_share, self.judged)?;
+            self.judged = [self.rows, self.dropped_rows];
+        }
+        Ok(())
+    }
+
+    /// An error if too many rows were left out since so many were seen and left out.
+    fn judge(
+        &self,
+        path: &Path,
+        header: &Header,
+        max_share: f64,
+        [seen, left_out]: [usize; 2],
+    ) -> Result<(), RecordingError> {
+        let (total, rows) = (self.rows - seen, self.dropped_rows - left_out);
+        let allowed = (max_share * total as f64).floor() as usize;
+        if rows > allowed {
+            let latest = self.dropped.iter().skip(left_out.min(self.dropped.len().saturating_sub(1)));
+            let first = latest.min_by_key(|d| d.line);
             let (line, column, reason) = first.map_or((0, 0, String::new()), |first| {
                 // Files that are no text have rows, and columns by name alone.
                 let column = if header.line == 0 { 0 } else { self.columns[first.place] + 1 };
@@ -175,19 +223,13 @@ impl<'a> Collector<'a> {
                 line,
                 column,
                 reason,
-                rows: self.dropped_rows,
-                total: self.rows,
+                rows,
+                total,
                 allowed,
                 max_share,
             });
         }
-        self.dropped.sort_by_key(|d| d.line);
-        let dropped = self
-            .dropped
-            .iter()
-            .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
-            .collect();
-        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks })
+        Ok(())
     }
 
     /// Hands out the rows held, without those that their neighbours contradict. Unless they are the last, two rows stay
@@ -255,6 +297,7 @@ impl<'a> Collector<'a> {
                 format!("time leaps ahead to {stamp} s, and the next row has {after} s")
             }
             Reason::Outlier { value, what } => format!("{name} = {value} {what}"),
+            Reason::NoNumber => format!("{name} is no finite number"),
         }
     }
 }

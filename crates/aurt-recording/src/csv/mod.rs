@@ -54,6 +54,9 @@ pub struct ReadOptions {
     pub velocity_limit_rad_s: f64,
     /// Measurements beyond this are corrupt, in the measurement's unit.
     pub measurement_limit: f64,
+    /// Whether rows come from a machine that runs on: a needed cell that is no finite number makes its row corrupt
+    /// instead of ending the reading, and the share of corrupt rows is judged at every piece, since no end may come.
+    pub is_running: bool,
 }
 
 impl Default for ReadOptions {
@@ -68,6 +71,7 @@ impl Default for ReadOptions {
             position_limit_rad: 1e4,
             velocity_limit_rad_s: 1e4,
             measurement_limit: 1e6,
+            is_running: false,
         }
     }
 }
@@ -193,6 +197,9 @@ impl Reader<'_> {
             }
             self.take(&parser, &header, &line, &mut row, &mut collector)?;
             if collector.held() >= self.piece_rows {
+                if self.options.is_running {
+                    collector.judge_latest(self.path, &header, self.options.max_corrupt_share)?;
+                }
                 visit(&recording(self.path, &selected, collector.piece(false), ReadReport::default()))?;
             }
             if let Some(reason) =
@@ -264,6 +271,10 @@ impl Reader<'_> {
             RowProblem::Cell { column } => {
                 let cell = parser.cells(line.bytes).nth(column).unwrap_or_default();
                 let text: String = String::from_utf8_lossy(cell).chars().take(40).collect();
+                if self.options.is_running && line.terminated && is_no_number(&text) {
+                    collector.skip(number, column);
+                    return Ok(());
+                }
                 if !line.terminated && column + 1 == header.columns {
                     let reason = format!("its last cell is `{text}`");
                     return Err(RecordingError::TruncatedLastLine { path, line: number, reason });
@@ -284,13 +295,17 @@ impl Reader<'_> {
     }
 }
 
+/// Whether a cell says that there is no number.
+fn is_no_number(text: &str) -> bool {
+    let lower = text.trim().to_lowercase();
+    ["", "nan", "inf", "infinity", "null", "none", "na"].contains(&lower.trim_start_matches(['-', '+']))
+}
+
 /// What to do about a cell that is no number.
 fn remedy_for(text: &str) -> &'static str {
-    let lower = text.to_lowercase();
-    let word = lower.trim_start_matches(['-', '+']);
     if text.is_empty() {
         "the cell is empty: fill it in or delete the row"
-    } else if ["nan", "inf", "infinity", "null", "none", "na"].contains(&word) {
+    } else if is_no_number(text) {
         "delete the row, or cut the recording with a window before it"
     } else if text.contains(',') {
         "numbers need a decimal point, or decimal commas throughout and semicolons between cells"

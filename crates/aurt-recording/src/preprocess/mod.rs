@@ -30,13 +30,16 @@ use std::path::Path;
 use crate::preprocess::clock::Clock;
 use crate::preprocess::segment::{Plan, Refusal};
 use crate::preprocess::zero_phase::CUTOFF_RANGE;
-use crate::{Recording, RecordingError};
+use crate::{PositionNoise, Recording, RecordingError};
 
 /// Order of both Butterworth filters, one way (paper, section IV).
 const FILTER_ORDER: usize = 4;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;
+
+/// Samples from which noise is told; more tell nothing new of an encoder.
+const NOISE_SAMPLES: usize = 20_000;
 
 /// A recording made ready for calibration, validation or prediction.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +48,8 @@ pub struct Preprocessed {
     pub segments: Vec<Segment>,
     /// What was found and done.
     pub report: PreprocessReport,
+    /// Noise of each joint's positions as they were recorded, from the beginning of the recording.
+    pub position_noise: Vec<PositionNoise>,
 }
 
 /// Preprocesses a recording as the paper does (section IV), after putting it on a uniform grid where it is not.
@@ -142,7 +147,10 @@ pub fn preprocess(
         return Err(refusal.into_error(recording, options));
     }
     report.velocity_scale = agreement.scale(options.rest_velocity_rad_s);
-    Ok(Preprocessed { segments, report })
+    let looked_at = merged.time_s.len().min(NOISE_SAMPLES);
+    let noise = |q: &Vec<f64>| PositionNoise::of(&merged.time_s[..looked_at], &q[..looked_at]);
+    let position_noise = merged.position_rad.iter().map(noise).collect();
+    Ok(Preprocessed { segments, report, position_noise })
 }
 
 fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed: usize) -> Option<Refusal> {

@@ -37,7 +37,8 @@ pub const TERMS: &[Term] = &[
         name: "estimator",
         title: "estimator",
         text: "How rows of different joints are weighed against each other: \"wls\" (default) by 1/σ² of their joint, \
-            \"ols\" all alike. See wls.",
+            \"ols\" all alike (see wls); and what is asked of the estimate: \"consistent\" a machine that can exist, \
+            \"essential\" the fewest parameters that predict as well.",
     },
     Term {
         name: "experiment",

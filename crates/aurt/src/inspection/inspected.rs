@@ -104,7 +104,7 @@ impl Inspected {
         let segments: Result<Vec<Segment>, ModelError> =
             data.segments.iter().map(|s| without_resting_joints(s, &self.joints)).collect();
         let segments = segments.map_err(|e| Failure::Models(vec![e]))?;
-        let data = Preprocessed { segments, report: data.report };
+        let data = Preprocessed { segments, ..data };
         Ok(NamedRecording { name: self.label().to_owned(), data })
     }
 

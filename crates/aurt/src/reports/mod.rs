@@ -4,11 +4,13 @@
 
 pub mod calibration;
 pub mod diagnosis;
+mod essential;
 pub mod figures;
 pub mod parts;
 pub mod recording;
 pub mod sensitivity;
 pub mod sweep;
+pub mod track;
 
 /// Name of a report in its folder.
 pub const FILE: &str = "report.html";

@@ -83,6 +83,10 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                 Estimator::Consistent => {
                     "weighted least squares, then the nearest machine that can exist".into()
                 }
+                Estimator::Essential => {
+                    "weighted least squares of the fewest parameters that predict as well as all".into()
+                }
+                Estimator::Eiv => "weighted least squares without the bias of noise in the positions".into(),
             },
         ),
         entry(

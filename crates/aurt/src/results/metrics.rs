@@ -91,6 +91,12 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.consistent {
             document["consistent"] = json!(report);
         }
+        if let Some(report) = &self.calibration.essential {
+            document["essential"] = json!(report);
+        }
+        if let Some(report) = &self.calibration.position_bias {
+            document["position_bias"] = json!(report);
+        }
         document
     }
 
@@ -159,6 +165,12 @@ impl Results<'_> {
                 report.determined,
                 report.standard.len()
             )));
+        }
+        if let Some(report) = &self.calibration.essential {
+            text.push_str(&super::essential::to_text(report));
+        }
+        if let Some(report) = &self.calibration.position_bias {
+            text.push_str(&wrapped(&super::position_bias::sentence(report)));
         }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
@@ -244,6 +256,8 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Wls => "wls",
         Estimator::Ols => "ols",
         Estimator::Consistent => "consistent",
+        Estimator::Essential => "essential",
+        Estimator::Eiv => "eiv",
     }
 }
 

@@ -1,7 +1,9 @@
 //! What calibrations and predictions leave behind: tables in files and on the terminal.
 
+pub mod essential;
 pub mod metrics;
 pub mod parameters;
+pub mod position_bias;
 pub mod predictions;
 pub mod shapes;
 pub mod sweep_table;

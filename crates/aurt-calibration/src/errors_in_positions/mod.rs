@@ -1,0 +1,291 @@
+//! Noise in the positions.
+//!
+//! The regressor is made from measured positions, and least squares knows only noise of the measurement y: errors ΔW of the
+//! regressor pull coefficients towards zero, since E (W + ΔW)ᵀ(W + ΔW) = WᵀW + E ΔWᵀΔW. Adding the noise once more, as the
+//! noise model of each joint draws it (white noise, and the lattice of the encoder on the very motion, through the filters of
+//! the positions), shows what it does to the normal equations A ζ = c; taking that away once gives them without noise,
+//!
+//! (2A − E A*) ζ = 2c − E c*,
+//!
+//! corrected scores by simulation (Nakamura 1990; Novick and Stefanski 2002). Exact where the regressor is linear in the
+//! noise; to first order in its power elsewhere. Friction turns with the sign of the velocity, where that is not enough: the
+//! correction shows that and where noise matters, and intervals around corrected estimates of friction hold less often than
+//! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator.
+
+mod noise;
+
+use aurt_recording::{PositionNoise, ZeroPhase};
+use aurt_traits::{LoadTorque, RobotModel};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    CalibrationError, CalibrationOptions, NamedRecording, Solution, System, TermScopes, accumulate_scoped,
+};
+use noise::{Random, acceleration_share, noisier};
+
+/// Order of the filter of the positions, one way.
+const FILTER_ORDER: usize = 4;
+/// Motions lie below this share of the parallel cut-off, which is half of f_dyn, and below this frequency, Hz, as far as
+/// the speed with which a joint crosses the lattice is concerned.
+const MOTION_SHARE: f64 = 0.25;
+const MOTION_HZ: f64 = 3.0;
+/// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
+const NEGLIGIBLE_SHARE: f64 = 1e-4;
+/// Draws of the noise that a bias is shown from, and that it is corrected by.
+const DRAWS: [u64; 2] = [4, 16];
+/// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
+const OVERWHELMING: f64 = 0.5;
+/// A bias of so many standard deviations makes intervals of 95 % hold less than 93 %.
+const NOTABLE: f64 = 0.5;
+
+/// What noise of the positions does to least squares.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PositionBias {
+    /// The joints.
+    pub joints: Vec<JointPositionNoise>,
+    /// Draws of the noise; none where it is negligible.
+    pub draws: u64,
+    /// The rigid bodies' coefficients that the recordings determine.
+    pub parameters: Vec<ParameterBias>,
+}
+
+/// The noise of a joint's position, of its noisiest recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointPositionNoise {
+    /// White noise, rad.
+    pub white_rad: f64,
+    /// Step of the lattice of the encoder, rad.
+    pub step_rad: Option<f64>,
+    /// Share of the noise in the power of the filtered accelerations.
+    pub acceleration_share: f64,
+}
+
+/// A coefficient's bias.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterBias {
+    /// The coefficient.
+    pub name: String,
+    /// Least squares minus the estimate without it.
+    pub bias: f64,
+    /// The same in standard deviations of the estimate.
+    pub deviations: f64,
+}
+
+/// Least squares, and what it was fitted to.
+pub(crate) struct Fitted<'a> {
+    pub model: &'a RobotModel,
+    pub options: &'a CalibrationOptions,
+    pub load: &'a LoadTorque,
+    pub scopes: &'a TermScopes,
+    pub recordings: &'a [&'a NamedRecording],
+    pub system: &'a System,
+    pub weights: &'a [f64],
+    pub solution: &'a Solution,
+}
+
+/// An estimate without the bias.
+pub(crate) struct Corrected {
+    pub coefficients: Vec<f64>,
+    /// The inverse of the corrected WᵀΩ⁻¹W, column-major.
+    pub bread: Vec<f64>,
+    pub joints: Vec<JointPositionNoise>,
+    pub draws: u64,
+}
+
+/// The estimate without what noise of the positions does to it; `thorough` draws often enough for the result to be used.
+///
+/// # Errors
+/// [`CalibrationError::NoisyPositions`] if noise makes up what the motion shows, and what models report.
+pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, CalibrationError> {
+    let joints = joints(fitted)?;
+    let plain = Normal::of(fitted.system, fitted.weights);
+    let is_negligible = joints.iter().all(|j| j.acceleration_share < NEGLIGIBLE_SHARE);
+    let draws = if is_negligible { 0 } else { DRAWS[usize::from(thorough)] };
+    let mut corrected = plain.clone();
+    if draws > 0 {
+        let drawn: Vec<Normal> =
+            (0..draws).into_par_iter().map(|draw| drawn(fitted, draw)).collect::<Result<_, _>>()?;
+        for normal in &drawn {
+            corrected.add(&plain, 1.0 / draws as f64);
+            corrected.add(normal, -1.0 / draws as f64);
+        }
+    }
+    let worst =
+        joints.iter().enumerate().max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
+    let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
+    let (coefficients, bread) = corrected
+        .solve(&fitted.solution.excited)
+        .ok_or(CalibrationError::NoisyPositions { joint, percent: 100.0 * share })?;
+    Ok(Corrected { coefficients, bread, joints, draws })
+}
+
+impl PositionBias {
+    /// The bias of least squares, given the estimate without it.
+    pub(crate) fn of(
+        model: &RobotModel,
+        solution: &Solution,
+        corrected: &Corrected,
+        deviations: impl Fn(usize) -> f64,
+    ) -> Self {
+        // Of friction, which turns with the sign of the velocity, first order says too little.
+        let parameters = (0..model.base().len())
+            .filter(|k| solution.excited[*k] && corrected.draws > 0)
+            .map(|k| {
+                let bias = solution.coefficients[k] - corrected.coefficients[k];
+                let deviation = deviations(k);
+                let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
+                ParameterBias { name: model.parameters()[k].name.clone(), bias, deviations }
+            })
+            .collect();
+        Self { joints: corrected.joints.clone(), draws: corrected.draws, parameters }
+    }
+
+    /// The coefficients whose intervals suffer, the worst first.
+    #[must_use]
+    pub fn notable(&self) -> Vec<&ParameterBias> {
+        let mut notable: Vec<&ParameterBias> =
+            self.parameters.iter().filter(|p| p.deviations.abs() > NOTABLE).collect();
+        notable.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+        notable
+    }
+
+    /// What to know where noise is more than corrections hold for.
+    pub(crate) fn overwhelming(&self) -> Option<String> {
+        let worst = self.joints.iter().enumerate();
+        let (joint, noise) =
+            worst.max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share))?;
+        (noise.acceleration_share > OVERWHELMING).then(|| {
+            format!(
+                "noise of the positions makes up {:.0} % of the power of joint {joint}'s accelerations, more than its effect on \
+                 estimates can be told or corrected for; lower f_dyn",
+                100.0 * noise.acceleration_share
+            )
+        })
+    }
+
+    /// What to know of least squares that was not corrected.
+    pub(crate) fn warning(&self) -> Option<String> {
+        const NAMED: usize = 3;
+        let notable = self.notable();
+        let worst: Vec<String> = notable
+            .iter()
+            .take(NAMED)
+            .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations))
+            .collect();
+        (!notable.is_empty()).then(|| {
+            format!(
+                "noise of the positions biases {} of {} coefficients of the rigid bodies by more than {NOTABLE} standard deviations ({}{}): their \
+                 intervals hold the truth less often than they say; lower f_dyn",
+                notable.len(),
+                self.parameters.len(),
+                worst.join(", "),
+                if notable.len() > NAMED { ", …" } else { "" }
+            )
+        })
+    }
+}
+
+/// The filter that the positions of a recording passed.
+fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {
+    let report = &recording.data.report;
+    Ok(ZeroPhase::butterworth(FILTER_ORDER, report.position_cutoff_hz, report.rate_hz)?)
+}
+
+fn joints(fitted: &Fitted<'_>) -> Result<Vec<JointPositionNoise>, CalibrationError> {
+    let mut joints: Vec<JointPositionNoise> = (0..fitted.model.joints())
+        .map(|_| JointPositionNoise { white_rad: 0.0, step_rad: None, acceleration_share: 0.0 })
+        .collect();
+    for recording in fitted.recordings {
+        let filter = position_filter(recording)?;
+        for (joint, noise) in recording.data.position_noise.iter().enumerate().take(joints.len()) {
+            let share = acceleration_share(&recording.data.segments, joint, noise, &filter);
+            if share > joints[joint].acceleration_share {
+                let PositionNoise { white_rad, step_rad, .. } = *noise;
+                joints[joint] = JointPositionNoise { white_rad, step_rad, acceleration_share: share };
+            }
+        }
+    }
+    Ok(joints)
+}
+
+/// The normal equations with the noise added once more.
+fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
+    let mut random = Random::new(draw);
+    let noisier: Vec<NamedRecording> = fitted
+        .recordings
+        .iter()
+        .map(|recording| {
+            let filter = position_filter(recording)?;
+            let report = &recording.data.report;
+            let motion_hz = (MOTION_SHARE * report.parallel_cutoff_hz).min(MOTION_HZ);
+            let smoother = ZeroPhase::butterworth(FILTER_ORDER, motion_hz, report.rate_hz)?;
+            let mut own = (*recording).clone();
+            for segment in &mut own.data.segments {
+                *segment = noisier(segment, &own.data.position_noise, [&filter, &smoother], &mut random)?;
+            }
+            Ok(own)
+        })
+        .collect::<Result<_, CalibrationError>>()?;
+    let Fitted { model, options, load, scopes, weights, .. } = *fitted;
+    Ok(Normal::of(&accumulate_scoped(model, &noisier, scopes, load, options)?, weights))
+}
+
+/// A = WᵀΩ⁻¹W and c = WᵀΩ⁻¹y.
+#[derive(Clone)]
+struct Normal {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl Normal {
+    fn of(system: &System, weights: &[f64]) -> Self {
+        let n = system.coefficients();
+        let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        for (factor, weight) in system.factors().iter().zip(weights) {
+            let (r, columns) = (factor.triangle(), factor.columns());
+            let size = columns.len() + 1;
+            let column = |k: usize| &r[k * size..(k + 1) * size];
+            let dot = |a: usize, b: usize| -> f64 {
+                weight * weight * column(a).iter().zip(column(b)).map(|(x, y)| x * y).sum::<f64>()
+            };
+            for (a, first) in columns.iter().enumerate() {
+                right[*first] += dot(a, size - 1);
+                for (b, second) in columns.iter().enumerate() {
+                    matrix[(*first, *second)] += dot(a, b);
+                }
+            }
+        }
+        Self { matrix, right }
+    }
+
+    fn add(&mut self, other: &Self, factor: f64) {
+        self.matrix += factor * &other.matrix;
+        self.right += factor * &other.right;
+    }
+
+    /// ζ and A⁻¹ over the excited coefficients; `None` unless A is positive definite.
+    fn solve(&self, excited: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let n = excited.len();
+        let kept: Vec<usize> = (0..n).filter(|k| excited[*k]).collect();
+        let scale: Vec<f64> = kept.iter().map(|k| self.matrix[(*k, *k)].sqrt()).collect();
+        if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+            return None;
+        }
+        let scaled = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
+            self.matrix[(kept[a], kept[b])] / (scale[a] * scale[b])
+        });
+        let inverse = scaled.cholesky()?.inverse();
+        let right = DVector::from_fn(kept.len(), |a, _| self.right[kept[a]] / scale[a]);
+        let found = &inverse * right;
+        let (mut coefficients, mut bread) = (vec![0.0; n], vec![0.0; n * n]);
+        for (a, first) in kept.iter().enumerate() {
+            coefficients[*first] = found[a] / scale[a];
+            for (b, second) in kept.iter().enumerate() {
+                bread[second * n + first] = inverse[(a, b)] / (scale[a] * scale[b]);
+            }
+        }
+        Some((coefficients, bread))
+    }
+}

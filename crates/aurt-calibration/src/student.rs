@@ -1,0 +1,33 @@
+//! Student's distribution through the normal one (Wallace 1959, *Annals of Mathematical Statistics* 30).
+
+fn wallace(freedom: f64) -> f64 {
+    (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0)
+}
+
+/// The normal deviate with the probability of Student's t.
+pub(crate) fn normal(t: f64, freedom: f64) -> f64 {
+    let z = wallace(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt();
+    z.copysign(t)
+}
+
+/// Student's t with the probability of a normal deviate.
+pub(crate) fn student(z: f64, freedom: f64) -> f64 {
+    let t = (freedom * libm::expm1((z / wallace(freedom)).powi(2) / freedom)).sqrt();
+    t.copysign(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uncertainty::NORMAL_95;
+
+    /// Quantiles of Student's distribution from tables: t_0.975 with 5, 10 and 30 degrees of freedom.
+    #[test]
+    fn students_quantiles_are_those_of_tables() {
+        for (freedom, expected) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423)] {
+            assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 5e-3);
+            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 5e-3);
+            assert_eq!(student(-1.0, freedom), -student(1.0, freedom));
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! `aurt track`: how a machine has changed since its calibration.
+
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
+
+use aurt_experiment::Experiment;
+use clap::Args;
+use serde_json::json;
+
+use super::{Session, plots::PlotOptions};
+use crate::{
+    arguments::parse_positive,
+    calibrated_file::CalibratedModel,
+    commands::run::{drawn_text, written_text},
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    rendering::{json::pretty, terminal::Report},
+    reports,
+    tracking::{Alarm, STANDARD_INPUT, TrackOptions, recordings_of, track},
+};
+
+/// Follow a calibrated machine through recordings: drift of friction, gains and load, and alarms when it changes.
+///
+/// The experiment's own recordings are the unchanged machine, from which it learns how much estimates vary anyway. Exit
+/// status 1 if something has changed; `aurt diagnose` with that recording as target names the physics.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  \
+    aurt track experiment.toml --model results/rd_calibrated.json nightly --out track")]
+pub struct Track {
+    /// Experiment file; its recordings are the unchanged machine
+    #[arg(value_name = "EXPERIMENT.toml")]
+    experiment: PathBuf,
+    /// Recordings in time order, folders of recordings, which are taken by name, or `-` for rows as they come on standard
+    /// input
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// Calibrated robot dynamics from `aurt run` or `aurt calibrate`
+    #[arg(long, value_name = "JSON")]
+    model: PathBuf,
+    /// Folder for report.html and track.json; created if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Length of the windows that are compared with the unchanged machine
+    #[arg(long, value_name = "S", default_value = "5", value_parser = parse_positive)]
+    window_s: f64,
+    /// Mean time of recording between two false alarms of the whole arm
+    #[arg(long, value_name = "H", default_value = "720", value_parser = parse_positive)]
+    false_alarm_h: f64,
+    /// Time of recording after which old friction counts half in the tracked estimate
+    #[arg(long, value_name = "S", default_value = "60", value_parser = parse_positive)]
+    friction_half_life_s: f64,
+    /// The same for gains
+    #[arg(long, value_name = "S", default_value = "120", value_parser = parse_positive)]
+    gain_half_life_s: f64,
+    /// The same for the load
+    #[arg(long, value_name = "S", default_value = "20", value_parser = parse_positive)]
+    load_half_life_s: f64,
+    #[command(flatten)]
+    plots: PlotOptions,
+}
+
+/// Windows are not shorter than this.
+const SHORTEST_WINDOW_S: f64 = 1.0;
+
+impl Track {
+    /// Tracks.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        let Session { terminal, registry } = session;
+        let folder = OutputFolder::new("--out", &self.out)?;
+        let plots = self.plots.folder()?;
+        if self.window_s < SHORTEST_WINDOW_S {
+            return Err(Failure::Argument {
+                option: "--window-s",
+                reason: format!("{} s is too short to tell friction, gain and load apart", self.window_s),
+                remedy: format!("choose {SHORTEST_WINDOW_S} s or more"),
+            });
+        }
+        let recordings = recordings_of(&self.recordings)?;
+        let experiment = Experiment::read(&self.experiment, registry)?;
+        let calibrated = CalibratedModel::read(&self.model, registry)?;
+        let (joints, expected) = (calibrated.model.joints(), experiment.joints());
+        if joints != expected {
+            return Err(Failure::Argument {
+                option: "--model",
+                reason: format!("{} has {joints} joints, the experiment {expected}", self.model.display()),
+                remedy: "name the model that `aurt run` made of this experiment".into(),
+            });
+        }
+        let options = TrackOptions {
+            window_s: self.window_s,
+            false_alarm_h: self.false_alarm_h,
+            half_life_s: [self.friction_half_life_s, self.gain_half_life_s, self.load_half_life_s],
+        };
+        let own = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+        let progress = terminal.progress(own + recordings.len());
+        // Whoever watches a machine that runs on hears of an alarm at once, not when its rows end.
+        let is_running = recordings.iter().any(|r| r.as_path() == Path::new(STANDARD_INPUT));
+        let mut said = |alarm: &Alarm| {
+            if is_running {
+                // The exit status tells all the same where standard error is closed.
+                let _ = writeln!(std::io::stderr(), "alarm: {}", reports::track::sentence(alarm));
+            }
+        };
+        let tracked = track(&experiment, &calibrated, registry, &recordings, options, &progress, &mut said)?;
+        drop(progress);
+
+        let mut document = json!(tracked);
+        document["command"] = json!("track");
+        document["experiment"] = json!(self.experiment);
+        document["model"] = json!(self.model);
+        let page = reports::track::page(&tracked, &document);
+        let mut outputs = Outputs::default();
+        outputs.folder(
+            &folder,
+            [
+                ("track.json".to_owned(), pretty(&document).into_bytes()),
+                (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ],
+        );
+        let mut written = outputs.paths();
+        let drawn = outputs.figures(&page, plots.as_ref());
+        outputs.write()?;
+        let text =
+            reports::track::text(&tracked) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
+        written.extend(drawn);
+        document["outputs"] = json!(written);
+        Ok(Report { text, json: document, findings: !tracked.alarms.is_empty() })
+    }
+}

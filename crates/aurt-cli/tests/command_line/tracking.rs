@@ -1,0 +1,209 @@
+//! `aurt track`: a machine that stays as it is, one that gets a load, one whose friction grows.
+
+use crate::support::Folder;
+
+const START: [&str; 6] =
+    ["track", "experiment.toml", "--model", "results/rd_calibrated.json", "--window-s", "1.5"];
+
+const LATER: [&str; 2] = ["later_motion.csv", "later_other_motion.csv"];
+
+fn calibrated() -> Folder {
+    let folder = Folder::new().with_whole_demo().with_demo(&LATER);
+    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    folder
+}
+
+fn track(folder: &Folder, recordings: &[&str], out: &str) -> (i32, serde_json::Value) {
+    let run = folder.aurt(START.iter().chain(&["--out", out]).chain(recordings));
+    assert!(run.status() < 2, "{}", run.stderr());
+    (run.status(), folder.json(&format!("{out}/track.json")))
+}
+
+fn drift<'a>(found: &'a serde_json::Value, recording: usize, name: &str) -> &'a serde_json::Value {
+    let parameters = found["parameters"].as_array().unwrap();
+    let k = parameters.iter().position(|p| p["name"] == name).unwrap();
+    &found["recordings"][recording]["drift"][k]
+}
+
+/// The demo's later recordings carry 2 kg; the charts say that it is the load and since when.
+#[test]
+fn a_load_is_noticed_and_an_unchanged_machine_is_not() {
+    let folder = calibrated();
+    let (status, found) = track(&folder, &["other_motion.csv", "exciting_motion.csv"], "unchanged");
+    assert_eq!((status, found["alarms"].as_array().map(Vec::len)), (0, Some(0)), "{found}");
+    let (status, found) = track(&folder, &["other_motion.csv", LATER[0], LATER[1]], "loaded");
+    assert_eq!(status, 1);
+    let alarm = found["alarms"].as_array().unwrap().iter().find(|a| a["group"] == "load").unwrap();
+    assert_eq!((&alarm["since_recording"], &alarm["rose"]), (&LATER[0].into(), &true.into()), "{alarm}");
+    let mass = drift(&found, 1, "payload.m_5");
+    assert!((mass["value"].as_f64().unwrap() - 2.0).abs() < 0.2, "{mass}");
+    let page = folder.read("loaded/report.html");
+    assert!(page.contains("the load on the last link rose") && page.contains("<svg"));
+}
+
+#[test]
+fn what_cannot_be_tracked_is_refused() {
+    let folder = calibrated();
+    std::fs::create_dir(folder.path("empty")).unwrap();
+    let refused = |arguments: &[&str], words: &[&str]| {
+        folder.aurt(START[..4].iter().chain(&["--out", "out"]).chain(arguments)).refused(words);
+    };
+    refused(&["empty"], &["empty", "no file that ends in .csv"]);
+    refused(&["nowhere.csv"], &["nowhere.csv"]);
+    refused(&["-", "-"], &["standard input is named twice"]);
+    refused(&["other_motion.csv", "--window-s", "15"], &["whole windows", "--window-s"]);
+    assert!(!folder.names().contains(&"out".to_owned()));
+}
+
+/// Without forgetting the tracked estimate after one recording is the recording's own.
+#[test]
+fn nothing_forgotten_is_the_estimate_of_the_batch() {
+    let folder = calibrated();
+    let endless =
+        ["--friction-half-life-s", "1e15", "--gain-half-life-s", "1e15", "--load-half-life-s", "1e15"];
+    let recordings = ["other_motion.csv"];
+    let (_, found) = track(&folder, &[&endless[..], &recordings].concat(), "endless");
+    let of = |what: &str, k: usize| found["recordings"][0][what][k]["value"].as_f64().unwrap();
+    let count = found["parameters"].as_array().unwrap().len();
+    assert_eq!(count, 16);
+    for k in 0..count {
+        let (batch, tracked) = (of("drift", k), of("tracked", k));
+        assert!((batch - tracked).abs() <= 1e-9 * batch.abs().max(1e-3), "{k}: {batch} {tracked}");
+    }
+}
+
+/// Rows of recordings, one after the other, each `gap_s` after the last.
+fn stream(folder: &Folder, recordings: &[&str], gap_s: f64) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut offset_s = 0.0;
+    for recording in recordings {
+        let text = folder.read(recording);
+        let mut rows = text.lines();
+        let header = rows.next().unwrap().to_owned();
+        if lines.is_empty() {
+            lines.push(header);
+        }
+        let mut end_s = 0.0;
+        for row in rows {
+            let (stamp, cells) = row.split_once(',').unwrap();
+            end_s = offset_s + stamp.parse::<f64>().unwrap();
+            lines.push(format!("{end_s:.4},{cells}"));
+        }
+        offset_s = end_s + gap_s;
+    }
+    lines
+}
+
+fn fed(folder: &Folder, lines: &[String], out: &str) -> crate::support::Run {
+    folder.aurt_fed(lines.join("\n") + "\n", START.iter().chain(&["--out", out, "-"]))
+}
+
+#[test]
+fn rows_as_they_come_tell_what_files_tell() {
+    let folder = calibrated();
+    let mut lines = stream(&folder, &["other_motion.csv", LATER[0]], 30.0);
+    // A sensor fails for two rows, a row comes late.
+    for line in [300, 301] {
+        let (rest, _) = lines[line].rsplit_once(',').unwrap();
+        lines[line] = format!("{rest},NaN");
+    }
+    lines.swap(700, 704);
+    let run = fed(&folder, &lines, "running");
+    assert_eq!(run.status(), 1, "{}", run.stderr());
+    assert!(run.stderr().contains("alarm: the load on the last link rose"), "{}", run.stderr());
+    let found = folder.json("running/track.json");
+    let alarm = &found["alarms"][0];
+    let since_s = alarm["since_s"].as_f64().unwrap();
+    assert!(alarm["group"] == "load" && (since_s - 40.0).abs() < 3.0, "{alarm}");
+    let notes = found["notes"].to_string();
+    for said in ["time jumped 1 times, over 30.0 s", "no finite number", "goes back"] {
+        assert!(notes.contains(said), "`{said}` is missing in {notes}");
+    }
+    // With as much rest between as the filters need, windows are nearly those of the file.
+    let lines = stream(&folder, &[LATER[0]], 0.0);
+    assert_eq!(fed(&folder, &lines, "alone").status(), 1);
+    let (_, file) = track(&folder, &LATER[..1], "file");
+    let mass = |found: &serde_json::Value| drift(found, 0, "payload.m_5")["value"].as_f64().unwrap();
+    let (rows, file) = (mass(&folder.json("alone/track.json")), mass(&file));
+    assert!((rows - file).abs() < 0.02, "{rows} {file}");
+}
+
+#[test]
+fn a_stream_that_fails_is_refused() {
+    let folder = calibrated();
+    let good = stream(&folder, &["other_motion.csv", "exciting_motion.csv"], 0.008);
+    let refused = |lines: &[String], words: &[&str]| {
+        fed(&folder, lines, "out").refused(words);
+    };
+    let mut nan = good.clone();
+    for line in nan.iter_mut().skip(1).step_by(20) {
+        let (rest, _) = line.rsplit_once(',').unwrap();
+        *line = format!("{rest},nan");
+    }
+    refused(&nan, &["standard input, line 2", "no finite number", "at most"]);
+    let mut back = good.clone();
+    let again: Vec<String> = good[1..400].to_vec();
+    back.extend(again);
+    refused(&back, &["standard input", "time goes back"]);
+    refused(&good[..1], &["standard input", "no row follows"]);
+    refused(&[], &["standard input"]);
+    assert!(!folder.names().contains(&"out".to_owned()));
+}
+
+/// A logger that doubles its rate does not look like a change of the machine.
+#[test]
+fn a_change_of_rate_is_told_and_no_alarm() {
+    let folder = calibrated();
+    let lines = stream(&folder, &["other_motion.csv", "exciting_motion.csv"], 20.0);
+    let (slow, fast) = lines[1..].split_at(1251);
+    let thinned = slow.iter().step_by(2).chain(fast);
+    let lines: Vec<String> = lines[..1].iter().chain(thinned).cloned().collect();
+    let run = fed(&folder, &lines, "rates");
+    assert_eq!(run.status(), 0, "{}", run.stderr());
+    let notes = folder.json("rates/track.json")["notes"].to_string();
+    assert!(notes.contains("from 62 Hz to 125 Hz") || notes.contains("from 63 Hz to 125 Hz"), "{notes}");
+}
+
+/// The demo's robot with more friction in joint 4, as another logger recorded it.
+const RUBBING: &str = r#"
+robot = "ur10e"
+seed = 21
+
+[motion]
+kind = "multi_sine"
+duration_s = 20.0
+harmonics = 8
+top_hz = 1.0
+share = 0.6
+
+[logger]
+rate_hz = 125
+
+[[drive]]
+joint = 1
+load_coefficient = 0.08
+
+[[drive]]
+joint = 2
+load_coefficient = 0.08
+
+[[effect]]
+name = "friction_level_changed"
+joints = [4]
+coulomb_change = [0.4]
+viscous_change = [0.4]
+"#;
+
+#[test]
+fn friction_that_grows_is_named_with_its_joint_and_size() {
+    let folder = calibrated();
+    folder.write("scenario.toml", RUBBING);
+    folder.aurt(["simulate", "--scenario", "scenario.toml", "--out", "rubbing.csv"]).succeeded();
+    let (status, found) = track(&folder, &["other_motion.csv", "rubbing.csv"], "rubbing");
+    assert_eq!(status, 1);
+    let alarms = found["alarms"].as_array().unwrap();
+    assert_eq!(alarms[0]["parameter"], "friction_4", "{alarms:?}");
+    let grown = drift(&found, 1, "friction_4");
+    let ends: Vec<f64> = crate::support::numbers(&grown["interval_95"]);
+    assert!(ends[0] < 0.4 && 0.4 < ends[1] && ends[0] > 0.2, "{grown}");
+}

@@ -1,0 +1,225 @@
+use std::collections::VecDeque;
+
+use aurt_calibration::{
+    Baseline, CalibrationError, ChangePoint, Cusum, DriftParameter, DriftReference, DriftWindow, MIN_WINDOWS,
+    Solution, System, Tracker, average_run_length, threshold_for,
+};
+use aurt_traits::MeasurementUnit;
+
+use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
+
+/// Shift per window, in deviations, that charts are made for: half of it is the allowance of the CUSUM.
+const ALLOWANCE: f64 = 0.5;
+
+/// Where a window lies.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    source: usize,
+    start_s: f64,
+    end_s: f64,
+}
+
+/// A parameter's chart.
+struct Chart {
+    parameter: usize,
+    cusum: Cusum,
+    /// Windows in which a change may have begun, and the index of the first of them.
+    places: VecDeque<Place>,
+    first: usize,
+    is_silent: bool,
+}
+
+impl Chart {
+    /// Takes in the next window; the places of a change that it makes certain.
+    fn push(&mut self, z: f64, place: Place) -> Option<(ChangePoint, [Place; 2])> {
+        self.places.push_back(place);
+        let change = self.cusum.push(z);
+        let found = change.and_then(|c| Some((c, [*self.places.get(c.since - self.first)?, place])));
+        let needed = self.cusum.needed_from();
+        while self.first < needed && self.places.pop_front().is_some() {
+            self.first += 1;
+        }
+        let was_silent = self.is_silent;
+        self.is_silent |= found.is_some();
+        found.filter(|_| !was_silent)
+    }
+}
+
+/// What has been seen so far; its size does not depend on how much that was, but for the rows of the table.
+pub(super) struct Follower {
+    pub(super) options: TrackOptions,
+    parameters: Vec<DriftParameter>,
+    sigma: Vec<f64>,
+    columns: Vec<Vec<usize>>,
+    tracker: Tracker,
+    charts: Vec<Chart>,
+    run_length: f64,
+    threshold: f64,
+    sources: Vec<String>,
+    /// The recording that is being taken in: its rows, their duration in s, and its windows.
+    current: (Option<System>, f64, usize),
+    recordings: Vec<TrackedRecording>,
+    alarms: Vec<Alarm>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Follower {
+    pub(super) fn new(reference: &DriftReference<'_>, sigma: &[f64], options: TrackOptions) -> Self {
+        let (parameters, columns) = (reference.parameters(), reference.columns());
+        Self {
+            options,
+            tracker: Tracker::new(parameters.len(), columns.clone(), sigma),
+            parameters,
+            sigma: sigma.to_vec(),
+            columns,
+            charts: Vec::new(),
+            run_length: f64::INFINITY,
+            threshold: 0.0,
+            sources: Vec::new(),
+            current: (None, 0.0, 0),
+            recordings: Vec::new(),
+            alarms: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// The drift that rows alone show.
+    pub(super) fn solve(&self, rows: &System) -> Result<Solution, CalibrationError> {
+        let mut alone = Tracker::new(self.parameters.len(), self.columns.clone(), &self.sigma);
+        alone.add(rows)?;
+        alone.estimate()
+    }
+
+    /// A chart for every joint's friction and gain and for the mass of the load, where the baseline determines it; their
+    /// false alarms together come as seldom as asked for.
+    pub(super) fn chart(&mut self, baseline: &Baseline) {
+        let is_charted = |k: &usize| {
+            let p = &self.parameters[*k];
+            baseline.windows[*k] >= MIN_WINDOWS && (p.joint.is_some() || p.unit == "kg")
+        };
+        let charted: Vec<usize> = (0..self.parameters.len()).filter(is_charted).collect();
+        let windows = self.options.false_alarm_h * 3600.0 / self.options.window_s;
+        self.run_length = windows * charted.len() as f64;
+        self.threshold = threshold_for(ALLOWANCE, self.run_length);
+        self.run_length = average_run_length(ALLOWANCE, self.threshold);
+        self.charts = charted
+            .into_iter()
+            .map(|parameter| Chart {
+                parameter,
+                // What the baseline's mean may be off by comes back in every window: it is no change.
+                cusum: Cusum::new(ALLOWANCE + baseline.mean_error(parameter), self.threshold),
+                places: VecDeque::new(),
+                first: 0,
+                is_silent: false,
+            })
+            .collect();
+    }
+
+    /// The windows that follow are of this recording or stream.
+    pub(super) fn begin(&mut self, source: String) {
+        self.sources.push(source);
+    }
+
+    /// Takes in the next window; the first alarm that it makes certain.
+    pub(super) fn take(
+        &mut self,
+        window: &DriftWindow,
+        baseline: &Baseline,
+    ) -> Result<Option<Alarm>, CalibrationError> {
+        match &mut self.current.0 {
+            None => self.current.0 = Some(window.system.clone()),
+            Some(sum) => sum.merge(&window.system)?,
+        }
+        self.current.1 += window.duration_s;
+        self.tracker.forget(&self.kept(window.duration_s))?;
+        self.tracker.add(&window.system)?;
+        if !window.whole {
+            return Ok(None);
+        }
+        self.current.2 += 1;
+        let solution = self.solve(&window.system)?;
+        let source = self.sources.len().saturating_sub(1);
+        let place = Place { source, start_s: window.start_s, end_s: window.start_s + window.duration_s };
+        let before = self.alarms.len();
+        for chart in &mut self.charts {
+            let drift = baseline.drift(&solution, chart.parameter);
+            let Some(z) = drift.standardised.filter(|z| z.is_finite()) else { continue };
+            // Sums of windows that do not err independently grow as those of larger independent ones.
+            let z = z / baseline.memory.sqrt();
+            if let Some((change, places)) = chart.push(z, place) {
+                let parameter = &self.parameters[chart.parameter];
+                let named = |place: Place| self.sources.get(place.source).cloned().unwrap_or_default();
+                self.alarms.push(Alarm {
+                    group: parameter.group,
+                    joint: parameter.joint,
+                    parameter: parameter.name.clone(),
+                    rose: change.rose,
+                    since_recording: named(places[0]),
+                    since_s: places[0].start_s,
+                    certain_recording: named(places[1]),
+                    certain_s: places[1].end_s,
+                });
+            }
+        }
+        Ok(self.alarms.get(before).cloned())
+    }
+
+    /// Ends a row of the table.
+    pub(super) fn close(&mut self, name: String, baseline: &Baseline) -> Result<(), CalibrationError> {
+        let (rows, duration_s, windows) = std::mem::take(&mut self.current);
+        if windows == 0 {
+            self.notes.push(format!(
+                "{name} is shorter than a window of {} s: its drift is estimated, but not charted",
+                self.options.window_s
+            ));
+        }
+        let rows = rows.ok_or(CalibrationError::NothingToCalibrateOn)?;
+        let (alone, followed) = (self.solve(&rows)?, self.tracker.estimate()?);
+        let all = 0..self.parameters.len();
+        self.recordings.push(TrackedRecording {
+            recording: name,
+            duration_s,
+            windows,
+            drift: all.clone().map(|k| baseline.drift_of_many(&alone, k)).collect(),
+            tracked: all.map(|k| baseline.drift_of_many(&followed, k)).collect(),
+        });
+        Ok(())
+    }
+
+    /// Seconds that were taken in since the last row of the table.
+    pub(super) const fn open_s(&self) -> f64 {
+        self.current.1
+    }
+
+    /// The share of its information that each parameter keeps over some seconds.
+    fn kept(&self, duration_s: f64) -> Vec<f64> {
+        let half_life_s = |p: &DriftParameter| self.options.half_life_s[p.group as usize];
+        self.parameters.iter().map(|p| (-duration_s / half_life_s(p)).exp2()).collect()
+    }
+
+    pub(super) fn finished(
+        mut self,
+        baseline: Baseline,
+        baseline_recordings: Vec<String>,
+        unit: MeasurementUnit,
+    ) -> Tracked {
+        if unit == MeasurementUnit::Ampere {
+            self.notes.push(
+                "the model is in A, where a mass has no unit: a load shows as gains; `torque_constants_nm_per_a` makes it kg"
+                    .into(),
+            );
+        }
+        Tracked {
+            options: self.options,
+            baseline,
+            baseline_recordings,
+            charts: self.charts.len(),
+            threshold: self.threshold,
+            average_run_length_windows: self.run_length,
+            parameters: self.parameters,
+            recordings: self.recordings,
+            alarms: self.alarms,
+            notes: self.notes,
+        }
+    }
+}
