@@ -34,6 +34,7 @@ pub mod calibrating;
 pub mod data;
 pub mod demo;
 pub mod diagnosing;
+pub mod doctor;
 pub mod exporting;
 mod failure;
 pub mod fitting;
