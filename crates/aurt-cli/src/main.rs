@@ -16,7 +16,7 @@ mod failure {
 use std::process::ExitCode;
 
 use aurt::{
-    calibrated_file, data, demo, diagnosing, exporting, fitting, glossary, injected, inspection, output,
+    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary, injected, inspection, output,
     proof, reports, results, sensitivity, streaming, sweeping,
 };
 use aurt_plugins::Registry;

@@ -37,6 +37,7 @@ pub mod diagnosing;
 pub mod doctor;
 pub mod exporting;
 mod failure;
+pub mod first_experiment;
 pub mod fitting;
 pub mod glossary;
 pub mod injected;

@@ -69,6 +69,30 @@ pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Fa
     })
 }
 
+/// An error from which on a calibration is looked at more closely.
+const DOUBTFUL: f64 = 0.5;
+
+/// As [`examine`], if a model is said to explain little or a first trial explains little; else nothing.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_if_doubtful(
+    subject: &Subject,
+    poor: bool,
+    registry: &Registry,
+) -> Result<Option<Examination>, Failure> {
+    let bench = Bench {
+        friction: plain_friction(registry)?,
+        arm_terms: subject.arm_terms.clone(),
+        scopes: subject.scopes.clone(),
+    };
+    let fine = |s: &Score| s.total < DOUBTFUL && !s.fed.contains(&true);
+    if !poor && bench.score(&Setup::of(subject)?).is_some_and(|s| fine(&s)) {
+        return Ok(None);
+    }
+    examine(subject, registry).map(Some)
+}
+
 impl Examination {
     /// What was found, in sentences that say by how much it helps and what to change.
     #[must_use]
@@ -112,5 +136,43 @@ impl Examination {
                 "error": step.after.total,
             })).collect::<Vec<_>>(),
         })
+    }
+}
+
+/// Below this share a joint counts as hardly explained.
+const HARDLY: f64 = 0.3;
+
+impl Examination {
+    /// What is said if joints are hardly explained and no mistake that was tried would explain them.
+    #[must_use]
+    pub fn hardly(&self) -> Option<String> {
+        let Some(score) = &self.after else {
+            return Some(
+                "No usual mistake would explain it: check that table and recordings are of the same robot, and the \
+                 stamps."
+                    .into(),
+            );
+        };
+        let poor: Vec<String> = (0..score.joints.len())
+            .filter_map(|j| score.explained(j).filter(|e| *e < HARDLY).map(|e| (j, e)))
+            .map(|(j, e)| format!("{:.0} % of joint {j}", 100.0 * e))
+            .collect();
+        let fed: Vec<String> = (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();
+        let mut said = Vec::new();
+        if !poor.is_empty() {
+            said.push(format!(
+                "Rigid bodies with plain friction explain {}, and no usual mistake would explain more: check that table and \
+                 recordings are of the same robot, and what is measured.",
+                poor.join(", ")
+            ));
+        }
+        if !fed.is_empty() {
+            said.push(format!(
+                "The friction that fits joints {} gives power instead of taking it: check the signs of their positions and \
+                 measurements.",
+                fed.join(", ")
+            ));
+        }
+        (!said.is_empty()).then(|| said.join(" "))
     }
 }

@@ -11,6 +11,7 @@ use super::{
     judged::Judged,
 };
 use crate::{
+    doctor::oddities,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
     failure::Failure,
     rendering::{
@@ -67,6 +68,7 @@ impl Inspected {
             .into_iter()
             .map(|f| f.sentence)
             .collect();
+        findings.extend(oddities(&name, &self.loaded.recording));
         let report = &self.loaded.recording.report;
         if !report.dropped.is_empty() {
             findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
