@@ -10,13 +10,11 @@ use aurt_traits::MeasurementUnit;
 use toml_edit::Value;
 
 use crate::{
-    data::{Loaded, Purpose, Source},
+    data::{Loaded, Preprocessing, Purpose, Source},
     doctor::{self, Examination, Subject, median_period_s},
     failure::Failure,
-    fitting::Assigned,
     inspection::{inspected::Inspected, joints::suitable_f_dyn_hz},
     results::metrics::Role,
-    data::Preprocessing,
 };
 
 /// f_dyn to look with, Hz, and the share of the sampling rate that it must stay below.
@@ -88,16 +86,16 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let rate_hz = looked.iter().map(|l| l.inspected.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
     let f_dyn_hz = suitable_f_dyn_hz(looked.iter().flat_map(|l| &l.inspected.joints), rate_hz);
     let text = text(known, &arm, &looked, &roles, f_dyn_hz, path);
-    let experiment = Experiment::parse(&text, path, registry).map_err(|e| Failure::Experiment(e))?;
+    let experiment = Experiment::parse(&text, path, registry).map_err(Failure::Experiment)?;
     let measured = looked.iter().all(|l| l.inspected.loaded.recording.measurement.is_some());
     if !measured {
         return Ok(Draft { text, guesses, examination: None });
     }
-    let subject = Subject::of_experiment(&experiment, assigned(&experiment)?)?;
+    let subject = Subject::of_experiment(&experiment, doctor::recordings_of(&experiment)?)?;
     let examination = doctor::examine(&subject, registry)?;
     let (text, left) = doctor::corrected(&experiment, &subject, &examination)?;
     // A correction that cannot be read back is none.
-    Experiment::parse(&text, path, registry).map_err(|e| Failure::Experiment(e))?;
+    Experiment::parse(&text, path, registry).map_err(Failure::Experiment)?;
     let mut head = String::new();
     for sentence in examination.sentences() {
         head.push_str(&format!("# The recordings said otherwise than the first guess. {sentence}\n"));
@@ -106,19 +104,6 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
         head.push_str(&format!("# To be done by hand: {order}.\n"));
     }
     Ok(Draft { text: head + &text, guesses, examination: Some(examination) })
-}
-
-fn assigned(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
-    let recordings = &experiment.recordings;
-    let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
-    let validation = recordings.validation.iter().map(|r| (r, Role::Validation));
-    calibration
-        .chain(validation)
-        .map(|(source, role)| {
-            let loaded = Loaded::read(Source::from(source), Some(experiment.joints()), Purpose::Calibration)?;
-            Ok(Assigned { loaded, role })
-        })
-        .collect()
 }
 
 fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {

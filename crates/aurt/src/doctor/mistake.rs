@@ -1,6 +1,6 @@
 //! Mistakes that can be undone in a setup.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use aurt_rbd::{Joint, MdhRows};
 use aurt_recording::Recording;
@@ -115,13 +115,15 @@ impl Mistake {
     /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
         match self {
-            Self::Gravity { to_m_s2 } => Setup { gravity_m_s2: *to_m_s2, ..setup.clone() },
+            Self::Gravity { to_m_s2 } => Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() },
             Self::Geometry { what: Table::Zero { joint, offset_rad }, .. } => {
                 let mut joints = setup.joints.clone();
                 joints[*joint].theta_offset_rad += offset_rad;
-                Setup { joints, ..setup.clone() }
+                Setup { joints, model: OnceLock::new(), ..setup.clone() }
             }
-            Self::Geometry { joints, .. } => Setup { joints: joints.clone(), ..setup.clone() },
+            Self::Geometry { joints, .. } => {
+                Setup { joints: joints.clone(), model: OnceLock::new(), ..setup.clone() }
+            },
             Self::Reading { what, file } => {
                 let concerned = |part: &&Part| file.is_none_or(|f| f == part.file);
                 let parts = setup

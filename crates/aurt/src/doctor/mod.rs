@@ -6,8 +6,8 @@
 //! contributes 1.5 at most, and 1 at least where friction that feeds power into the joint would be needed: a model with
 //! all signs turned fits as well, but cannot be.
 //!
-//! A mistake is told only if the setup as it is leaves more than 20 % at some joint, if undoing the mistake takes the
-//! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a quarter of the rest.
+//! A mistake is told only if the setup as it is leaves more than 30 % at some joint that moves, if undoing the mistake takes the
+//! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a third of the rest.
 
 mod columns;
 mod correction;
@@ -28,7 +28,7 @@ pub use self::{
     explained::{Poor, loudly, poorly_explained},
     mistake::{Columns, Mistake, Reading, Table},
     search::Step,
-    setup::{Subject, median_period_s},
+    setup::{Subject, median_period_s, recordings_of},
     trial::Score,
 };
 use self::{search::search, setup::Setup, trial::Bench};
@@ -153,8 +153,10 @@ impl Examination {
                     .into(),
             );
         };
-        let poor: Vec<String> = (0..score.joints.len())
-            .filter_map(|j| score.explained(j).filter(|e| *e < HARDLY).map(|e| (j, e)))
+        let poor: Vec<String> = score
+            .of_moving()
+            .map(|(j, e)| (j, (1.0 - e * e).max(0.0)))
+            .filter(|(_, e)| *e < HARDLY)
             .map(|(j, e)| format!("{:.0} % of joint {j}", 100.0 * e))
             .collect();
         let fed: Vec<String> = (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();

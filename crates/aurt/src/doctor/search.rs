@@ -6,23 +6,25 @@ use super::{
     mistake::{Mistake, Reading},
     setup::{Setup, Subject},
     trial::{Bench, Score},
-    usual::{of_file, usual},
+    usual::{is_likely, of_file, usual},
 };
 
 /// A setup whose error is at most this at every joint is left alone.
-const FINE: f64 = 0.2;
+const FINE: f64 = 0.3;
 /// A mistake is told if undoing it takes the error to at most this share of what it was.
 const CLEARLY: f64 = 0.6;
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
 const EXPLAINED: f64 = 0.7;
 /// Beside one that was found, another is told only if its error falls to this share.
-const FURTHER: f64 = 0.75;
+const FURTHER: f64 = 0.65;
 /// Of mistakes that take the error to within this factor of the least one, the likeliest is told.
 const ALIKE: f64 = 1.07;
 /// Fitted values are told if they take the error to at most this share of that with the values tried.
 const ROUND: f64 = 0.85;
 /// First mistakes of pairs.
-const PAIRED: usize = 6;
+const PAIRED: usize = 4;
+/// Pairs are tried where the error is at least this.
+const PAIRS_FROM: f64 = 0.4;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
 
@@ -66,7 +68,7 @@ struct Search<'a> {
 /// Looks for mistakes.
 pub fn search(subject: &Subject, bench: &Bench, setup: &Setup) -> Found {
     let before = bench.score(setup);
-    let fine = |s: &Score| s.joints.iter().flatten().all(|e| *e < FINE) && !s.fed.contains(&true);
+    let fine = |s: &Score| s.of_moving().all(|(_, e)| e < FINE) && !s.fed.contains(&true);
     let mut found = Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1 };
     if before.as_ref().is_some_and(fine) {
         return found;
@@ -102,31 +104,39 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup) -> Found {
 }
 
 impl Search<'_> {
-    /// The best that one more mistake, or two, can do.
+    /// The best that one more mistake, or two, can do: of the whole setup, of one recording, in pairs.
     fn round(&mut self, setup: &Setup, least: f64, told: &[&Mistake]) -> Option<Tried> {
-        let mut mistakes = usual(self.subject, setup);
+        let enough = CLEARLY * least.min(1.0);
+        let open = |m: &Mistake| !told.iter().any(|t| t.is_about_what(m));
+        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(open).collect();
+        let singles = self.all(setup, &mistakes, &[]);
+        let mut best = self.likeliest(&singles);
+        if best.as_ref().is_some_and(|b| b.score.total <= enough) {
+            return best.map(|b| self.refined(setup, b));
+        }
         let files = setup.files();
         if files.len() > 1 {
-            mistakes.extend(files.iter().flat_map(|f| of_file(setup.joints.len(), *f)));
+            let joints = setup.joints.len();
+            let of_files: Vec<Mistake> =
+                files.iter().flat_map(|f| of_file(joints, *f)).filter(open).collect();
+            let tried = self.all(setup, &of_files, &[]);
+            best = better(best, self.likeliest(&tried));
         }
-        mistakes.retain(|m| !told.iter().any(|t| t.is_about_what(m)));
-        let singles = self.all(setup, &mistakes, &[]);
-        let best = self.likeliest(&singles)?;
-        if best.score.total <= CLEARLY * least.min(1.0) {
-            return Some(self.refined(setup, best));
+        if best.as_ref().is_some_and(|b| b.score.total <= enough) || least < PAIRS_FROM {
+            return best.map(|b| self.refined(setup, b));
         }
         let mut first: Vec<&Tried> = singles.iter().collect();
         first.sort_by(|a, b| a.score.total.total_cmp(&b.score.total));
-        let whole: Vec<Mistake> = usual(self.subject, setup);
+        let likely: Vec<Mistake> = mistakes.iter().filter(|m| is_likely(m)).cloned().collect();
         let mut pairs = Vec::new();
         for one in first.into_iter().take(PAIRED) {
             let others: Vec<Mistake> =
-                whole.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
+                likely.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
             pairs.extend(self.all(&one.setup, &others, &one.mistakes));
         }
-        let pair = self.likeliest(&pairs).filter(|p| p.score.total < 0.75 * best.score.total);
-        let chosen = pair.unwrap_or(best);
-        Some(self.refined(setup, chosen))
+        let single = best.as_ref().map_or(f64::INFINITY, |b| b.score.total);
+        let pair = self.likeliest(&pairs).filter(|p| p.score.total < FURTHER * single);
+        pair.or(best).map(|b| self.refined(setup, b))
     }
 
     fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {
@@ -181,6 +191,13 @@ impl Search<'_> {
             (best.mistakes, best.setup, best.score) = coarse;
         }
         best
+    }
+}
+
+fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.score.total * ALIKE < a.score.total { b } else { a }),
+        (a, b) => a.or(b),
     }
 }
 

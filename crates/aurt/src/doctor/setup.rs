@@ -6,7 +6,7 @@ use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_experiment::{Experiment, experiment::Geometry};
 use aurt_rbd::{Joint, MdhTable, RobotDescription, SerialChain};
 use aurt_recording::{Recording, preprocess};
-use aurt_traits::ArmTerm;
+use aurt_traits::{ArmTerm, RobotModel};
 
 use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Samples of all recordings of one role that a trial looks at.
-const MOST_SAMPLES: usize = 3000;
+const MOST_SAMPLES: usize = 1800;
 /// Samples per period of f_dyn that thinned recordings keep: the position filter at 5 f_dyn needs more than ten.
 const SAMPLES_PER_PERIOD: f64 = 12.0;
 /// Share of a recording that is fitted where none is held out; the rest judges.
@@ -92,6 +92,23 @@ impl Subject {
     }
 }
 
+/// Reads what an experiment calibrates and validates on.
+///
+/// # Errors
+/// What is wrong with a file.
+pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
+    let recordings = &experiment.recordings;
+    let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
+    let validation = recordings.validation.iter().map(|r| (r, Role::Validation));
+    calibration
+        .chain(validation)
+        .map(|(source, role)| {
+            let loaded = Loaded::read(source.into(), Some(experiment.joints()), Purpose::Calibration)?;
+            Ok(Assigned { loaded, role })
+        })
+        .collect()
+}
+
 /// What one trial fits and judges.
 #[derive(Debug, Clone)]
 pub struct Setup {
@@ -101,6 +118,8 @@ pub struct Setup {
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
     pub parts: Vec<Part>,
+    /// The model of these links and joints, once it was asked for; nothing in it if there is none.
+    pub model: OnceLock<Option<Arc<RobotModel>>>,
 }
 
 /// A thinned stretch of a recording.
@@ -165,14 +184,16 @@ impl Setup {
             let most = MOST_SAMPLES / counted(assigned.role).max(1);
             let thin = Thin::new(&whole, &options, most);
             let recording = thin.recording(&whole);
-            let options = Arc::new(thin.options(&options));
+            let options = thin.options(&options);
+            let [cut_to_motion, whole_of] = [true, false]
+                .map(|trim_rest| Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() }));
             let label = assigned.loaded.source.label.clone();
             let part = |range: std::ops::Range<usize>, fitted| Part {
                 file,
                 label: label.clone(),
                 fitted,
                 recording: Arc::new(cut(&recording, range)),
-                options: options.clone(),
+                options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
                 prepared: OnceLock::new(),
             };
             let samples = recording.samples();
@@ -183,7 +204,7 @@ impl Setup {
                 parts.extend([part(0..fitted, true), part(fitted..samples, false)]);
             }
         }
-        Ok(Self { joints: subject.joints.clone(), gravity_m_s2: subject.gravity_m_s2, parts })
+        Ok(Self { joints: subject.joints.clone(), gravity_m_s2: subject.gravity_m_s2, parts, model: OnceLock::new() })
     }
 
     /// Number of recordings that are looked at.

@@ -15,6 +15,9 @@ const WORST: f64 = 1.5;
 /// not explained: friction takes power.
 const FED_SHARE: f64 = 0.1;
 
+/// A joint that moves for less than this share of the time counts as resting.
+const LEAST_MOVING: f64 = 0.1;
+
 /// What all trials have in common.
 #[derive(Debug, Clone)]
 pub struct Bench {
@@ -32,6 +35,8 @@ pub struct Score {
     /// Per joint, root mean square of the held-out error over that of the measurement; nothing for a joint that measures
     /// nothing.
     pub joints: Vec<Option<f64>>,
+    /// Whether each joint moves in what judges.
+    pub moving: Vec<bool>,
     /// Whether the friction that fits a joint feeds power into it.
     pub fed: Vec<bool>,
     /// The same for each judging recording alone, with its place among the subject's.
@@ -41,19 +46,17 @@ pub struct Score {
 }
 
 impl Score {
-    /// The share of joint j's measurement that is explained, 1 − error².
-    pub fn explained(&self, joint: usize) -> Option<f64> {
-        self.joints[joint].map(|e| (1.0 - e * e).max(0.0))
+    /// The joints that move while they are judged, with their errors.
+    pub fn of_moving(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let errors = self.joints.iter().zip(&self.moving).enumerate();
+        errors.filter_map(|(j, (error, moves))| error.filter(|_| *moves).map(|e| (j, e)))
     }
 }
 
 impl Bench {
     /// Fits and judges; nothing if the setup allows no fit.
     pub fn score(&self, setup: &Setup) -> Option<Score> {
-        let chain = SerialChain::new(setup.joints.clone(), setup.gravity_m_s2).ok()?;
-        let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED).ok()?;
-        let stacks = vec![self.friction.clone(); setup.joints.len()];
-        let model = dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()?;
+        let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
         let system = self.system(&model, &fitted)?;
         let weights: Vec<f64> = measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
@@ -62,8 +65,12 @@ impl Bench {
         let joints = setup.joints.len();
         let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
         let mut files = Vec::new();
+        let mut moving = vec![false; joints];
         for part in setup.parts.iter().filter(|p| !p.fitted) {
             let prepared = prepared(std::iter::once(part))?;
+            for (joint, moves) in moving.iter_mut().enumerate() {
+                *moves |= share_moving(&prepared, joint, part.options.rest_velocity_rad_s) > LEAST_MOVING;
+            }
             let judged = self.system(&model, &prepared)?;
             let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
             let alone: Vec<Option<f64>> = error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
@@ -75,7 +82,14 @@ impl Bench {
         }
         let joints: Vec<Option<f64>> = errors.iter().zip(&measurements).map(|(e, y)| ratio(*e, *y)).collect();
         let total = total(&joints, &fed);
-        total.is_finite().then_some(Score { joints, fed, files, total })
+        total.is_finite().then_some(Score { joints, moving, fed, files, total })
+    }
+
+    fn model(&self, setup: &Setup) -> Option<RobotModel> {
+        let chain = SerialChain::new(setup.joints.clone(), setup.gravity_m_s2).ok()?;
+        let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED).ok()?;
+        let stacks = vec![self.friction.clone(); setup.joints.len()];
+        dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
     }
 
     fn system(&self, model: &RobotModel, recordings: &[NamedRecording]) -> Option<System> {
@@ -87,6 +101,14 @@ impl Bench {
 fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecording>> {
     let all: Option<Vec<NamedRecording>> = parts.map(|p| p.prepared().map(|r| (*r).clone())).collect();
     all.filter(|a| !a.is_empty())
+}
+
+fn share_moving(recordings: &[NamedRecording], joint: usize, rest_velocity_rad_s: f64) -> f64 {
+    let motions = || recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+    let samples: usize = motions().map(|m| m.samples()).sum();
+    let moving = |v: &&f64| v.abs() > rest_velocity_rad_s;
+    let moving: usize = motions().map(|m| m.velocity_rad_s(joint).iter().filter(moving).count()).sum();
+    moving as f64 / samples.max(1) as f64
 }
 
 /// ‖y_j‖ of each joint.

@@ -34,7 +34,38 @@ pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
 
 /// What a single recording of several can have that others have not.
 pub fn of_file(joints: usize, file: usize) -> Vec<Mistake> {
-    readings(joints).into_iter().map(|what| Mistake::Reading { what, file: Some(file) }).collect()
+    let single = |r: &Reading| match r {
+        Reading::Order { .. } | Reading::Gain { .. } | Reading::Geared(_) | Reading::Time(_) => false,
+        _ => true,
+    };
+    let readings = readings(joints).into_iter().filter(single);
+    readings.map(|what| Mistake::Reading { what, file: Some(file) }).collect()
+}
+
+/// Whether a mistake is usual enough to be tried as the second of two.
+pub fn is_likely(mistake: &Mistake) -> bool {
+    match mistake {
+        Mistake::Gravity { to_m_s2 } => to_m_s2.iter().filter(|v| **v != 0.0).count() == 1,
+        Mistake::Geometry { what, .. } => matches!(what, Table::Rows(_)),
+        Mistake::Reading { what, .. } => match what {
+            Reading::Degrees | Reading::PositionSign(_) | Reading::MeasurementSign(_) => true,
+            Reading::Order { of, order } => {
+                *of != Columns::Position
+                    && (order.iter().rev().copied().eq(0..order.len()) || is_neighbours(order))
+            }
+            Reading::Turns
+            | Reading::Geared(_)
+            | Reading::AllMeasurementSigns
+            | Reading::Delay(_)
+            | Reading::Time(_)
+            | Reading::Gain { .. } => false,
+        },
+    }
+}
+
+fn is_neighbours(order: &[usize]) -> bool {
+    let moved: Vec<usize> = (0..order.len()).filter(|j| order[*j] != *j).collect();
+    matches!(moved[..], [a, b] if b == a + 1)
 }
 
 /// Gravity along the axes and halfway between them.
