@@ -63,7 +63,7 @@ pub fn checked(
     report.text.push_str(&text_of(&examination, terminal));
     report.json["setup"] = examination.to_json();
     add_findings(&mut report.json, &examination.sentences());
-    report.findings |= !examination.steps.is_empty() || examination.hardly().is_some();
+    report.findings |= examination.is_serious();
     if let Some((fixed, experiment)) = fixed.zip(experiment)
         && !examination.steps.is_empty()
     {
@@ -79,7 +79,7 @@ pub fn checked(
 /// What an examination came to, for people.
 pub fn text_of(examination: &Examination, terminal: &Terminal) -> String {
     let sentences = examination.sentences();
-    let found = !sentences.is_empty() || examination.hardly().is_some();
+    let found = examination.is_serious();
     let emphasis = if found { Emphasis::Warning } else { Emphasis::Title };
     let mut text = format!("\n{}\n", terminal.emphasise(emphasis, "robot and recordings together"));
     text.push_str(&wrapped(&examination.summary()));
@@ -96,7 +96,7 @@ pub fn text_of(examination: &Examination, terminal: &Terminal) -> String {
 pub struct Doubts {
     loudly: Option<String>,
     oddities: Vec<String>,
-    examination: Option<Examination>,
+    examination: Examination,
 }
 
 /// Looks at a calibrated model and what it was calibrated on.
@@ -117,15 +117,15 @@ pub fn doubts(
         oddities.extend(said.into_iter().filter(|s| !oddities.contains(s)).collect::<Vec<_>>());
     }
     let subject = Subject::of_experiment(experiment, recordings)?;
-    let examination = doctor::examine_if_doubtful(&subject, !poor.is_empty(), registry)?;
+    let examination = doctor::examine_calibrated(&subject, !poor.is_empty(), registry)?;
     Ok(Doubts { loudly: doctor::loudly(&poor), oddities, examination })
 }
 
 impl Doubts {
     /// Adds them to a report; with any of them the command has found something.
     pub fn add_to(&self, report: &mut Report, terminal: &Terminal) {
-        let serious = self.examination.as_ref().filter(|e| !e.steps.is_empty() || e.hardly().is_some());
-        let examination = if self.loudly.is_some() { self.examination.as_ref() } else { serious };
+        let told = self.loudly.is_some() || self.examination.is_serious();
+        let examination = told.then_some(&self.examination);
         if self.loudly.is_none() && self.oddities.is_empty() && examination.is_none() {
             return;
         }

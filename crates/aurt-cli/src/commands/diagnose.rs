@@ -136,8 +136,8 @@ impl Diagnose {
 /// What is wrong with the setup that physics would be invented for, if anything clearly is.
 fn mistaken(experiment: &Experiment, registry: &Registry) -> Result<Option<Examination>, Failure> {
     let subject = Subject::of_experiment(experiment, doctor::recordings_of(experiment)?)?;
-    let examination = doctor::examine_if_doubtful(&subject, false, registry)?;
-    Ok(examination.filter(|e| !e.steps.is_empty() || e.hardly().is_some()))
+    let examination = doctor::examine_calibrated(&subject, false, registry)?;
+    Ok(Some(examination).filter(Examination::is_serious))
 }
 
 /// The lines that the improved experiment has and the original has not.

@@ -1,8 +1,9 @@
 //! Mistakes of users, and whether `aurt` tells them with the cure.
 //!
 //! A share of them is made on recordings of the demo's robot in every test run, another on those of a real UR10e where
-//! AURT_DATA is set. All of them, with what `diagnose` says, as the table of docs/mistakes.md:
-//! `AURT_MISTAKES=all cargo test --release --test mistakes -- --nocapture`.
+//! AURT_DATA is set. All of them, as the table of docs/mistakes.md:
+//! `AURT_MISTAKES=all cargo test --release --test mistakes -- --nocapture`; with `diagnosed` in the place of `all` also what
+//! `diagnose` says.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod usual;
@@ -13,6 +14,7 @@ use std::{
     process::Command,
 };
 
+use rayon::prelude::*;
 use usual::{MISTAKES, Mistake};
 use world::{Log, NAMES, World};
 
@@ -147,14 +149,20 @@ fn mistakes_on_simulated_recordings_are_told() {
 #[test]
 fn mistakes_on_a_real_robot_are_told() {
     let Some(right) = real() else { return };
-    let all = std::env::var("AURT_MISTAKES").is_ok_and(|v| v == "all");
+    let asked = std::env::var("AURT_MISTAKES").unwrap_or_default();
+    let (all, diagnose) = (matches!(asked.as_str(), "all" | "diagnosed"), asked == "diagnosed");
     let chosen: Vec<&Mistake> = MISTAKES.iter().step_by(if all { 1 } else { SHARE }).collect();
     let (mut told, mut confident) = (0, Vec::new());
     println!("| mistake | check | run | diagnose |\n|---|---|---|---|");
-    for mistake in &chosen {
-        let mut world = right.clone();
-        (mistake.make)(&mut world);
-        let answer = answer(&world, all);
+    let answers: Vec<Answer> = chosen
+        .par_iter()
+        .map(|mistake| {
+            let mut world = right.clone();
+            (mistake.make)(&mut world);
+            answer(&world, diagnose)
+        })
+        .collect();
+    for (mistake, answer) in chosen.iter().zip(answers) {
         told += usize::from(answer.told(mistake));
         if answer.is_confident() && !answer.told(mistake) {
             confident.push(mistake.what);

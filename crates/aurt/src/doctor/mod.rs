@@ -6,7 +6,8 @@
 //! contributes 1.5 at most, and 1 at least where friction that feeds power into the joint would be needed: a model with
 //! all signs turned fits as well, but cannot be.
 //!
-//! A mistake is told only if the setup as it is leaves more than 30 % at some joint that moves, if undoing the mistake takes the
+//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 30 % at some joint that moves; otherwise the
+//! likely ones, each alone. A mistake is told only if undoing the mistake takes the
 //! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a third of the rest.
 
 mod columns;
@@ -31,7 +32,7 @@ pub use self::{
     setup::{Subject, median_period_s, recordings_of},
     trial::Score,
 };
-use self::{search::search, setup::Setup, trial::Bench};
+use self::{search::{Thorough, search}, setup::Setup, trial::Bench};
 use crate::{failure::Failure, inspection::judged::plain_friction};
 
 /// What the doctor found.
@@ -53,13 +54,25 @@ pub struct Examination {
 /// # Errors
 /// If a window holds no samples.
 pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Failure> {
+    examined(subject, registry, Thorough::AnyJoint)
+}
+
+/// As [`examine`] for a setup on which a model was calibrated: `poor` if that explains little of a joint.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_calibrated(subject: &Subject, poor: bool, registry: &Registry) -> Result<Examination, Failure> {
+    let thorough = if poor { Thorough::Always } else { Thorough::AllJoints };
+    examined(subject, registry, thorough)
+}
+
+fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Result<Examination, Failure> {
     let bench = Bench {
         friction: plain_friction(registry)?,
         arm_terms: subject.arm_terms.clone(),
         scopes: subject.scopes.clone(),
     };
-    let setup = Setup::of(subject)?;
-    let found = search(subject, &bench, &setup);
+    let found = search(subject, &bench, &Setup::of(subject)?, thorough);
     Ok(Examination {
         before: found.before,
         after: found.after,
@@ -67,30 +80,6 @@ pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Fa
         trials: found.trials,
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
-}
-
-/// An error from which on a calibration is looked at more closely.
-const DOUBTFUL: f64 = 0.5;
-
-/// As [`examine`], if a model is said to explain little or a first trial explains little; else nothing.
-///
-/// # Errors
-/// As [`examine`].
-pub fn examine_if_doubtful(
-    subject: &Subject,
-    poor: bool,
-    registry: &Registry,
-) -> Result<Option<Examination>, Failure> {
-    let bench = Bench {
-        friction: plain_friction(registry)?,
-        arm_terms: subject.arm_terms.clone(),
-        scopes: subject.scopes.clone(),
-    };
-    let fine = |s: &Score| s.total < DOUBTFUL && !s.fed.contains(&true);
-    if !poor && bench.score(&Setup::of(subject)?).is_some_and(|s| fine(&s)) {
-        return Ok(None);
-    }
-    examine(subject, registry).map(Some)
 }
 
 impl Examination {
@@ -143,6 +132,12 @@ impl Examination {
 const HARDLY: f64 = 0.3;
 
 impl Examination {
+    /// Whether it should be heeded.
+    #[must_use]
+    pub fn is_serious(&self) -> bool {
+        !self.steps.is_empty() || self.hardly().is_some()
+    }
+
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.
     #[must_use]
     pub fn hardly(&self) -> Option<String> {

@@ -9,8 +9,10 @@ use super::{
     usual::{is_likely, of_file, usual},
 };
 
-/// A setup whose error is at most this at every joint is left alone.
+/// Of a setup whose error is below this at every joint only the likely mistakes are tried.
 const FINE: f64 = 0.3;
+/// The same over all joints, where a calibrated model explains each of them.
+const DOUBTFUL: f64 = 0.5;
 /// A mistake is told if undoing it takes the error to at most this share of what it was.
 const CLEARLY: f64 = 0.6;
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
@@ -65,20 +67,40 @@ struct Search<'a> {
     trials: usize,
 }
 
+/// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone.
+#[derive(Debug, Clone, Copy)]
+pub enum Thorough {
+    /// If a joint's error is at least 30 %.
+    AnyJoint,
+    /// If that over all joints is at least 50 %.
+    AllJoints,
+    /// In any case.
+    Always,
+}
+
 /// Looks for mistakes.
-pub fn search(subject: &Subject, bench: &Bench, setup: &Setup) -> Found {
+pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thorough) -> Found {
     let before = bench.score(setup);
-    let fine = |s: &Score| s.of_moving().all(|(_, e)| e < FINE) && !s.fed.contains(&true);
+    let fine = |s: &Score| {
+        let little = match thorough {
+            Thorough::AnyJoint => s.of_moving().all(|(_, e)| e < FINE),
+            Thorough::AllJoints => s.total < DOUBTFUL,
+            Thorough::Always => false,
+        };
+        little && !s.fed.contains(&true)
+    };
     let mut found = Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1 };
-    if before.as_ref().is_some_and(fine) {
-        return found;
-    }
     let mut search = Search { subject, bench, trials: 1 };
     let (mut now, mut score) = (setup.clone(), before);
-    while found.steps.len() < MOST && !score.as_ref().is_some_and(fine) {
+    while found.steps.len() < MOST {
         let least = score.as_ref().map_or(f64::INFINITY, |s| s.total);
         let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
-        let Some(best) = search.round(&now, least, &told) else { break };
+        let best = if score.as_ref().is_some_and(fine) {
+            search.glance(&now, &told)
+        } else {
+            search.round(&now, least, &told)
+        };
+        let Some(best) = best else { break };
         let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
         if best.score.total > share * least.min(1.0) {
             break;
@@ -104,6 +126,14 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup) -> Found {
 }
 
 impl Search<'_> {
+    /// The best that one more of the likely mistakes can do.
+    fn glance(&mut self, setup: &Setup, told: &[&Mistake]) -> Option<Tried> {
+        let likely = |m: &Mistake| is_likely(m) && !told.iter().any(|t| t.is_about_what(m));
+        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(likely).collect();
+        let singles = self.all(setup, &mistakes, &[]);
+        self.likeliest(&singles)
+    }
+
     /// The best that one more mistake, or two, can do: of the whole setup, of one recording, in pairs.
     fn round(&mut self, setup: &Setup, least: f64, told: &[&Mistake]) -> Option<Tried> {
         let enough = CLEARLY * least.min(1.0);
