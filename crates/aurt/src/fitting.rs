@@ -273,6 +273,17 @@ impl CalibratedModel {
 /// # Errors
 /// Why it could not be done.
 pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Outcome, Failure> {
+    fit_and_keep(experiment, progress).map(|(outcome, _)| outcome)
+}
+
+/// As [`fit_experiment`]; the recordings are kept, to be looked at again.
+///
+/// # Errors
+/// As [`fit_experiment`].
+pub fn fit_and_keep(
+    experiment: &Experiment,
+    progress: &Progress,
+) -> Result<(Outcome, Vec<Assigned>), Failure> {
     let recordings = &experiment.recordings;
     progress.step("compiling the model");
     let job = Job {
@@ -287,7 +298,8 @@ pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Ou
         recordings.validation.iter().map(Source::from),
         progress,
     )?;
-    job.fit(&assigned, Detail::RowByRow, progress)
+    let outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
+    Ok((outcome, assigned))
 }
 
 /// `[calibration]` and what of `[preprocess]` concerns it.

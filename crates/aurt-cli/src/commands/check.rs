@@ -1,15 +1,19 @@
 //! `aurt check`: what a recording is good for, before anyone calibrates on it.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
-use aurt_rbd::MdhTable;
+use aurt_experiment::{BASE_PARAMETER_SEED, Experiment, RigidBodyDynamics};
+use aurt_rbd::{MdhTable, RobotDescription, SerialChain};
 use aurt_traits::MeasurementUnit;
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::{
     Session,
+    checked_setup::{self, checked},
     compile_rbd::Rows,
     data_options::ReadingOptions,
     plots::PlotOptions,
@@ -17,8 +21,10 @@ use super::{
 };
 use crate::{
     arguments::{Gravity, parse_gravity, parse_positive},
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    doctor::{self, Subject},
     failure::Failure,
+    fitting::Assigned,
     inspection::{
         inspected::{Inspected, rest},
         joints::suitable_f_dyn_hz,
@@ -30,6 +36,7 @@ use crate::{
         text::wrapped,
     },
     reports::{self, recording::Checked},
+    results::metrics::Role,
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
@@ -40,13 +47,15 @@ const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 ///
 /// Says how each was sampled, what each joint covers and how its sensors are, and, with the robot's geometry, which
 /// parameters the motions can determine: of several recordings each alone and all together, as a calibration on them would
-/// see them. Exit status 1 if something should be heeded.
+/// see them. Measurements and geometry together are tried for the usual mistakes (units, signs, orders, gravity, tables,
+/// delays), and the change that would explain the data is told. Exit status 1 if something should be heeded.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
+    aurt check experiment.toml --fixed corrected.toml\n  \
     aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check\n  \
     aurt check monday.csv tuesday.csv --mdh mdh.csv")]
 pub struct Check {
-    /// The recordings; of several, those that are to be calibrated on together
+    /// The recordings; of several, those that are to be calibrated on together. Or one experiment (.toml)
     #[arg(value_name = "CSV", required = true)]
     recordings: Vec<PathBuf>,
     /// Table of modified Denavit–Hartenberg parameters: tells which parameters the motion can determine
@@ -64,6 +73,9 @@ pub struct Check {
     /// Highest frequency of the robot's dynamics to look at; by default 10, less for slow recordings
     #[arg(long, value_name = "HZ", value_parser = parse_positive)]
     f_dyn_hz: Option<f64>,
+    /// File for the experiment without the mistakes that were found, beside the experiment; written if there are any
+    #[arg(long, value_name = "OUT.toml")]
+    fixed: Option<PathBuf>,
     /// Folder for report.html, the same with pictures, in a folder for each of several recordings; created if it does not
     /// exist
     #[arg(long, value_name = "DIR")]
@@ -76,42 +88,79 @@ pub struct Check {
 
 impl Check {
     /// Checks.
-    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = self.out.as_deref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let plots = self.plots.folder()?;
+        let experiment = match self.recordings.as_slice() {
+            [one] if one.extension().is_some_and(|e| e == "toml") => {
+                Some(Experiment::read(one, &mut session.registry)?)
+            }
+            _ => None,
+        };
+        let fixed = checked_setup::place(self.fixed.as_deref(), experiment.as_ref())?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
-        let mut joints = table.as_ref().map(|t| t.rows.len());
-        let mut loaded = Vec::new();
-        for file in &self.recordings {
-            let recording = Loaded::read(self.reading.source(file), joints, Purpose::Prediction)?;
-            joints = joints.or(Some(recording.recording.joints()));
-            loaded.push(recording);
+        let chain = match (&experiment, &table) {
+            (Some(e), _) => Some(e.robot.geometry.chain(e.robot.gravity_m_s2).map_err(Failure::from)?),
+            (None, Some(table)) => Some(SerialChain::from_mdh(table, self.gravity.0)?),
+            (None, None) => None,
+        };
+        let mut joints = chain.as_ref().map(|c| c.joints().len());
+        let mut assigned = Vec::new();
+        for (source, role) in self.sources(experiment.as_ref()) {
+            let loaded = Loaded::read(source, joints, Purpose::Prediction)?;
+            joints = joints.or(Some(loaded.recording.joints()));
+            assigned.push(Assigned { loaded, role });
         }
-        let preprocessing = preprocessing(self.f_dyn_hz.unwrap_or_else(|| highest_f_dyn_hz(&loaded)));
+        let of_experiment = experiment.as_ref().map(|e| e.preprocess.f_dyn_hz);
+        let f_dyn_hz = self.f_dyn_hz.or(of_experiment).unwrap_or_else(|| highest_f_dyn_hz(&assigned));
+        let preprocessing = preprocessing(f_dyn_hz);
         let pipeline = Pipeline {
             joints: joints.unwrap_or(0),
             preprocessing: &preprocessing,
             instrument: &Instrument::default(),
         };
-        let unit = pipeline.common_unit(&loaded)?;
-        let inspected: Vec<Inspected> =
-            loaded.into_iter().map(|l| Inspected::new(l, &preprocessing)).collect::<Result<_, _>>()?;
+        let unit = pipeline.common_unit(assigned.iter().map(|a| &a.loaded))?;
+        let subject = match (&experiment, &table) {
+            (Some(e), _) => Some(Subject::of_experiment(e, assigned.clone())?),
+            (None, Some(t)) => Some(Subject::of_table(t, self.gravity.0, assigned.clone(), f_dyn_hz)),
+            (None, None) => None,
+        };
+        let roles: Vec<Role> = assigned.iter().map(|a| a.role).collect();
+        let inspected: Vec<Inspected> = assigned
+            .into_iter()
+            .map(|a| Inspected::new(a.loaded, &preprocessing))
+            .collect::<Result<_, _>>()?;
 
-        let excitation = Excitation { session, table: table.as_ref(), unit, preprocessing: &preprocessing };
+        let excitation = Excitation { session, chain: chain.as_ref(), unit, preprocessing: &preprocessing };
         let alone: Vec<Seen<'_>> = inspected
             .iter()
-            .map(|one| Ok(Seen { one, judged: excitation.of(self.gravity, &[one])? }))
+            .map(|one| Ok(Seen { one, judged: excitation.of(&[one])? }))
             .collect::<Result<_, Failure>>()?;
         let mut report = match alone.as_slice() {
             [only] => only.report(session.terminal),
             several => {
-                let all: Vec<&Inspected> = inspected.iter().collect();
-                let judged = excitation.of(self.gravity, &all)?;
+                let fitted = inspected.iter().zip(&roles).filter(|(_, r)| **r == Role::Calibration);
+                let all: Vec<&Inspected> = fitted.map(|(one, _)| one).collect();
+                let judged = excitation.of(&all)?;
                 together(several, judged.as_ref(), session.terminal)
             }
         };
+        if let Some(subject) = subject {
+            let (registry, terminal) = (&session.registry, session.terminal);
+            checked(&subject, experiment.as_ref(), fixed.as_ref(), registry, terminal, &mut report)?;
+        }
         self.draw(&alone, &mut report, folder.as_ref(), plots.as_ref())?;
         Ok(report)
+    }
+
+    /// What is to be checked, and what it is for.
+    fn sources(&self, experiment: Option<&Experiment>) -> Vec<(Source, Role)> {
+        let Some(experiment) = experiment else {
+            return self.recordings.iter().map(|f| (self.reading.source(f), Role::Calibration)).collect();
+        };
+        let recordings = &experiment.recordings;
+        let calibration = recordings.calibration.iter().map(|r| (Source::from(r), Role::Calibration));
+        calibration.chain(recordings.validation.iter().map(|r| (Source::from(r), Role::Validation))).collect()
     }
 
     /// Pages and figures; of several recordings each in a folder of its own.
@@ -158,17 +207,17 @@ impl Check {
 /// What recordings excite, where the geometry is known.
 struct Excitation<'a> {
     session: &'a Session<'a>,
-    table: Option<&'a MdhTable>,
+    chain: Option<&'a SerialChain>,
     unit: Option<MeasurementUnit>,
     preprocessing: &'a Preprocessing,
 }
 
 impl Excitation<'_> {
     /// Which parameters of rigid bodies, Coulomb and viscous friction the motions determine.
-    fn of(&self, gravity: Gravity, recordings: &[&Inspected]) -> Result<Option<Judged>, Failure> {
-        let Some(table) = self.table else { return Ok(None) };
-        let dynamics = RigidBodyDynamics::from_mdh(table, gravity.0, BASE_PARAMETER_SEED)?;
-        let stacks = vec![plain_friction(&self.session.registry)?; table.rows.len()];
+    fn of(&self, recordings: &[&Inspected]) -> Result<Option<Judged>, Failure> {
+        let Some(chain) = self.chain else { return Ok(None) };
+        let dynamics = RigidBodyDynamics::new(Arc::new(chain.clone()), BASE_PARAMETER_SEED)?;
+        let stacks = vec![plain_friction(&self.session.registry)?; chain.joints().len()];
         let model = dynamics.with_joint_dynamics(stacks, Vec::new())?;
         let still = recordings.iter().map(|r| r.still(self.preprocessing)).collect::<Result<Vec<_>, _>>()?;
         let measured = recordings.iter().all(|r| r.loaded.recording.measurement.is_some());
@@ -294,18 +343,8 @@ fn preprocessing(f_dyn_hz: f64) -> Preprocessing {
 }
 
 /// The f_dyn to look with: what is usual, less where the slowest recording asks for it.
-fn highest_f_dyn_hz(loaded: &[Loaded]) -> f64 {
-    let slowest_hz = loaded.iter().map(median_rate_hz).fold(f64::INFINITY, f64::min);
+fn highest_f_dyn_hz(assigned: &[Assigned]) -> f64 {
+    let rate_hz = |a: &Assigned| 1.0 / doctor::median_period_s(&a.loaded.recording.time_s);
+    let slowest_hz = assigned.iter().map(rate_hz).fold(f64::INFINITY, f64::min);
     (DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * slowest_hz) * 1e3).round() / 1e3
-}
-
-/// One over the median distance of stamps.
-fn median_rate_hz(loaded: &Loaded) -> f64 {
-    let mut distances: Vec<f64> = loaded.recording.time_s.windows(2).map(|w| w[1] - w[0]).collect();
-    distances.retain(|d| *d > 0.0);
-    let middle = distances.len() / 2;
-    if distances.is_empty() {
-        return f64::INFINITY;
-    }
-    1.0 / *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 
 use aurt_diagnosis::Learnt;
-use aurt_experiment::Experiment;
+use aurt_experiment::{Experiment, Registry};
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions};
+use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
     calibrated_file::CalibratedModel,
     commands::run::{drawn_text, written_text},
     diagnosing::{DiagnosisOptions, diagnose_experiment},
+    doctor::{self, Examination, Subject},
     failure::Failure,
     output::{OutputFolder, Outputs},
     proof::COMPARISON,
@@ -109,6 +110,10 @@ impl Diagnose {
         let figures = diagnosis.improved.as_ref().map(|i| outputs.figures(&i.report, plots.as_ref()));
         outputs.write()?;
         let mut text = diagnosis.to_text(terminal.style());
+        let setup = if self.verdict_only { None } else { mistaken(&experiment, registry)? };
+        if let Some(examination) = &setup {
+            text = format!("{}\n{text}", checked_setup::text_of(examination, terminal).trim_start());
+        }
         if let Some(improved) = &diagnosis.improved {
             text.extend(improved.notes.iter().map(|note| wrapped(&format!("note: {note}"))));
             text.push_str(&difference(&improved.added));
@@ -123,8 +128,16 @@ impl Diagnose {
         json["warnings"] =
             json!(diagnosis.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings));
         json["outputs"] = json!(written);
-        Ok(Report { text, json, findings: diagnosis.is_found() })
+        json["setup"] = json!(setup.as_ref().map(Examination::to_json));
+        Ok(Report { text, json, findings: diagnosis.is_found() || setup.is_some() })
     }
+}
+
+/// What is wrong with the setup that physics would be invented for, if anything clearly is.
+fn mistaken(experiment: &Experiment, registry: &Registry) -> Result<Option<Examination>, Failure> {
+    let subject = Subject::of_experiment(experiment, doctor::recordings_of(experiment)?)?;
+    let examination = doctor::examine_calibrated(&subject, false, registry)?;
+    Ok(Some(examination).filter(Examination::is_serious))
 }
 
 /// The lines that the improved experiment has and the original has not.

@@ -3,6 +3,7 @@
 mod calibrate;
 mod calibrate_validate;
 mod check;
+mod checked_setup;
 mod compile_rbd;
 pub mod compile_rd;
 mod completions;
@@ -13,6 +14,7 @@ mod diagnose;
 mod excite;
 mod explain;
 mod export;
+mod init;
 mod man;
 mod models;
 mod new_plugin;
@@ -41,6 +43,7 @@ pub enum Command {
     Run(run::Run),
     Demo(demo::Demo),
     Check(check::Check),
+    Init(init::Init),
     CompileRbd(compile_rbd::CompileRbd),
     CompileRd(compile_rd::CompileRd),
     Calibrate(calibrate::Calibrate),
@@ -66,7 +69,7 @@ pub enum Command {
 
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 8] = [
-    ("Start here", &["demo", "check", "run"]),
+    ("Start here", &["demo", "init", "check", "run"]),
     ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Models in other programs", &["export"]),
@@ -98,6 +101,7 @@ impl Command {
             Self::Run(command) => command.run(session),
             Self::Demo(command) => command.run(session),
             Self::Check(command) => command.run(session),
+            Self::Init(command) => command.run(session),
             Self::CompileRbd(command) => command.run(),
             Self::CompileRd(command) => command.run(session),
             Self::Calibrate(command) => command.run(session),

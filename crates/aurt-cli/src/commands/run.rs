@@ -7,10 +7,10 @@ use aurt_rbd::RobotDescription;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions};
+use super::{Session, checked_setup::doubts, plots::PlotOptions};
 use crate::{
     failure::Failure,
-    fitting::{Outcome, fit_experiment},
+    fitting::{Outcome, fit_and_keep, fit_experiment},
     output::{OutputFolder, Outputs},
     rendering::{
         json::pretty,
@@ -43,9 +43,17 @@ impl Run {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
-        let outcome = fit_experiment_watched(&experiment, session.terminal)
-            .map_err(|failure| failure.of_value_in(&experiment.path))?;
-        write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)
+        let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+        let progress = session.terminal.progress(3 * count + 3);
+        let (outcome, recordings) =
+            fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
+        progress.step("looking for mistakes of the setup");
+        let doubts = doubts(&experiment, &outcome.recordings, recordings, &session.registry)?;
+        drop(progress);
+        let mut report =
+            write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)?;
+        doubts.add_to(&mut report, session.terminal);
+        Ok(report)
     }
 }
 

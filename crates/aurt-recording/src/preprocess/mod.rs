@@ -204,7 +204,14 @@ pub(crate) fn filter(
         )
     };
     if rate_hz < 5.0 {
-        remedy.push_str(". So low a rate also comes from time stamps that are not in seconds");
+        let unit = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)]
+            .into_iter()
+            .find(|(_, factor)| (5.0..20_000.0).contains(&(rate_hz * factor)))
+            .map_or("ms", |(unit, _)| unit);
+        remedy.push_str(&format!(
+            ". So low a rate also comes from time stamps that are not in seconds: if so, write `time = \"{unit}\"` in \
+             `[recordings]`"
+        ));
     }
     Err(RecordingError::AboveNyquist {
         path: file.to_owned(),

@@ -12,6 +12,7 @@ use super::{
 };
 use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    doctor::oddities,
     failure::Failure,
     rendering::{
         style::{Emphasis, Style},
@@ -67,6 +68,7 @@ impl Inspected {
             .into_iter()
             .map(|f| f.sentence)
             .collect();
+        findings.extend(oddities(&name, &self.loaded.recording));
         let report = &self.loaded.recording.report;
         if !report.dropped.is_empty() {
             findings.push(format!("{} corrupt rows were left out", report.dropped.len()));

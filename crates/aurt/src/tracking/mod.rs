@@ -152,9 +152,9 @@ pub fn track(
         let is_running = path.as_path() == Path::new(STANDARD_INPUT);
         let label = if is_running { "standard input".to_owned() } else { path.display().to_string() };
         progress.step(label.clone());
-        let (unit, columns, recorded) = template.as_ref().map_or_else(Default::default, |t| {
-            (t.unit, t.columns.clone(), t.recorded.clone())
-        });
+        let (unit, columns, recorded) = template
+            .as_ref()
+            .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), t.recorded.clone()));
         let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
         if is_running {
             Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;

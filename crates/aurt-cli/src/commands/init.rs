@@ -1,0 +1,127 @@
+//! `aurt init`: an experiment that runs, from a robot and its logs.
+
+use std::{
+    io::{BufRead, IsTerminal, Write},
+    path::PathBuf,
+};
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
+use crate::{
+    arguments::{Constants, Gravity, parse_gravity, parse_torque_constants},
+    doctor::Examination,
+    failure::Failure,
+    first_experiment::{Known, draft},
+    output::OutputFile,
+    rendering::{terminal::Report, text::wrapped},
+};
+
+/// Write an experiment for a robot and its logs.
+///
+/// Looks at the robot and the recordings, splits these into calibration and validation, suggests f_dyn, tries the usual
+/// mistakes against the data, and says every guess in a comment of the file. On a terminal it asks for what is missing.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \
+    aurt run experiment.toml --out results"
+)]
+pub struct Init {
+    /// The recordings
+    #[arg(value_name = "LOG", required = true)]
+    recordings: Vec<PathBuf>,
+    /// The robot: a name that `aurt robots` lists, a .urdf, or a table of modified Denavit–Hartenberg parameters (.csv)
+    #[arg(long, value_name = "NAME|FILE")]
+    robot: Option<String>,
+    /// Which joint the alpha and a of a table's row lead to
+    #[arg(long, value_enum)]
+    mdh_rows: Option<Rows>,
+    /// Link at which the chain of a .urdf ends
+    #[arg(long, value_name = "LINK")]
+    tip: Option<String>,
+    /// Gravitational acceleration in the base frame, m/s²
+    #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
+    gravity: Option<Gravity>,
+    /// Torque per current of each joint's drive in Nm/A
+    #[arg(long, value_name = "K K …", value_parser = parse_torque_constants, allow_hyphen_values = true)]
+    torque_constants: Option<Constants>,
+    /// File for the experiment
+    #[arg(long, value_name = "EXPERIMENT.toml", default_value = "experiment.toml")]
+    out: PathBuf,
+    #[command(flatten)]
+    reading: ReadingOptions,
+}
+
+impl Init {
+    /// Writes the experiment.
+    pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
+        if self.out.exists() {
+            return Err(Failure::Argument {
+                option: "--out",
+                reason: format!("{} exists", self.out.display()),
+                remedy: "name another file, or remove that one: experiments are not overwritten".into(),
+            });
+        }
+        let inputs: Vec<&std::path::Path> = self.recordings.iter().map(PathBuf::as_path).collect();
+        let out = OutputFile::new("--out", &self.out, &inputs)?;
+        let known = Known {
+            robot: self.robot()?,
+            mdh_rows: self.mdh_rows.map(Into::into),
+            tip: self.tip.clone(),
+            gravity_m_s2: self.gravity()?.map(|Gravity(g)| g),
+            torque_constants_nm_per_a: self.torque_constants.as_ref().map(|Constants(k)| k.clone()),
+            recordings: self.recordings.iter().map(|f| self.reading.source(f)).collect(),
+        };
+        let draft = draft(&known, &self.out, &mut session.registry)?;
+        out.write(draft.text.as_bytes())?;
+        let mut text = format!("written\n  {}\n", out.path().display());
+        text.extend(draft.guesses.iter().map(|g| wrapped(g)));
+        if let Some(examination) = &draft.examination {
+            text.push_str(&text_of(examination, session.terminal));
+        }
+        text.push_str(&format!("\nnext\n  aurt run {} --out results\n", out.path().display()));
+        let json = json!({
+            "command": "init",
+            "outputs": [out.path()],
+            "guesses": draft.guesses,
+            "setup": draft.examination.as_ref().map(Examination::to_json),
+        });
+        Ok(Report { text, json, findings: false })
+    }
+
+    fn robot(&self) -> Result<String, Failure> {
+        let asked = || ask("Robot (a name of `aurt robots`, a .urdf, or a table of MDH parameters): ");
+        self.robot.clone().or_else(asked).ok_or_else(|| Failure::Argument {
+            option: "--robot",
+            reason: "the robot is not given".into(),
+            remedy: "give a name that `aurt robots` lists, a .urdf, or a table of MDH parameters".into(),
+        })
+    }
+
+    fn gravity(&self) -> Result<Option<Gravity>, Failure> {
+        if self.gravity.is_some() || self.robot.is_some() {
+            return Ok(self.gravity);
+        }
+        ask("Gravity in the base frame, x y z in m/s² (return: 0 0 -9.81, checked against the recordings): ")
+            .map(|text| parse_gravity(&text))
+            .transpose()
+            .map_err(|reason| Failure::Argument {
+                option: "--gravity",
+                reason,
+                remedy: "write three numbers, such as 0 0 -9.81".into(),
+            })
+    }
+}
+
+/// An answer of a person, if one is there and says something.
+fn ask(question: &str) -> Option<String> {
+    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+        return None;
+    }
+    let mut out = std::io::stderr().lock();
+    out.write_all(question.as_bytes()).and_then(|()| out.flush()).ok()?;
+    let mut answer = String::new();
+    std::io::stdin().lock().read_line(&mut answer).ok()?;
+    Some(answer.trim().to_owned()).filter(|a| !a.is_empty())
+}

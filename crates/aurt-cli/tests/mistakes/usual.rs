@@ -1,0 +1,467 @@
+//! The mistakes.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::world::World;
+
+/// A mistake of a user.
+pub struct Mistake {
+    pub what: &'static str,
+    pub make: fn(&mut World),
+    /// What tells it with its cure: all words of one of these.
+    pub cures: &'static [&'static [&'static str]],
+    /// Whether it is tried on simulated recordings too.
+    pub simulated: bool,
+}
+
+const fn mistake(
+    what: &'static str,
+    make: fn(&mut World),
+    cures: &'static [&'static [&'static str]],
+) -> Mistake {
+    Mistake { what, make, cures, simulated: false }
+}
+
+const fn everywhere(
+    what: &'static str,
+    make: fn(&mut World),
+    cures: &'static [&'static [&'static str]],
+) -> Mistake {
+    Mistake { what, make, cures, simulated: true }
+}
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+pub const MISTAKES: &[Mistake] = &[
+    everywhere(
+        "positions in degrees",
+        |w| {
+            let columns = w.positions();
+            w.each(|l| l.scale(columns.clone(), DEGREES));
+        },
+        &[&["angle = \"deg\""]],
+    ),
+    mistake(
+        "positions in degrees in one calibration file",
+        |w| {
+            let columns = w.positions();
+            w.logs[1].scale(columns, DEGREES);
+        },
+        &[&["tuesday.csv", "angle = \"deg\""]],
+    ),
+    mistake(
+        "positions in degrees in the held-out file",
+        |w| {
+            let columns = w.positions();
+            w.logs[2].scale(columns, DEGREES);
+        },
+        &[&["friday.csv", "angle = \"deg\""]],
+    ),
+    mistake(
+        "positions in turns",
+        |w| {
+            let columns = w.positions();
+            w.each(|l| l.scale(columns.clone(), 1.0 / TAU));
+        },
+        &[&["counts_per_revolution"]],
+    ),
+    mistake(
+        "positions in encoder counts",
+        |w| {
+            let columns = w.positions();
+            w.each(|l| l.scale(columns.clone(), 4096.0 / TAU));
+        },
+        &[&["counts_per_revolution"]],
+    ),
+    mistake(
+        "positions of the motors, gears of 100",
+        |w| {
+            let columns = w.positions();
+            w.each(|l| l.scale(columns.clone(), 100.0));
+        },
+        &[&["gear_ratio"]],
+    ),
+    mistake(
+        "`angle = \"deg\"` for positions in rad",
+        |w| w.recorded.push("angle = \"deg\"".into()),
+        &[&["angle"], &["gear_ratio"], &["counts_per_revolution"]],
+    ),
+    mistake(
+        "velocities in degrees per second",
+        |w| {
+            let columns: Vec<usize> = (0..w.joints()).filter_map(|j| w.logs[0].velocity(j)).collect();
+            w.each(|l| l.scale(columns.clone(), DEGREES));
+        },
+        &[&["logged velocity", "57.3"]],
+    ),
+    everywhere("time in ms", |w| w.each(|l| l.scale([0], 1e3)), &[&["time = \"ms\""]]),
+    mistake("time in µs", |w| w.each(|l| l.scale([0], 1e6)), &[&["time = \"us\""]]),
+    mistake("time in ns", |w| w.each(|l| l.scale([0], 1e9)), &[&["time = \"ns\""]]),
+    mistake(
+        "time in ms in the held-out file",
+        |w| w.logs[2].scale([0], 1e3),
+        &[&["friday.csv", "time = \"ms\""]],
+    ),
+    mistake("`time = \"ms\"` for stamps in s", |w| w.recorded.push("time = \"ms\"".into()), &[&["time"]]),
+    mistake(
+        "`rate_hz` of another logger",
+        |w| w.recorded.push("rate_hz = 1000.0".into()),
+        &[&["logged velocity"], &["rate_hz"]],
+    ),
+    everywhere(
+        "currents in mA",
+        |w| {
+            let columns = w.measurements();
+            w.each(|l| l.scale(columns.clone(), 1e3));
+        },
+        &[&["current = \"mA\""], &["Nmm"]],
+    ),
+    mistake(
+        "constant of joint 1 ten times too large",
+        |w| constants(w, |k| k[1] *= 10.0),
+        &[&["joint 1", "constant"]],
+    ),
+    mistake(
+        "constant of joint 2 ten times too small",
+        |w| constants(w, |k| k[2] *= 0.1),
+        &[&["joint 2", "constant"]],
+    ),
+    mistake(
+        "constant of joint 1 with the other sign",
+        |w| constants(w, |k| k[1] *= -1.0),
+        &[&["joint 1", "sign"]],
+    ),
+    everywhere(
+        "gravity upside down",
+        |w| w.gravity("[0.0, 0.0, 9.81]"),
+        &[&["gravity_m_s2", "[0, 0, -9.81]"]],
+    ),
+    mistake("gravity along y", |w| w.gravity("[0.0, -9.81, 0.0]"), &[&["gravity_m_s2", "[0, 0, -9.81]"]]),
+    mistake("gravity along -x", |w| w.gravity("[-9.81, 0.0, 0.0]"), &[&["gravity_m_s2", "[0, 0, -9.81]"]]),
+    mistake(
+        "gravity of a base on a slope",
+        |w| w.gravity("[0.0, 6.937, -6.937]"),
+        &[&["gravity_m_s2", "[0, 0, -9.81]"]],
+    ),
+    everywhere("gravity in g", |w| w.gravity("[0.0, 0.0, -1.0]"), &[&["gravity_m_s2", "[0, 0, -9.81]"]]),
+    mistake("gravity in mm/s²", |w| w.gravity("[0.0, 0.0, -9810.0]"), &[&["9.81 m/s^2"]]),
+    everywhere(
+        "gravity forgotten, zero",
+        |w| w.gravity("[0.0, 0.0, 0.0]"),
+        &[&["gravity_m_s2", "[0, 0, -9.81]"]],
+    ),
+    mistake(
+        "`mdh_rows` the other way",
+        |w| w.set("mdh_rows", "\"previous\""),
+        &[&["`mdh_rows` to \"next\""]],
+    ),
+    everywhere(
+        "lengths of the table in mm",
+        |w| lengths(w, 1e3),
+        &[&["metres"], &["multiply the columns a and d", "0.001"]],
+    ),
+    mistake("lengths of the table in cm", |w| lengths(w, 1e2), &[&["multiply the columns a and d", "0.01"]]),
+    everywhere("alpha in degrees", |w| w.column("alpha", degrees), &[&["radians"]]),
+    mistake(
+        "columns a and d exchanged",
+        |w| w.table[0] = vec!["alpha".into(), "d".into(), "a".into()],
+        &[&["a and d", "exchange"]],
+    ),
+    mistake("rows of the table from the tip", |w| w.table[1..].reverse(), &[&["order of the rows"]]),
+    mistake(
+        "alpha with the other sign",
+        |w| w.column("alpha", |c| format!("{}", -value(c))),
+        &[&["signs of the column alpha"]],
+    ),
+    everywhere("a row of the table missing", |w| drop(w.table.pop()), &[&["joint"]]),
+    mistake("a row of the table too many", |w| w.table.push(vec!["0".into(); 3]), &[&["joint"]]),
+    mistake(
+        "zero of joint 1 a quarter turn off",
+        |w| {
+            let column = w.logs[0].position(1);
+            w.each(|l| l.add(column, FRAC_PI_2));
+        },
+        &[&["theta", "row 1"]],
+    ),
+    mistake(
+        "zero of joint 2 a quarter turn off",
+        |w| {
+            let column = w.logs[0].position(2);
+            w.each(|l| l.add(column, -FRAC_PI_2));
+        },
+        &[&["theta", "row 2"]],
+    ),
+    everywhere("position of joint 1 with the other sign", |w| position_sign(w, 1), &[&["joint 1", "sign"]]),
+    mistake("position of joint 2 with the other sign", |w| position_sign(w, 2), &[&["joint 2", "sign"]]),
+    mistake("position of joint 3 with the other sign", |w| position_sign(w, 3), &[&["joint 3", "sign"]]),
+    mistake("position of joint 5 with the other sign", |w| position_sign(w, 5), &[&["joint 5", "sign"]]),
+    mistake("position of joint 0 with the other sign", |w| position_sign(w, 0), &[&["joint 0", "sign"]]),
+    mistake(
+        "measurement of joint 0 with the other sign",
+        |w| measurement_sign(w, 0),
+        &[&["joint 0", "sign"]],
+    ),
+    everywhere(
+        "measurement of joint 1 with the other sign",
+        |w| measurement_sign(w, 1),
+        &[&["joint 1", "sign"]],
+    ),
+    mistake(
+        "measurement of joint 4 with the other sign",
+        |w| measurement_sign(w, 4),
+        &[&["joint 4", "sign"]],
+    ),
+    everywhere(
+        "all measurements with the other sign",
+        |w| {
+            let columns = w.measurements();
+            w.each(|l| l.scale(columns.clone(), -1.0));
+        },
+        &[&["gains of -1 for all joints"], &["check the signs"]],
+    ),
+    mistake(
+        "gravity upside down and joint 1 with the other sign",
+        |w| {
+            w.gravity("[0.0, 0.0, 9.81]");
+            measurement_sign(w, 1);
+        },
+        &[&["gravity_m_s2", "[0, 0, -9.81]", "joint 1"]],
+    ),
+    mistake(
+        "degrees and gravity upside down",
+        |w| {
+            w.gravity("[0.0, 0.0, 9.81]");
+            let columns = w.positions();
+            w.each(|l| l.scale(columns.clone(), DEGREES));
+        },
+        &[&["angle = \"deg\""]],
+    ),
+    mistake(
+        "all columns from the tip",
+        |w| {
+            reorder(w, true, &[5, 4, 3, 2, 1, 0]);
+            reorder(w, false, &[5, 4, 3, 2, 1, 0]);
+        },
+        &[&["order", "tip first"]],
+    ),
+    mistake(
+        "measurements of joints 1 and 2 exchanged",
+        |w| reorder(w, false, &[0, 2, 1, 3, 4, 5]),
+        &[&["measurements", "joints 1 and 2 exchanged"]],
+    ),
+    mistake(
+        "measurements of joints 0 and 3 exchanged",
+        |w| reorder(w, false, &[3, 1, 2, 0, 4, 5]),
+        &[&["measurements", "joints 0 and 3 exchanged"]],
+    ),
+    mistake(
+        "positions of joints 2 and 3 exchanged",
+        |w| reorder(w, true, &[0, 1, 3, 2, 4, 5]),
+        &[&["positions", "joints 2 and 3 exchanged"]],
+    ),
+    mistake(
+        "shoulder and elbow exchanged, positions and measurements",
+        |w| {
+            reorder(w, true, &[0, 2, 1, 3, 4, 5]);
+            reorder(w, false, &[0, 2, 1, 3, 4, 5]);
+        },
+        &[&["joints 1 and 2 exchanged"]],
+    ),
+    mistake(
+        "measurements shifted by one joint",
+        |w| reorder(w, false, &[5, 0, 1, 2, 3, 4]),
+        &[&["measurements", "order"]],
+    ),
+    mistake(
+        "positions shifted by one joint",
+        |w| reorder(w, true, &[1, 2, 3, 4, 5, 0]),
+        &[&["positions", "order"]],
+    ),
+    mistake(
+        "velocities selected as measurements",
+        |w| select(w, "[1, 6]", "[7, 12]"),
+        &[&["velocity of joint", "columns"]],
+    ),
+    mistake(
+        "measurement columns selected one too far left",
+        |w| select(w, "[1, 6]", "[12, 17]"),
+        &[&["velocity of joint", "columns"]],
+    ),
+    mistake(
+        "position columns selected one too far right",
+        |w| select(w, "[2, 7]", "[13, 18]"),
+        &[&["positions", "order"], &["columns"]],
+    ),
+    mistake(
+        "velocities selected as positions",
+        |w| select(w, "[7, 12]", "[13, 18]"),
+        &[&["columns"], &["same robot"]],
+    ),
+    everywhere(
+        "measurements 200 ms late",
+        |w| w.each(|l| l.delay(rows_of(l.rows.as_slice(), 0.2))),
+        &[&["delay_s"]],
+    ),
+    mistake(
+        "measurements 200 ms late in one file",
+        |w| {
+            let rows = rows_of(&w.logs[1].rows, 0.2);
+            w.logs[1].delay(rows);
+        },
+        &[&["tuesday.csv", "delay_s"]],
+    ),
+    mistake(
+        "position of joint 3 constantly zero",
+        |w| {
+            let column = w.logs[0].position(3);
+            w.each(|l| l.fill(column, 0.0));
+        },
+        &[&["joint 3", "position column"]],
+    ),
+    mistake(
+        "measurement of joint 3 constantly zero",
+        |w| {
+            let column = w.logs[0].measurement(3);
+            w.each(|l| l.fill(column, 0.0));
+        },
+        &[&["joint 3", "constantly 0", "columns"]],
+    ),
+    mistake(
+        "measurement of joint 2 a copy of joint 1",
+        |w| {
+            let (of, at) = (w.logs[0].measurement(1), w.logs[0].measurement(2));
+            w.each(|l| l.repeat(of, at));
+        },
+        &[&["joints 1 and 2 are the same column"]],
+    ),
+    mistake(
+        "position of joint 2 a copy of joint 1",
+        |w| {
+            let (of, at) = (w.logs[0].position(1), w.logs[0].position(2));
+            w.each(|l| l.repeat(of, at));
+        },
+        &[&["joints 1 and 2 are the same column"]],
+    ),
+    everywhere(
+        "a calibration file held out again",
+        |w| w.validation = "[\"monday.csv\"]".into(),
+        &[&["monday.csv"]],
+    ),
+    mistake(
+        "a copy of a calibration file held out",
+        |w| w.logs[2] = w.logs[0].clone(),
+        &[&["friday.csv", "monday.csv"]],
+    ),
+    mistake(
+        "windows that overlap",
+        |w| {
+            w.calibration = "[{ file = \"monday.csv\", window_s = [0.0, 20.0] }]".into();
+            w.validation = "[{ file = \"monday.csv\", window_s = [10.0, 25.0] }]".into();
+        },
+        &[&["monday.csv"]],
+    ),
+    mistake("f_dyn beyond the logger", |w| w.f_dyn_hz = 100.0, &[&["f_dyn_hz can be at most"]]),
+    mistake("f_dyn of 0.01 Hz", |w| w.f_dyn_hz = 0.01, &[&["f_dyn_hz"]]),
+    mistake("the name of another robot", |w| w.geometry = "name = \"panda\"".into(), &[&["joints"]]),
+    mistake(
+        "the name of a smaller robot of the same family",
+        |w| w.geometry = "name = \"ur3e\"".into(),
+        &[&["`name` to \"ur10e\""], &["ur10e"]],
+    ),
+    mistake(
+        "a name with a slip of the pen",
+        |w| w.geometry = "name = \"ur10ee\"".into(),
+        &[&["did you mean", "ur10e"]],
+    ),
+    everywhere(
+        "a key with a slip of the pen",
+        |w| w.set("gravitiy_m_s2", "[0, 0, -9.81]"),
+        &[&["gravity_m_s2"]],
+    ),
+    everywhere("stamps that run backwards", |w| w.each(|l| l.rows.reverse()), &[&["stamp"]]),
+    mistake(
+        "decimal commas between commas",
+        |w| w.text = Some(|t| t.replacen("0.", "0,", 40)),
+        &[&["cells"], &["columns"]],
+    ),
+    mistake("a cell that is no number", |w| w.text = Some(|t| t.replacen("-0.0", "NaN", 1)), &[&["row"]]),
+    everywhere("a file that breaks off", |w| w.text = Some(|t| t[..t.len() - 9].to_owned()), &[&["last"]]),
+    everywhere(
+        "no joint moves",
+        |w| {
+            w.each(|l| {
+                let first = l.rows[0].clone();
+                for row in &mut l.rows {
+                    let time = row[0];
+                    row.copy_from_slice(&first);
+                    row[0] = time;
+                }
+            })
+        },
+        &[&["joint", "mov"], &["rest"]],
+    ),
+];
+
+fn value(cell: &str) -> f64 {
+    let pi = std::f64::consts::PI;
+    match cell.trim() {
+        "pi/2" => pi / 2.0,
+        "-pi/2" => -pi / 2.0,
+        number => number.parse().unwrap(),
+    }
+}
+
+fn degrees(cell: &str) -> String {
+    format!("{}", value(cell).to_degrees())
+}
+
+fn constants(world: &mut World, change: impl Fn(&mut [f64])) {
+    let mut constants = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763];
+    change(&mut constants);
+    world.set("torque_constants_nm_per_a", &format!("{constants:?}"));
+}
+
+fn lengths(world: &mut World, factor: f64) {
+    for column in ["a", "d"] {
+        world.column(column, |c| format!("{}", value(c) * factor));
+    }
+}
+
+fn position_sign(world: &mut World, joint: usize) {
+    let log = &world.logs[0];
+    let columns: Vec<usize> =
+        [Some(log.position(joint)), log.velocity(joint)].into_iter().flatten().collect();
+    world.each(|l| l.scale(columns.clone(), -1.0));
+}
+
+fn measurement_sign(world: &mut World, joint: usize) {
+    let column = world.logs[0].measurement(joint);
+    world.each(|l| l.scale([column], -1.0));
+}
+
+/// Columns in another order: positions with their velocities, or measurements.
+fn reorder(world: &mut World, motion: bool, from: &[usize]) {
+    let log = &world.logs[0];
+    let firsts: Vec<usize> = if motion {
+        [Some(log.position(0)), log.velocity(0)].into_iter().flatten().collect()
+    } else {
+        vec![log.measurement(0)]
+    };
+    world.each(|l| firsts.iter().for_each(|first| l.reorder(*first, from)));
+}
+
+fn select(world: &mut World, position: &str, measurement: &str) {
+    let entry = |name: &str| {
+        format!(
+            "{{ file = \"{name}\", unit = \"A\", columns = {{ time = 0, position = {position}, measurement = \
+             {measurement} }} }}"
+        )
+    };
+    world.calibration = format!("[{}, {}]", entry("monday.csv"), entry("tuesday.csv"));
+    world.validation = format!("[{}]", entry("friday.csv"));
+}
+
+fn rows_of(rows: &[Vec<f64>], time_s: f64) -> usize {
+    let period_s = (rows[rows.len() - 1][0] - rows[0][0]) / (rows.len() - 1) as f64;
+    (time_s / period_s).round() as usize
+}

@@ -1,0 +1,133 @@
+//! What columns show by themselves, without a model: nothing, the same as another, or what no joint can do.
+
+use std::f64::consts::TAU;
+
+use aurt_recording::Recording;
+use aurt_traits::MeasurementUnit;
+
+/// A joint that moves no more than this rests, rad.
+const REST_RAD: f64 = 1e-4;
+/// Turns from which on a position is hardly that of an arm's joint.
+const MANY_TURNS: f64 = 3.0;
+/// Root mean square of motor currents from which on they are hardly in A.
+const LARGE_CURRENT_A: f64 = 150.0;
+/// Root mean square of joint torques from which on they are hardly in Nm.
+const LARGE_TORQUE_NM: f64 = 1e4;
+/// Two series of which this much is alike are one.
+const ALIKE: f64 = 1e-9;
+
+/// What should be heeded of a recording's columns.
+pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
+    let mut said = Vec::new();
+    let joints = recording.joints();
+    let spans: Vec<f64> = recording.position_rad.iter().map(|q| span(q)).collect();
+    for joint in 0..joints {
+        for other in joint + 1..joints {
+            if spans[joint] > REST_RAD && same(&recording.position_rad[joint], &recording.position_rad[other])
+            {
+                said.push(format!(
+                    "{name}: the positions of joints {joint} and {other} are the same column; select each joint's own \
+                     with `columns`"
+                ));
+            }
+        }
+    }
+    let fastest = spans.iter().copied().fold(0.0, f64::max);
+    if fastest > MANY_TURNS * TAU {
+        let joint = spans.iter().position(|s| *s == fastest).unwrap_or_default();
+        said.push(format!(
+            "{name}: joint {joint} covers {fastest:.0} rad, {:.1} turns; if positions are in degrees, write \
+             `angle = \"deg\"` in `[recordings]`, if they are the motors', `gear_ratio`, if they are counts, \
+             `counts_per_revolution`",
+            fastest / TAU
+        ));
+    }
+    if let Some(velocity) = &recording.velocity_rad_s {
+        for joint in 0..joints {
+            if spans[joint] <= REST_RAD && span(&velocity[joint]) > 0.1 {
+                said.push(format!(
+                    "{name}: the position of joint {joint} stands still while its velocity column varies by {:.2} rad/s; \
+                     its position column is another's or was not logged",
+                    span(&velocity[joint])
+                ));
+            }
+        }
+    }
+    if let Some(measurement) = &recording.measurement {
+        said.extend(of_measurements(name, recording, measurement, &spans));
+    }
+    said
+}
+
+fn of_measurements(
+    name: &str,
+    recording: &Recording,
+    measurement: &[Vec<f64>],
+    spans: &[f64],
+) -> Vec<String> {
+    let mut said = Vec::new();
+    let joints = measurement.len();
+    let constant: Vec<usize> =
+        (0..joints).filter(|j| span(&measurement[*j]) == 0.0 && recording.samples() > 10).collect();
+    for joint in constant.iter().filter(|j| spans[**j] > REST_RAD) {
+        said.push(format!(
+            "{name}: the measurement of joint {joint} is constantly {}, though the joint moves: it was not logged, or \
+             `columns` select another column; nothing can be said of its friction",
+            measurement[*joint].first().copied().unwrap_or_default()
+        ));
+    }
+    for joint in 0..joints {
+        for other in joint + 1..joints {
+            if !constant.contains(&joint) && same(&measurement[joint], &measurement[other]) {
+                said.push(format!(
+                    "{name}: the measurements of joints {joint} and {other} are the same column; select each joint's own \
+                     with `columns`"
+                ));
+            }
+        }
+        let motions =
+            [("position", Some(&recording.position_rad)), ("velocity", recording.velocity_rad_s.as_ref())];
+        for (what, family) in motions {
+            let twin = family
+                .and_then(|f| f.iter().position(|s| span(s) > REST_RAD && same(s, &measurement[joint])));
+            if let Some(twin) = twin {
+                said.push(format!(
+                    "{name}: the measurement of joint {joint} is the {what} of joint {twin}; select the columns of \
+                     currents or torques with `columns`"
+                ));
+            }
+        }
+    }
+    let largest = measurement.iter().map(|m| rms(m)).fold(0.0, f64::max);
+    let (limit, remedy) = match recording.unit {
+        MeasurementUnit::Ampere => {
+            (LARGE_CURRENT_A, "if currents are in mA, write `current = \"mA\"` in `[recordings]`")
+        }
+        MeasurementUnit::NewtonMetre => {
+            (LARGE_TORQUE_NM, "if they are in Nmm, write 0.001 for every joint as `gains` of `[instrument]`")
+        }
+    };
+    if largest > limit {
+        said.push(format!(
+            "{name}: measurements reach {largest:.0} {} in root mean square, beyond any drive; {remedy}",
+            recording.unit.symbol()
+        ));
+    }
+    said
+}
+
+fn span(series: &[f64]) -> f64 {
+    let [low, high] =
+        series.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+    if high >= low { high - low } else { 0.0 }
+}
+
+fn rms(series: &[f64]) -> f64 {
+    (series.iter().map(|v| v * v).sum::<f64>() / series.len().max(1) as f64).sqrt()
+}
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    let difference: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    let size: f64 = a.iter().map(|v| v * v).sum();
+    span(a) > 0.0 && difference <= ALIKE * size
+}

@@ -1,0 +1,217 @@
+//! Mistakes that can be undone in a setup.
+
+use std::sync::{Arc, OnceLock};
+
+use aurt_rbd::{Joint, MdhRows};
+use aurt_recording::Recording;
+
+use super::setup::{Part, Setup};
+
+/// A mistake of a setup. What it holds is what undoes it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mistake {
+    /// Gravity points elsewhere, or has another size.
+    Gravity {
+        /// What it is, m/s².
+        to_m_s2: [f64; 3],
+    },
+    /// Links and joints are others.
+    Geometry {
+        /// In what way.
+        what: Table,
+        /// What they are.
+        joints: Vec<Joint>,
+    },
+    /// A recording is to be read otherwise.
+    Reading {
+        /// In what way.
+        what: Reading,
+        /// The recording, by its place among the subject's; all if none.
+        file: Option<usize>,
+    },
+}
+
+/// What can be wrong with links and joints.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Table {
+    /// `mdh_rows` is the other way.
+    Rows(MdhRows),
+    /// All lengths are in another unit: what they are multiplied with.
+    Lengths(f64),
+    /// The rows stand from tip to base.
+    Reversed,
+    /// The columns a and d are exchanged.
+    Exchanged,
+    /// α has the other sign everywhere.
+    Mirrored,
+    /// It is another robot, known by this name.
+    Known(&'static str),
+    /// A joint's zero is elsewhere: what is added to its angle, rad.
+    Zero {
+        /// The joint.
+        joint: usize,
+        /// What is added.
+        offset_rad: f64,
+    },
+}
+
+/// What can be wrong with the reading of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reading {
+    /// Positions are degrees.
+    Degrees,
+    /// Positions are turns.
+    Turns,
+    /// Positions are those of motors behind a gear of this ratio.
+    Geared(f64),
+    /// A joint's position has the other sign.
+    PositionSign(usize),
+    /// A joint's measurement has the other sign.
+    MeasurementSign(usize),
+    /// All measurements have the other sign.
+    AllMeasurementSigns,
+    /// Joints stand in another order: joint j is column `order[j]`.
+    Order {
+        /// In which columns.
+        of: Columns,
+        /// Where each joint is.
+        order: Vec<usize>,
+    },
+    /// Measurements are of this much later than positions, s.
+    Delay(f64),
+    /// Time runs slower or faster: what stamps are multiplied with.
+    Time(f64),
+    /// A joint's measurement is in another unit or behind another constant: what it is multiplied with.
+    Gain {
+        /// The joint.
+        joint: usize,
+        /// The factor.
+        factor: f64,
+    },
+}
+
+/// Columns whose order can be wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    /// Those of positions.
+    Position,
+    /// Those of measurements.
+    Measurement,
+    /// Both alike.
+    Both,
+}
+
+impl Columns {
+    pub(super) const fn positions(self) -> bool {
+        matches!(self, Self::Position | Self::Both)
+    }
+
+    pub(super) const fn measurements(self) -> bool {
+        matches!(self, Self::Measurement | Self::Both)
+    }
+}
+
+impl Mistake {
+    /// The setup without the mistake.
+    pub fn undone(&self, setup: &Setup) -> Setup {
+        match self {
+            Self::Gravity { to_m_s2 } => {
+                Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() }
+            }
+            Self::Geometry { what: Table::Zero { joint, offset_rad }, .. } => {
+                let mut joints = setup.joints.clone();
+                joints[*joint].theta_offset_rad += offset_rad;
+                Setup { joints, model: OnceLock::new(), ..setup.clone() }
+            }
+            Self::Geometry { joints, .. } => {
+                Setup { joints: joints.clone(), model: OnceLock::new(), ..setup.clone() }
+            }
+            Self::Reading { what, file } => {
+                let concerned = |part: &&Part| file.is_none_or(|f| f == part.file);
+                let parts = setup
+                    .parts
+                    .iter()
+                    .map(|part| if concerned(&part) { what.undone(part) } else { part.clone() })
+                    .collect();
+                Setup { parts, ..setup.clone() }
+            }
+        }
+    }
+
+    /// Whether two mistakes are about the same thing, so that one of them is enough.
+    pub fn is_about_what(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Gravity { .. }, Self::Gravity { .. }) => true,
+            (Self::Geometry { what: a, .. }, Self::Geometry { what: b, .. }) => match (a, b) {
+                (Table::Zero { joint: a, .. }, Table::Zero { joint: b, .. }) => a == b,
+                (Table::Zero { .. }, _) | (_, Table::Zero { .. }) => false,
+                _ => true,
+            },
+            (Self::Reading { what: a, file: f }, Self::Reading { what: b, file: g }) => {
+                (f == g || f.is_none() || g.is_none()) && a.is_about_what(b)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl Reading {
+    fn is_about_what(&self, other: &Self) -> bool {
+        let scale = |r: &Self| matches!(r, Self::Degrees | Self::Turns | Self::Geared(_));
+        match (self, other) {
+            (a, b) if scale(a) && scale(b) => true,
+            (Self::Order { .. }, Self::Order { .. })
+            | (Self::Delay(_), Self::Delay(_))
+            | (Self::Time(_), Self::Time(_)) => true,
+            (Self::Gain { joint: a, .. }, Self::Gain { joint: b, .. }) => a == b,
+            (a, b) => a == b,
+        }
+    }
+
+    fn undone(&self, part: &Part) -> Part {
+        let mut recording: Recording = (*part.recording).clone();
+        let mut options = part.options.clone();
+        let scale = |series: &mut Vec<f64>, factor: f64| series.iter_mut().for_each(|v| *v *= factor);
+        let all_positions = |recording: &mut Recording, factor: f64| {
+            recording.position_rad.iter_mut().for_each(|q| scale(q, factor));
+        };
+        match self {
+            Self::Degrees => all_positions(&mut recording, 1_f64.to_radians()),
+            Self::Turns => all_positions(&mut recording, std::f64::consts::TAU),
+            Self::Geared(ratio) => all_positions(&mut recording, 1.0 / ratio),
+            Self::PositionSign(joint) => scale(&mut recording.position_rad[*joint], -1.0),
+            Self::MeasurementSign(joint) => measured(&mut recording, *joint, -1.0),
+            Self::AllMeasurementSigns => {
+                (0..recording.joints()).for_each(|joint| measured(&mut recording, joint, -1.0));
+            }
+            Self::Gain { joint, factor } => measured(&mut recording, *joint, *factor),
+            Self::Order { of, order } => {
+                let ordered = |family: &[Vec<f64>]| order.iter().map(|j| family[*j].clone()).collect();
+                if of.positions() {
+                    recording.position_rad = ordered(&recording.position_rad);
+                }
+                if of.measurements() {
+                    recording.measurement = recording.measurement.as_deref().map(ordered);
+                }
+            }
+            Self::Delay(delay_s) => {
+                let options = Arc::make_mut(&mut options);
+                let before = options.delay_s.take().unwrap_or_else(|| vec![0.0; recording.joints()]);
+                options.delay_s = Some(before.iter().map(|d| d + delay_s).collect());
+            }
+            Self::Time(factor) => {
+                scale(&mut recording.time_s, *factor);
+                let options = Arc::make_mut(&mut options);
+                options.f_dyn_hz /= factor;
+                options.rest_velocity_rad_s /= factor;
+            }
+        }
+        part.with(Arc::new(recording), options)
+    }
+}
+
+fn measured(recording: &mut Recording, joint: usize, factor: f64) {
+    if let Some(series) = recording.measurement.as_mut().and_then(|m| m.get_mut(joint)) {
+        series.iter_mut().for_each(|v| *v *= factor);
+    }
+}

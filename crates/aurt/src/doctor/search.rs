@@ -1,0 +1,279 @@
+//! The search: one mistake at a time, in pairs where none helps alone, and again until nothing more is gained.
+
+use rayon::prelude::*;
+
+use super::{
+    mistake::{Mistake, Reading},
+    setup::{Setup, Subject},
+    trial::{Bench, Score},
+    usual::{is_likely, of_file, usual},
+};
+
+/// Of a setup whose error is below this at every joint only the likely mistakes are tried.
+const FINE: f64 = 0.3;
+/// The same over all joints, where a calibrated model explains each of them.
+const DOUBTFUL: f64 = 0.5;
+/// A mistake is told if undoing it takes the error to at most this share of what it was.
+const CLEARLY: f64 = 0.6;
+/// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
+const EXPLAINED: f64 = 0.7;
+/// Beside one that was found, another is told only if its error falls to this share.
+const FURTHER: f64 = 0.65;
+/// Of mistakes that take the error to within this factor of the least one, the likeliest is told.
+const ALIKE: f64 = 1.07;
+/// Fitted values are told if they take the error to at most this share of that with the values tried.
+const ROUND: f64 = 0.85;
+/// First mistakes of pairs.
+const PAIRED: usize = 4;
+/// Pairs are tried where the error is at least this.
+const PAIRS_FROM: f64 = 0.4;
+/// Mistakes that are told together at most.
+const MOST: usize = 4;
+
+/// What the search came to.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// How well the setup as it is explains the data; nothing if it allows no fit.
+    pub before: Option<Score>,
+    /// What to undo, in the order of finding, each with the error after it.
+    pub steps: Vec<Step>,
+    /// How well the setup does without the mistakes.
+    pub after: Option<Score>,
+    /// Fits that were tried.
+    pub trials: usize,
+}
+
+/// A mistake that was found.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// The mistake.
+    pub mistake: Mistake,
+    /// The error once it is undone too.
+    pub after: Score,
+    /// Others that explain the data alike.
+    pub alike: Vec<Mistake>,
+}
+
+struct Tried {
+    mistakes: Vec<Mistake>,
+    setup: Setup,
+    score: Score,
+    alike: Vec<Mistake>,
+}
+
+struct Search<'a> {
+    subject: &'a Subject,
+    bench: &'a Bench,
+    trials: usize,
+}
+
+/// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone.
+#[derive(Debug, Clone, Copy)]
+pub enum Thorough {
+    /// If a joint's error is at least 30 %.
+    AnyJoint,
+    /// If that over all joints is at least 50 %.
+    AllJoints,
+    /// In any case.
+    Always,
+}
+
+/// Looks for mistakes.
+pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thorough) -> Found {
+    let before = bench.score(setup);
+    let fine = |s: &Score| {
+        let little = match thorough {
+            Thorough::AnyJoint => s.of_moving().all(|(_, e)| e < FINE),
+            Thorough::AllJoints => s.total < DOUBTFUL,
+            Thorough::Always => false,
+        };
+        little && !s.fed.contains(&true)
+    };
+    let mut found = Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1 };
+    let mut search = Search { subject, bench, trials: 1 };
+    let (mut now, mut score) = (setup.clone(), before);
+    while found.steps.len() < MOST {
+        let least = score.as_ref().map_or(f64::INFINITY, |s| s.total);
+        let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
+        let best = if score.as_ref().is_some_and(fine) {
+            search.glance(&now, &told)
+        } else {
+            search.round(&now, least, &told)
+        };
+        let Some(best) = best else { break };
+        let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
+        if best.score.total > share * least.min(1.0) {
+            break;
+        }
+        let mut setup = now;
+        let last = best.mistakes.len() - 1;
+        for (k, mistake) in best.mistakes.into_iter().enumerate() {
+            setup = mistake.undone(&setup);
+            let after = if k == last {
+                best.score.clone()
+            } else {
+                bench.score(&setup).unwrap_or_else(|| best.score.clone())
+            };
+            let alike = if k == last { best.alike.clone() } else { Vec::new() };
+            found.steps.push(Step { mistake, after, alike });
+        }
+        now = setup;
+        score = Some(best.score);
+    }
+    found.trials = search.trials;
+    if score.as_ref().is_none_or(|s| s.total > EXPLAINED) {
+        found.steps.clear();
+    } else {
+        found.after = score;
+    }
+    found
+}
+
+impl Search<'_> {
+    /// The best that one more of the likely mistakes can do.
+    fn glance(&mut self, setup: &Setup, told: &[&Mistake]) -> Option<Tried> {
+        let likely = |m: &Mistake| is_likely(m) && !told.iter().any(|t| t.is_about_what(m));
+        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(likely).collect();
+        let singles = self.all(setup, &mistakes, &[]);
+        self.likeliest(&singles)
+    }
+
+    /// The best that one more mistake, or two, can do: of the whole setup, of one recording, in pairs.
+    fn round(&mut self, setup: &Setup, least: f64, told: &[&Mistake]) -> Option<Tried> {
+        let enough = CLEARLY * least.min(1.0);
+        let open = |m: &Mistake| !told.iter().any(|t| t.is_about_what(m));
+        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(open).collect();
+        let singles = self.all(setup, &mistakes, &[]);
+        let mut best = self.likeliest(&singles);
+        if best.as_ref().is_some_and(|b| b.score.total <= enough) {
+            return best.map(|b| self.refined(setup, b));
+        }
+        let files = setup.files();
+        if files.len() > 1 {
+            let joints = setup.joints.len();
+            let of_files: Vec<Mistake> =
+                files.iter().flat_map(|f| of_file(joints, *f)).filter(open).collect();
+            let tried = self.all(setup, &of_files, &[]);
+            best = better(best, self.likeliest(&tried));
+        }
+        if best.as_ref().is_some_and(|b| b.score.total <= enough) || least < PAIRS_FROM {
+            return best.map(|b| self.refined(setup, b));
+        }
+        let mut first: Vec<&Tried> = singles.iter().collect();
+        first.sort_by(|a, b| a.score.total.total_cmp(&b.score.total));
+        let likely: Vec<Mistake> = mistakes.iter().filter(|m| is_likely(m)).cloned().collect();
+        let mut pairs = Vec::new();
+        for one in first.into_iter().take(PAIRED) {
+            let others: Vec<Mistake> =
+                likely.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
+            pairs.extend(self.all(&one.setup, &others, &one.mistakes));
+        }
+        let single = best.as_ref().map_or(f64::INFINITY, |b| b.score.total);
+        let pair = self.likeliest(&pairs).filter(|p| p.score.total < FURTHER * single);
+        pair.or(best).map(|b| self.refined(setup, b))
+    }
+
+    fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {
+        self.trials += mistakes.len();
+        // What does not change is prepared once.
+        setup.parts.iter().for_each(|p| drop(p.prepared()));
+        mistakes
+            .par_iter()
+            .filter_map(|mistake| {
+                let setup = mistake.undone(setup);
+                let score = self.bench.score(&setup)?;
+                let mistakes = before.iter().chain([mistake]).cloned().collect();
+                Some(Tried { mistakes, setup, score, alike: Vec::new() })
+            })
+            .collect()
+    }
+
+    /// The first of those that are nearly the best, with the rest of these.
+    fn likeliest(&self, tried: &[Tried]) -> Option<Tried> {
+        let least = tried.iter().map(|t| t.score.total).min_by(f64::total_cmp)?;
+        let mut near = tried.iter().filter(|t| t.score.total <= ALIKE * least);
+        let first = near.next()?;
+        let alike = near.filter_map(|t| t.mistakes.last().cloned()).collect();
+        Some(Tried {
+            mistakes: first.mistakes.clone(),
+            setup: first.setup.clone(),
+            score: first.score.clone(),
+            alike,
+        })
+    }
+
+    /// The same with numbers that were tried coarsely fitted.
+    fn refined(&mut self, setup: &Setup, tried: Tried) -> Tried {
+        let coarse = (tried.mistakes.clone(), tried.setup.clone(), tried.score.clone());
+        let mut best = tried;
+        for at in 0..best.mistakes.len() {
+            let mut step = 1.0;
+            for _ in 0..8 {
+                let around = variations(&best.mistakes[at], step);
+                step *= 0.6;
+                let better = around.into_iter().filter_map(|changed| {
+                    self.trials += 1;
+                    let mut mistakes = best.mistakes.clone();
+                    mistakes[at] = changed;
+                    let setup = mistakes.iter().fold(setup.clone(), |s, m| m.undone(&s));
+                    let score = self.bench.score(&setup)?;
+                    Some(Tried { mistakes, setup, score, alike: best.alike.clone() })
+                });
+                let better = better.min_by(|a, b| a.score.total.total_cmp(&b.score.total));
+                if let Some(better) = better.filter(|b| b.score.total < 0.995 * best.score.total) {
+                    best = better;
+                }
+            }
+        }
+        // Round values are meant where fitted ones are hardly better.
+        if best.score.total > ROUND * coarse.2.total {
+            (best.mistakes, best.setup, best.score) = coarse;
+        }
+        best
+    }
+}
+
+fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.score.total * ALIKE < a.score.total { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Neighbours of a number that was tried coarsely; `step` is 1 at first and falls.
+fn variations(mistake: &Mistake, step: f64) -> Vec<Mistake> {
+    match mistake {
+        Mistake::Gravity { to_m_s2: g } if *g != [0.0; 3] => turned(*g, 0.35 * step),
+        Mistake::Reading { what, file } => {
+            let changed: Vec<Reading> = match what {
+                Reading::Delay(d) => {
+                    [1.0 - 0.4 * step, 1.0 + 0.4 * step].map(|f| Reading::Delay(d * f)).to_vec()
+                }
+                Reading::Gain { joint, factor } => [1.0 / (1.0 + 1.5 * step), 1.0 + 1.5 * step]
+                    .map(|f| Reading::Gain { joint: *joint, factor: factor * f })
+                    .to_vec(),
+                Reading::Geared(ratio) => {
+                    [1.0 / (1.0 + 0.2 * step), 1.0 + 0.2 * step].map(|f| Reading::Geared(ratio * f)).to_vec()
+                }
+                _ => Vec::new(),
+            };
+            changed.into_iter().map(|what| Mistake::Reading { what, file: *file }).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Gravity turned by an angle to all sides.
+fn turned(g: [f64; 3], angle_rad: f64) -> Vec<Mistake> {
+    let size = g.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let mut all = Vec::new();
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut to = g;
+            to[axis] += sign * size * angle_rad.tan();
+            let length = to.iter().map(|v| v * v).sum::<f64>().sqrt();
+            all.push(Mistake::Gravity { to_m_s2: to.map(|v| v * size / length) });
+        }
+    }
+    all
+}
