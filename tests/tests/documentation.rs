@@ -47,7 +47,9 @@ fn experiments_in_the_documentation_are_accepted() {
         for block in blocks(&text, "toml").into_iter().filter(|b| b.starts_with("schema")) {
             let folder = tempfile::tempdir().unwrap();
             // The files that it names, as far as an experiment looks at them.
-            for name in block.split('"').skip(1).step_by(2).filter(|n| n.ends_with(".csv") || n.ends_with(".mcap")) {
+            for name in
+                block.split('"').skip(1).step_by(2).filter(|n| n.ends_with(".csv") || n.ends_with(".mcap"))
+            {
                 let contents = if name.ends_with("mdh.csv") {
                     "alpha,a,d\npi/2,0,0.18\n0,-0.61,0\n0,-0.57,0\npi/2,0,0.17\n-pi/2,0,0.12\n0,0,0.12\n"
                 } else {

@@ -93,7 +93,7 @@ fn every_key_of_the_contract_is_read() {
     let validation = &e.recordings.validation[0];
     assert_eq!(validation.unit, Some(MeasurementUnit::Ampere));
     let columns = validation.columns.as_ref().unwrap();
-    assert_eq!(columns.time, ColumnName::Index(0));
+    assert_eq!(columns.time, Some(ColumnName::Index(0)));
     assert_eq!(columns.position, JointColumns::Range { first: 1, last: 2 });
     assert_eq!(columns.velocity, None);
     assert_eq!(columns.measurement, Some(JointColumns::Names(vec!["i0".into(), "i1".into()])));

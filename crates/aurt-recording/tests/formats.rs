@@ -189,8 +189,7 @@ fn joint_state(second: u32) -> Vec<u8> {
     let words = |values: &[u32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let position = (f64::from(second) / 8.0).to_le_bytes();
     // Stamp, empty frame, one name; each list of numbers begins at a multiple of 8 after its length.
-    let begin =
-        [&[0, 1, 0, 0], words(&[second, 0, 1, 0, 1, 3]).as_slice(), b"a1\0\0", &words(&[1])].concat();
+    let begin = [&[0, 1, 0, 0], words(&[second, 0, 1, 0, 1, 3]).as_slice(), b"a1\0\0", &words(&[1])].concat();
     [begin.as_slice(), &position, &words(&[0, 1]), &2.0_f64.to_le_bytes()].concat()
 }
 
