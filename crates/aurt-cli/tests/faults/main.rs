@@ -185,9 +185,15 @@ fn names(folder: &Path) -> Vec<String> {
     entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
 }
 
+/// Bytes of the files in a folder and in the folders in it.
 fn folder_size(folder: &Path) -> u64 {
-    let entries = fs::read_dir(folder).unwrap().flatten();
-    entries.map(|e| fs::symlink_metadata(e.path()).map_or(0, |m| if m.is_file() { m.len() } else { 0 })).sum()
+    let entries = fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
+    let size = |path: std::path::PathBuf| match fs::symlink_metadata(&path) {
+        Ok(found) if found.is_dir() => folder_size(&path),
+        Ok(found) if found.is_file() => found.len(),
+        _ => 0,
+    };
+    entries.map(size).sum()
 }
 
 /// Largest resident memory of a process so far; zero where the system does not tell.
