@@ -68,7 +68,10 @@ fn noise_of_the_positions_is_told() {
         (said.split_whitespace().collect::<Vec<_>>().join(" "), bias)
     };
     let (said, _) = run("fine");
-    assert!(said.contains("noise of the positions is at most") && !said.contains("positions biases"), "{said}");
+    assert!(
+        said.contains("noise of the positions is at most") && !said.contains("positions biases"),
+        "{said}"
+    );
     let rows: Vec<String> = folder
         .read("exciting_motion.csv")
         .lines()
@@ -85,7 +88,8 @@ fn noise_of_the_positions_is_told() {
     }
     let step_rad = bias["joints"][1]["step_rad"].as_f64().unwrap();
     assert!((step_rad / (std::f64::consts::TAU / 8192.0) - 1.0).abs() < 1e-3, "{step_rad}");
-    let worst = bias["parameters"].as_array().unwrap().iter().map(|p| p["deviations"].as_f64().unwrap().abs());
+    let worst =
+        bias["parameters"].as_array().unwrap().iter().map(|p| p["deviations"].as_f64().unwrap().abs());
     assert!(worst.fold(0.0, f64::max) > 1.0, "{bias}");
 }
 
