@@ -16,8 +16,8 @@ mod failure {
 use std::process::ExitCode;
 
 use aurt::{
-    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary, injected, inspection, output,
-    proof, reports, results, sensitivity, streaming, sweeping,
+    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary,
+    injected, inspection, output, proof, reports, results, sensitivity, streaming, sweeping,
 };
 use aurt_plugins::Registry;
 use aurt_traits::Dispatch;

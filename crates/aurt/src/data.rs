@@ -8,8 +8,8 @@ use aurt_experiment::{
     experiment::{ColumnName, JointColumns, RecordingColumns, RecordingSource},
 };
 use aurt_recording::{
-    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
-    preprocess, read_recording,
+    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, ReadReport, RecordedAs,
+    Recording, RecordingError, preprocess, read_recording,
 };
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,10 @@ impl From<Recording> for Loaded {
     fn from(recording: Recording) -> Self {
         let (file, label) = (recording.file.clone(), recording.file.display().to_string());
         let recorded = RecordedAs::default();
-        Self { source: Source { file, label, window_s: None, unit: None, columns: None, recorded }, recording }
+        Self {
+            source: Source { file, label, window_s: None, unit: None, columns: None, recorded },
+            recording,
+        }
     }
 }
 

@@ -77,7 +77,11 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     for source in &known.recordings {
         let one = look(source, arm.joints)?;
         if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
-            guesses.push(format!("{} holds the samples of {} and is left out", source.label, twin.inspected.label()));
+            guesses.push(format!(
+                "{} holds the samples of {} and is left out",
+                source.label,
+                twin.inspected.label()
+            ));
         } else {
             looked.push(one);
         }
@@ -114,29 +118,40 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let file = Path::new(robot);
     if !file.is_file() {
-        let meant = aurt_robots::probably_meant(robot).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
+        let meant =
+            aurt_robots::probably_meant(robot).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
         return Err(Failure::Argument {
             option: "--robot",
             reason: format!("{robot} is neither a robot known by name nor a file"),
-            remedy: format!("{meant}`aurt robots` lists the names; else give a .urdf or a table of MDH parameters"),
+            remedy: format!(
+                "{meant}`aurt robots` lists the names; else give a .urdf or a table of MDH parameters"
+            ),
         });
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
-        let described = aurt_robots::read(file, None, known.tip.as_deref()).map_err(|errors| Failure::Argument {
-            option: "--robot",
-            reason: errors.to_string(),
-            remedy: "choose the end of the chain with `--tip`, or correct the file".into(),
-        })?;
+        let described =
+            aurt_robots::read(file, None, known.tip.as_deref()).map_err(|errors| Failure::Argument {
+                option: "--robot",
+                reason: errors.to_string(),
+                remedy: "choose the end of the chain with `--tip`, or correct the file".into(),
+            })?;
         let tip = format!("tip = {}\n", quoted(&described.tip));
-        return Ok(Arm { line: format!("urdf = {written}\n{tip}"), joints: described.joints.len(), is_table: false });
+        return Ok(Arm {
+            line: format!("urdf = {written}\n{tip}"),
+            joints: described.joints.len(),
+            is_table: false,
+        });
     }
     let rows = known.mdh_rows.unwrap_or_default();
     let table = MdhTable::from_path(file, rows)?;
     let (name, comment) = match (known.mdh_rows, rows) {
         (Some(MdhRows::Next), _) => ("next", ""),
         (Some(MdhRows::Previous), _) => ("previous", ""),
-        (None, _) => ("next", "      # guessed: row j leads on to joint j + 1, as in the paper; \"previous\" is Craig's"),
+        (None, _) => (
+            "next",
+            "      # guessed: row j leads on to joint j + 1, as in the paper; \"previous\" is Craig's",
+        ),
     };
     let line = format!("mdh = {written}\nmdh_rows = \"{name}\"{comment}\n");
     Ok(Arm { line, joints: table.rows.len(), is_table: true })
@@ -178,7 +193,8 @@ fn split(looked: &[Looked], guesses: &mut Vec<String>) -> Vec<Role> {
     };
     let mut by_motion: Vec<usize> = (0..looked.len()).collect();
     by_motion.sort_by(|a, b| motion(&looked[*a]).total_cmp(&motion(&looked[*b])));
-    let held_out = if looked.len() < 2 { 0 } else { looked.len().div_ceil(ONE_HELD_OUT_OF).min(looked.len() - 1) };
+    let held_out =
+        if looked.len() < 2 { 0 } else { looked.len().div_ceil(ONE_HELD_OUT_OF).min(looked.len() - 1) };
     let mut roles = vec![Role::Calibration; looked.len()];
     by_motion.iter().take(held_out).for_each(|k| roles[*k] = Role::Validation);
     guesses.push(if held_out == 0 {
@@ -200,7 +216,10 @@ fn text(
     let mut text = format!("schema = 1\n\n[robot]\n{}", arm.line);
     let gravity = known.gravity_m_s2.unwrap_or([0.0, 0.0, -9.81]);
     let comment = if known.gravity_m_s2.is_some() { "" } else { "      # guessed: the base stands upright" };
-    text.push_str(&format!("gravity_m_s2 = [{:?}, {:?}, {:?}]{comment}\n", gravity[0], gravity[1], gravity[2]));
+    text.push_str(&format!(
+        "gravity_m_s2 = [{:?}, {:?}, {:?}]{comment}\n",
+        gravity[0], gravity[1], gravity[2]
+    ));
     let unit = looked.first().map_or(MeasurementUnit::NewtonMetre, |l| l.inspected.loaded.recording.unit);
     if let Some(constants) = &known.torque_constants_nm_per_a {
         text.push_str(&format!("torque_constants_nm_per_a = {constants:?}\n"));
@@ -251,9 +270,11 @@ fn entries(looked: &[Looked], roles: &[Role], role: Role, path: &Path) -> String
             (false, Some(MeasurementUnit::NewtonMetre)) => ", unit = \"Nm\"",
             (false, None) => "",
         };
-        let guess = if one.unit_was_guessed { "    # Guessed: of currents and torques the currents.\n" } else { "" };
+        let guess =
+            if one.unit_was_guessed { "    # Guessed: of currents and torques the currents.\n" } else { "" };
         let columns = loaded.recording.report.columns.join("; ");
-        let window = window.map_or_else(String::new, |[from, to]| format!(", window_s = [{from:.1}, {to:.1}]"));
+        let window =
+            window.map_or_else(String::new, |[from, to]| format!(", window_s = [{from:.1}, {to:.1}]"));
         let entry = if unit.is_empty() && window.is_empty() {
             file
         } else {
@@ -267,7 +288,8 @@ fn entries(looked: &[Looked], roles: &[Role], role: Role, path: &Path) -> String
 /// A path as the experiment writes it: as given where the experiment lies in the current folder, else absolute.
 fn written(file: &Path, experiment: &Path) -> String {
     let here = experiment.parent().is_none_or(|p| p.as_os_str().is_empty() || p == Path::new("."));
-    let path: PathBuf = if here { file.to_owned() } else { file.canonicalize().unwrap_or_else(|_| file.to_owned()) };
+    let path: PathBuf =
+        if here { file.to_owned() } else { file.canonicalize().unwrap_or_else(|_| file.to_owned()) };
     escaped(&path.to_string_lossy()).to_string()
 }
 

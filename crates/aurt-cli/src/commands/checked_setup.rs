@@ -29,7 +29,10 @@ pub fn place(fixed: Option<&Path>, experiment: Option<&Experiment>) -> Result<Op
         remedy: remedy.to_owned(),
     };
     let Some(experiment) = experiment else {
-        return Err(refuse("there is no experiment to correct".into(), "give one, or make it with `aurt init`"));
+        return Err(refuse(
+            "there is no experiment to correct".into(),
+            "give one, or make it with `aurt init`",
+        ));
     };
     let folder = |p: &Path| match p.parent() {
         Some(parent) if parent.as_os_str().is_empty() => Path::new(".").canonicalize(),
@@ -38,7 +41,8 @@ pub fn place(fixed: Option<&Path>, experiment: Option<&Experiment>) -> Result<Op
     };
     let same = folder(path).ok().is_some_and(|f| folder(&experiment.path).is_ok_and(|e| e == f));
     if !same {
-        let reason = format!("{} is in another folder than the experiment, where its paths start", path.display());
+        let reason =
+            format!("{} is in another folder than the experiment, where its paths start", path.display());
         return Err(refuse(reason, "name a file beside the experiment"));
     }
     OutputFile::new("--fixed", path, &[&experiment.path]).map(Some)
@@ -63,7 +67,7 @@ pub fn checked(
     report.text.push_str(&text_of(&examination, terminal));
     report.json["setup"] = examination.to_json();
     add_findings(&mut report.json, &examination.sentences());
-    report.findings |= examination.is_serious();
+    report.findings |= examination.is_serious() || examination.hardly().is_some();
     if let Some((fixed, experiment)) = fixed.zip(experiment)
         && !examination.steps.is_empty()
     {
@@ -85,7 +89,8 @@ pub fn text_of(examination: &Examination, terminal: &Terminal) -> String {
     text.push_str(&wrapped(&examination.summary()));
     text.extend(sentences.iter().map(|s| wrapped(s)));
     if sentences.is_empty() {
-        let said = examination.hardly().unwrap_or_else(|| "none of the usual mistakes would explain more".into());
+        let said =
+            examination.hardly().unwrap_or_else(|| "none of the usual mistakes would explain more".into());
         text.push_str(&wrapped(&said));
     }
     text

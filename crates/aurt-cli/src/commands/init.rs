@@ -23,8 +23,10 @@ use crate::{
 /// Looks at the robot and the recordings, splits these into calibration and validation, suggests f_dyn, tries the usual
 /// mistakes against the data, and says every guess in a comment of the file. On a terminal it asks for what is missing.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \
-    aurt run experiment.toml --out results")]
+#[command(
+    after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \
+    aurt run experiment.toml --out results"
+)]
 pub struct Init {
     /// The recordings
     #[arg(value_name = "LOG", required = true)]

@@ -45,8 +45,8 @@ impl Run {
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let progress = session.terminal.progress(3 * count + 3);
-        let (outcome, recordings) = fit_and_keep(&experiment, &progress)
-            .map_err(|failure| failure.of_value_in(&experiment.path))?;
+        let (outcome, recordings) =
+            fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
         progress.step("looking for mistakes of the setup");
         let doubts = doubts(&experiment, &outcome.recordings, recordings, &session.registry)?;
         drop(progress);

@@ -68,8 +68,12 @@ impl Said {
 
 /// Runs `aurt` in a folder; what it writes is one running text.
 fn aurt(folder: &Path, words: &[&str]) -> Said {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_aurt")).args(words).current_dir(folder).env("NO_COLOR", "1").output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        .args(words)
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
     let text = [output.stdout, output.stderr].map(|b| String::from_utf8_lossy(&b).into_owned()).concat();
     assert!(!text.contains("panicked"), "{text}");
     let text = text.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ");
@@ -81,7 +85,8 @@ fn answer(world: &World, diagnose: bool) -> Answer {
     world.write(folder.path());
     let check = aurt(folder.path(), &["check", "experiment.toml"]);
     let run = aurt(folder.path(), &["run", "experiment.toml", "--out", "out"]);
-    let diagnose = diagnose.then(|| aurt(folder.path(), &["diagnose", "experiment.toml", "--out", "diagnosis"]));
+    let diagnose =
+        diagnose.then(|| aurt(folder.path(), &["diagnose", "experiment.toml", "--out", "diagnosis"]));
     Answer { check, run, diagnose }
 }
 
@@ -104,7 +109,9 @@ fn world(files: [PathBuf; 3], table: &Path, joints: usize, f_dyn_hz: f64) -> Wor
 /// A UR10e as it was logged.
 fn real() -> Option<World> {
     let Some(data) = std::env::var_os("AURT_DATA").map(PathBuf::from).filter(|d| d.is_dir()) else {
-        println!("skipped: mistakes on a UR10e need real recordings in the folder AURT_DATA (docs/real-recordings.md)");
+        println!(
+            "skipped: mistakes on a UR10e need real recordings in the folder AURT_DATA (docs/real-recordings.md)"
+        );
         return None;
     };
     let file = |name: &str| data.join("ur10e").join(name);
@@ -130,7 +137,7 @@ fn without_a_mistake_nothing_is_told() {
     for world in [Some(simulated(folder.path())), real()].into_iter().flatten() {
         let answer = answer(&world, false);
         assert_eq!(answer.run.status, 0, "{}", answer.run.text);
-        assert!(answer.check.text.contains("none of the usual mistakes") , "{}", answer.check.text);
+        assert!(answer.check.text.contains("none of the usual mistakes"), "{}", answer.check.text);
     }
 }
 
@@ -171,11 +178,16 @@ fn mistakes_on_a_real_robot_are_told() {
         let (check, run) = (answer.check.short(mistake), answer.run.short(mistake));
         println!("| {} | {check} | {run} | {diagnose} |", mistake.what);
         if std::env::var_os("AURT_MISTAKES_VERBOSE").is_some() && !answer.told(mistake) {
-            let end = |t: &str| t.chars().rev().take(900).collect::<Vec<_>>().into_iter().rev().collect::<String>();
+            let end =
+                |t: &str| t.chars().rev().take(900).collect::<Vec<_>>().into_iter().rev().collect::<String>();
             println!("  check: {}\n  run: {}", end(&answer.check.text), end(&answer.run.text));
         }
     }
-    println!("{told} of {} told with the cure; {} answered with a model without a word: {confident:?}", chosen.len(), confident.len());
+    println!(
+        "{told} of {} told with the cure; {} answered with a model without a word: {confident:?}",
+        chosen.len(),
+        confident.len()
+    );
     assert_eq!(confident, Vec::<&str>::new());
     let least = if all { TOLD } else { chosen.len() * TOLD / MISTAKES.len() };
     assert!(told >= least, "{told} of {}", chosen.len());

@@ -23,7 +23,8 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
     let spans: Vec<f64> = recording.position_rad.iter().map(|q| span(q)).collect();
     for joint in 0..joints {
         for other in joint + 1..joints {
-            if spans[joint] > REST_RAD && same(&recording.position_rad[joint], &recording.position_rad[other]) {
+            if spans[joint] > REST_RAD && same(&recording.position_rad[joint], &recording.position_rad[other])
+            {
                 said.push(format!(
                     "{name}: the positions of joints {joint} and {other} are the same column; select each joint's own \
                      with `columns`"
@@ -58,7 +59,12 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
     said
 }
 
-fn of_measurements(name: &str, recording: &Recording, measurement: &[Vec<f64>], spans: &[f64]) -> Vec<String> {
+fn of_measurements(
+    name: &str,
+    recording: &Recording,
+    measurement: &[Vec<f64>],
+    spans: &[f64],
+) -> Vec<String> {
     let mut said = Vec::new();
     let joints = measurement.len();
     let constant: Vec<usize> =
@@ -79,9 +85,11 @@ fn of_measurements(name: &str, recording: &Recording, measurement: &[Vec<f64>], 
                 ));
             }
         }
-        let motions = [("position", Some(&recording.position_rad)), ("velocity", recording.velocity_rad_s.as_ref())];
+        let motions =
+            [("position", Some(&recording.position_rad)), ("velocity", recording.velocity_rad_s.as_ref())];
         for (what, family) in motions {
-            let twin = family.and_then(|f| f.iter().position(|s| span(s) > REST_RAD && same(s, &measurement[joint])));
+            let twin = family
+                .and_then(|f| f.iter().position(|s| span(s) > REST_RAD && same(s, &measurement[joint])));
             if let Some(twin) = twin {
                 said.push(format!(
                     "{name}: the measurement of joint {joint} is the {what} of joint {twin}; select the columns of \
@@ -92,7 +100,9 @@ fn of_measurements(name: &str, recording: &Recording, measurement: &[Vec<f64>], 
     }
     let largest = measurement.iter().map(|m| rms(m)).fold(0.0, f64::max);
     let (limit, remedy) = match recording.unit {
-        MeasurementUnit::Ampere => (LARGE_CURRENT_A, "if currents are in mA, write `current = \"mA\"` in `[recordings]`"),
+        MeasurementUnit::Ampere => {
+            (LARGE_CURRENT_A, "if currents are in mA, write `current = \"mA\"` in `[recordings]`")
+        }
         MeasurementUnit::NewtonMetre => {
             (LARGE_TORQUE_NM, "if they are in Nmm, write 0.001 for every joint as `gains` of `[instrument]`")
         }

@@ -52,10 +52,14 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
             Table::Rows(MdhRows::Next) => put("robot", "mdh_rows", "next".into()),
             Table::Rows(MdhRows::Previous) => put("robot", "mdh_rows", "previous".into()),
             Table::Known(name) => put("robot", "name", (*name).into()),
-            Table::Lengths(_) | Table::Reversed | Table::Exchanged | Table::Mirrored | Table::Zero { .. } => false,
+            Table::Lengths(_) | Table::Reversed | Table::Exchanged | Table::Mirrored | Table::Zero { .. } => {
+                false
+            }
         },
         Mistake::Reading { what, file } => match what {
-            Reading::MeasurementSign(_) | Reading::AllMeasurementSigns | Reading::Gain { .. } if file.is_none() => {
+            Reading::MeasurementSign(_) | Reading::AllMeasurementSigns | Reading::Gain { .. }
+                if file.is_none() =>
+            {
                 let mut gains = vec![1.0; joints];
                 match what {
                     Reading::MeasurementSign(joint) => gains[*joint] = -1.0,
@@ -64,9 +68,14 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
                 }
                 combined(document, "instrument", "gains", &gains, 1.0, |old, new| old * new)
             }
-            Reading::Delay(delay) if file.is_none() => {
-                combined(document, "instrument", "delay_s", &vec![rounded(*delay); joints], 0.0, |old, new| old + new)
-            }
+            Reading::Delay(delay) if file.is_none() => combined(
+                document,
+                "instrument",
+                "delay_s",
+                &vec![rounded(*delay); joints],
+                0.0,
+                |old, new| old + new,
+            ),
             Reading::MeasurementSign(_)
             | Reading::AllMeasurementSigns
             | Reading::Gain { .. }
@@ -74,9 +83,9 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
             Reading::Order { of, order } => reordered(document, subject, *of, order, *file),
             Reading::Degrees => recorded(document, subject, *file, "angle", |_| "deg".into()),
             Reading::Turns => recorded(document, subject, *file, "counts_per_revolution", |_| 1.into()),
-            Reading::Geared(ratio) => {
-                recorded(document, subject, *file, "gear_ratio", |old| numbers(&old.map(|o| o * rounded(*ratio)).collect::<Vec<_>>()))
-            }
+            Reading::Geared(ratio) => recorded(document, subject, *file, "gear_ratio", |old| {
+                numbers(&old.map(|o| o * rounded(*ratio)).collect::<Vec<_>>())
+            }),
             Reading::PositionSign(joint) => recorded(document, subject, *file, "gear_ratio", |old| {
                 let turned = old.enumerate().map(|(j, o)| if j == *joint { -o } else { o });
                 numbers(&turned.collect::<Vec<_>>())
@@ -145,7 +154,9 @@ fn recorded(
     value: impl Fn(&mut dyn Iterator<Item = f64>) -> Value,
 ) -> bool {
     let joints = subject.joints.len();
-    let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else { return false };
+    let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else {
+        return false;
+    };
     let of = |item: Option<&Item>| value(&mut list(item, joints, 1.0).into_iter());
     match file {
         None => {
@@ -189,7 +200,9 @@ fn reordered(
     order: &[usize],
     file: Option<usize>,
 ) -> bool {
-    let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else { return false };
+    let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else {
+        return false;
+    };
     (0..subject.recordings.len()).filter(|k| file.is_none_or(|f| f == *k)).all(|k| {
         let columns = &subject.recordings[k].loaded.recording.report.columns;
         let named = |what: &[&str]| {
@@ -221,7 +234,9 @@ fn reordered(
 /// `q_0 … q_5` as all names.
 fn numbered(span: &str, count: usize) -> Option<Vec<String>> {
     let (first, _) = span.split_once(" … ")?;
-    let start = first.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| at + first[at..].chars().next().map_or(1, char::len_utf8));
+    let start = first
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |at| at + first[at..].chars().next().map_or(1, char::len_utf8));
     let (stem, number) = first.split_at(start);
     let from: usize = number.parse().ok()?;
     let names: Vec<String> = (from..from + count).map(|k| format!("{stem}{k}")).collect();

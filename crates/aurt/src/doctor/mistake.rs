@@ -115,7 +115,9 @@ impl Mistake {
     /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
         match self {
-            Self::Gravity { to_m_s2 } => Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() },
+            Self::Gravity { to_m_s2 } => {
+                Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() }
+            }
             Self::Geometry { what: Table::Zero { joint, offset_rad }, .. } => {
                 let mut joints = setup.joints.clone();
                 joints[*joint].theta_offset_rad += offset_rad;
@@ -123,7 +125,7 @@ impl Mistake {
             }
             Self::Geometry { joints, .. } => {
                 Setup { joints: joints.clone(), model: OnceLock::new(), ..setup.clone() }
-            },
+            }
             Self::Reading { what, file } => {
                 let concerned = |part: &&Part| file.is_none_or(|f| f == part.file);
                 let parts = setup

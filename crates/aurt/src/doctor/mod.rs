@@ -32,7 +32,11 @@ pub use self::{
     setup::{Subject, median_period_s, recordings_of},
     trial::Score,
 };
-use self::{search::{Thorough, search}, setup::Setup, trial::Bench};
+use self::{
+    search::{Thorough, search},
+    setup::Setup,
+    trial::Bench,
+};
 use crate::{failure::Failure, inspection::judged::plain_friction};
 
 /// What the doctor found.
@@ -61,7 +65,11 @@ pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Fa
 ///
 /// # Errors
 /// As [`examine`].
-pub fn examine_calibrated(subject: &Subject, poor: bool, registry: &Registry) -> Result<Examination, Failure> {
+pub fn examine_calibrated(
+    subject: &Subject,
+    poor: bool,
+    registry: &Registry,
+) -> Result<Examination, Failure> {
     let thorough = if poor { Thorough::Always } else { Thorough::AllJoints };
     examined(subject, registry, thorough)
 }
@@ -87,7 +95,11 @@ impl Examination {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let before = std::iter::once(self.before.as_ref()).chain(self.steps.iter().map(|s| Some(&s.after)));
-        self.steps.iter().zip(before).map(|(step, before)| wording::sentence(step, before, &self.files)).collect()
+        self.steps
+            .iter()
+            .zip(before)
+            .map(|(step, before)| wording::sentence(step, before, &self.files))
+            .collect()
     }
 
     /// What undoes each mistake, as orders.
@@ -129,13 +141,15 @@ impl Examination {
 }
 
 /// Below this share a joint counts as hardly explained.
-const HARDLY: f64 = 0.3;
+const HARDLY: f64 = 0.1;
 
 impl Examination {
-    /// Whether it should be heeded.
+    /// Whether it should be heeded whatever a calibrated model explains: a mistake was found, nothing can be fitted, or
+    /// friction gives power.
     #[must_use]
     pub fn is_serious(&self) -> bool {
-        !self.steps.is_empty() || self.hardly().is_some()
+        let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
+        !self.steps.is_empty() || fed
     }
 
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.
@@ -154,7 +168,8 @@ impl Examination {
             .filter(|(_, e)| *e < HARDLY)
             .map(|(j, e)| format!("{:.0} % of joint {j}", 100.0 * e))
             .collect();
-        let fed: Vec<String> = (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();
+        let fed: Vec<String> =
+            (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();
         let mut said = Vec::new();
         if !poor.is_empty() {
             said.push(format!(

@@ -15,6 +15,8 @@ const FINE: f64 = 0.3;
 const DOUBTFUL: f64 = 0.5;
 /// A mistake is told if undoing it takes the error to at most this share of what it was.
 const CLEARLY: f64 = 0.6;
+/// The same for gravity turned round: of the two signs one is right, and masses take up most of the difference.
+const OPPOSITE: f64 = 0.9;
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
 const EXPLAINED: f64 = 0.7;
 /// Beside one that was found, another is told only if its error falls to this share.
@@ -101,7 +103,12 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
             search.round(&now, least, &told)
         };
         let Some(best) = best else { break };
-        let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
+        let turned = |m: &Mistake| matches!(m, Mistake::Gravity { to_m_s2 } if is_opposite(*to_m_s2, now.gravity_m_s2));
+        let share = match (found.steps.is_empty(), best.mistakes.as_slice()) {
+            (true, [only]) if turned(only) => OPPOSITE,
+            (true, _) => CLEARLY,
+            (false, _) => FURTHER,
+        };
         if best.score.total > share * least.min(1.0) {
             break;
         }
@@ -109,7 +116,11 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         let last = best.mistakes.len() - 1;
         for (k, mistake) in best.mistakes.into_iter().enumerate() {
             setup = mistake.undone(&setup);
-            let after = if k == last { best.score.clone() } else { bench.score(&setup).unwrap_or_else(|| best.score.clone()) };
+            let after = if k == last {
+                best.score.clone()
+            } else {
+                bench.score(&setup).unwrap_or_else(|| best.score.clone())
+            };
             let alike = if k == last { best.alike.clone() } else { Vec::new() };
             found.steps.push(Step { mistake, after, alike });
         }
@@ -190,7 +201,12 @@ impl Search<'_> {
         let mut near = tried.iter().filter(|t| t.score.total <= ALIKE * least);
         let first = near.next()?;
         let alike = near.filter_map(|t| t.mistakes.last().cloned()).collect();
-        Some(Tried { mistakes: first.mistakes.clone(), setup: first.setup.clone(), score: first.score.clone(), alike })
+        Some(Tried {
+            mistakes: first.mistakes.clone(),
+            setup: first.setup.clone(),
+            score: first.score.clone(),
+            alike,
+        })
     }
 
     /// The same with numbers that were tried coarsely fitted.
@@ -224,6 +240,10 @@ impl Search<'_> {
     }
 }
 
+fn is_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a + b).abs() < 1e-6) && a != [0.0; 3]
+}
+
 fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {
     match (a, b) {
         (Some(a), Some(b)) => Some(if b.score.total * ALIKE < a.score.total { b } else { a }),
@@ -237,7 +257,9 @@ fn variations(mistake: &Mistake, step: f64) -> Vec<Mistake> {
         Mistake::Gravity { to_m_s2: g } if *g != [0.0; 3] => turned(*g, 0.35 * step),
         Mistake::Reading { what, file } => {
             let changed: Vec<Reading> = match what {
-                Reading::Delay(d) => [1.0 - 0.4 * step, 1.0 + 0.4 * step].map(|f| Reading::Delay(d * f)).to_vec(),
+                Reading::Delay(d) => {
+                    [1.0 - 0.4 * step, 1.0 + 0.4 * step].map(|f| Reading::Delay(d * f)).to_vec()
+                }
                 Reading::Gain { joint, factor } => [1.0 / (1.0 + 1.5 * step), 1.0 + 1.5 * step]
                     .map(|f| Reading::Gain { joint: *joint, factor: factor * f })
                     .to_vec(),

@@ -24,7 +24,7 @@ const FITTED_SHARE: f64 = 0.7;
 /// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
 /// f_dyn of a trial, at most, Hz.
-const HIGHEST_F_DYN_HZ: f64 = 10.0;
+const HIGHEST_F_DYN_HZ: f64 = 5.0;
 
 /// A robot with recordings of it, as a user has set them up.
 #[derive(Debug, Clone)]
@@ -51,7 +51,12 @@ pub struct Subject {
 
 impl Subject {
     /// A robot given by a table.
-    pub fn of_table(table: &MdhTable, gravity_m_s2: [f64; 3], recordings: Vec<Assigned>, f_dyn_hz: f64) -> Self {
+    pub fn of_table(
+        table: &MdhTable,
+        gravity_m_s2: [f64; 3],
+        recordings: Vec<Assigned>,
+        f_dyn_hz: f64,
+    ) -> Self {
         Self {
             joints: table.joints(),
             table: Some(table.clone()),
@@ -176,7 +181,8 @@ impl Setup {
             preprocessing: &subject.preprocessing,
             instrument: &subject.instrument,
         };
-        let counted = |role| subject.recordings.iter().filter(measured).filter(move |r| r.role == role).count();
+        let counted =
+            |role| subject.recordings.iter().filter(measured).filter(move |r| r.role == role).count();
         let mut parts = Vec::new();
         for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
             let whole = window(&assigned.loaded)?;
@@ -185,8 +191,9 @@ impl Setup {
             let thin = Thin::new(&whole, &options, most);
             let recording = thin.recording(&whole);
             let options = thin.options(&options);
-            let [cut_to_motion, whole_of] = [true, false]
-                .map(|trim_rest| Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() }));
+            let [cut_to_motion, whole_of] = [true, false].map(|trim_rest| {
+                Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
+            });
             let label = assigned.loaded.source.label.clone();
             let part = |range: std::ops::Range<usize>, fitted| Part {
                 file,
@@ -204,7 +211,12 @@ impl Setup {
                 parts.extend([part(0..fitted, true), part(fitted..samples, false)]);
             }
         }
-        Ok(Self { joints: subject.joints.clone(), gravity_m_s2: subject.gravity_m_s2, parts, model: OnceLock::new() })
+        Ok(Self {
+            joints: subject.joints.clone(),
+            gravity_m_s2: subject.gravity_m_s2,
+            parts,
+            model: OnceLock::new(),
+        })
     }
 
     /// Number of recordings that are looked at.

@@ -59,7 +59,8 @@ impl Bench {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
         let system = self.system(&model, &fitted)?;
-        let weights: Vec<f64> = measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
+        let weights: Vec<f64> =
+            measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
         let (coefficients, _) = system.solve_coefficients(&weights).ok()?;
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
         let joints = setup.joints.len();
@@ -73,7 +74,8 @@ impl Bench {
             }
             let judged = self.system(&model, &prepared)?;
             let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
-            let alone: Vec<Option<f64>> = error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
+            let alone: Vec<Option<f64>> =
+                error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
             files.push((part.file, total(&alone, &vec![false; joints])));
             for joint in 0..joints {
                 errors[joint] += error[joint];
@@ -134,7 +136,12 @@ fn total(joints: &[Option<f64>], fed: &[bool]) -> f64 {
 }
 
 /// Whether the friction of each joint gives power instead of taking it.
-fn fed(model: &RobotModel, coefficients: &[f64], recordings: &[NamedRecording], measured: &[f64]) -> Vec<bool> {
+fn fed(
+    model: &RobotModel,
+    coefficients: &[f64],
+    recordings: &[NamedRecording],
+    measured: &[f64],
+) -> Vec<bool> {
     let rows: usize = recordings.iter().map(NamedRecording::rows).sum();
     (0..model.joints())
         .map(|joint| {

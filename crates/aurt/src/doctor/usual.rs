@@ -27,16 +27,16 @@ const GAINS: [f64; 6] = [1e-3, 1e3, 0.1, 10.0, 0.01, 100.0];
 pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
     let mut mistakes = directions(setup.gravity_m_s2);
     mistakes.extend(tables(subject, &setup.joints));
-    mistakes.extend(readings(setup.joints.len()).into_iter().map(|what| Mistake::Reading { what, file: None }));
+    mistakes
+        .extend(readings(setup.joints.len()).into_iter().map(|what| Mistake::Reading { what, file: None }));
     mistakes.extend(zeros(&setup.joints));
     mistakes
 }
 
 /// What a single recording of several can have that others have not.
 pub fn of_file(joints: usize, file: usize) -> Vec<Mistake> {
-    let single = |r: &Reading| match r {
-        Reading::Order { .. } | Reading::Gain { .. } | Reading::Geared(_) | Reading::Time(_) => false,
-        _ => true,
+    let single = |r: &Reading| {
+        !matches!(r, Reading::Order { .. } | Reading::Gain { .. } | Reading::Geared(_) | Reading::Time(_))
     };
     let readings = readings(joints).into_iter().filter(single);
     readings.map(|what| Mistake::Reading { what, file: Some(file) }).collect()
@@ -80,7 +80,10 @@ fn directions(now: [f64; 3]) -> Vec<Mistake> {
         }
     }
     directions.retain(|d| d.iter().any(|v| *v != 0.0));
-    directions.sort_by_key(|d| d.iter().filter(|v| **v != 0.0).count());
+    // Upside down is the likeliest.
+    let is_opposite =
+        |d: &[f64; 3]| size > 0.0 && d.iter().zip(&now).all(|(d, g)| (d * size + g).abs() < 1e-6);
+    directions.sort_by_key(|d| (!is_opposite(d), d.iter().filter(|v| **v != 0.0).count()));
     let to = |d: [f64; 3]| {
         let length = d.iter().map(|v| v * v).sum::<f64>().sqrt();
         d.map(|v| if v == 0.0 { 0.0 } else { size * v / length })
@@ -136,7 +139,10 @@ fn zeros(joints: &[Joint]) -> Vec<Mistake> {
     let turning = (0..joints.len()).filter(|j| joints[*j].kind == JointKind::Revolute);
     let offsets = turning.flat_map(|joint| [FRAC_PI_2, -FRAC_PI_2, PI].map(|offset_rad| (joint, offset_rad)));
     offsets
-        .map(|(joint, offset_rad)| Mistake::Geometry { what: Table::Zero { joint, offset_rad }, joints: Vec::new() })
+        .map(|(joint, offset_rad)| Mistake::Geometry {
+            what: Table::Zero { joint, offset_rad },
+            joints: Vec::new(),
+        })
         .collect()
 }
 

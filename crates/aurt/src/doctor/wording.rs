@@ -22,9 +22,13 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String
         || format!("without it nothing can be fitted, with it the error is {}", percent(step.after.total)),
         |b| format!("error {} → {}", percent(b.total), percent(step.after.total)),
     );
-    let mut alike: Vec<String> = step.alike.iter().take(2).map(|m| undone(m)).collect();
+    let mut alike: Vec<String> = step.alike.iter().take(2).map(undone).collect();
     alike.retain(|a| !a.is_empty());
-    let or = if alike.is_empty() { String::new() } else { format!(" As well explained by: {}.", alike.join("; ")) };
+    let or = if alike.is_empty() {
+        String::new()
+    } else {
+        format!(" As well explained by: {}.", alike.join("; "))
+    };
     format!("{seems}: {error}. {}.{or}", capital(&undone(&step.mistake)))
 }
 
@@ -50,12 +54,16 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
     match mistake {
         Mistake::Gravity { to_m_s2 } => match axis(*to_m_s2) {
             Some(axis) => format!("Gravity seems to point along {axis}"),
-            None if *to_m_s2 == [0.0; 3] => "Gravity seems to be compensated, or the base to lie so that none acts".into(),
+            None if *to_m_s2 == [0.0; 3] => {
+                "Gravity seems to be compensated, or the base to lie so that none acts".into()
+            }
             None => format!("Gravity seems to be {} m/s² in the base frame", list(to_m_s2)),
         },
         Mistake::Geometry { what, .. } => match what {
             Table::Rows(_) => "The rows of the table seem to lead to the other joint".into(),
-            Table::Lengths(factor) => format!("The lengths of the table seem to be {} too large", times(1.0 / factor)),
+            Table::Lengths(factor) => {
+                format!("The lengths of the table seem to be {} too large", times(1.0 / factor))
+            }
             Table::Reversed => "The rows of the table seem to stand from tip to base".into(),
             Table::Exchanged => "The columns a and d of the table seem to be exchanged".into(),
             Table::Mirrored => "The column alpha of the table seems to have the other sign".into(),
@@ -70,22 +78,36 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
                 Reading::Degrees => format!("Positions{of} seem to be in degrees"),
                 Reading::Turns => format!("Positions{of} seem to be in turns"),
                 Reading::Geared(ratio) => {
-                    format!("Positions{of} seem to be those of the motors, behind gears of about {}", number(*ratio))
+                    format!(
+                        "Positions{of} seem to be those of the motors, behind gears of about {}",
+                        number(*ratio)
+                    )
                 }
-                Reading::PositionSign(joint) => format!("The position of joint {joint}{of} seems to have the other sign"),
+                Reading::PositionSign(joint) => {
+                    format!("The position of joint {joint}{of} seems to have the other sign")
+                }
                 Reading::MeasurementSign(joint) => {
                     format!("The measurement of joint {joint}{of} seems to have the other sign")
                 }
                 Reading::AllMeasurementSigns => format!("All measurements{of} seem to have the other sign"),
                 Reading::Order { of: columns, order } => {
-                    format!("The {}{of} seem to stand in another order, {}", columns_of(*columns), permutation(order))
+                    format!(
+                        "The {}{of} seem to stand in another order, {}",
+                        columns_of(*columns),
+                        permutation(order)
+                    )
                 }
                 Reading::Delay(delay) if *delay > 0.0 => {
                     format!("Measurements{of} seem to lag {:.0} ms behind positions", 1e3 * delay)
                 }
-                Reading::Delay(delay) => format!("Positions{of} seem to lag {:.0} ms behind measurements", -1e3 * delay),
+                Reading::Delay(delay) => {
+                    format!("Positions{of} seem to lag {:.0} ms behind measurements", -1e3 * delay)
+                }
                 Reading::Time(factor) => {
-                    format!("The clock{of} seems to run {}", if *factor > 1.0 { "too fast" } else { "too slowly" })
+                    format!(
+                        "The clock{of} seems to run {}",
+                        if *factor > 1.0 { "too fast" } else { "too slowly" }
+                    )
                 }
                 Reading::Gain { joint, factor } => format!(
                     "The measurement of joint {joint}{of} seems to be {} too {}",
@@ -104,7 +126,9 @@ pub fn undone(mistake: &Mistake) -> String {
         Mistake::Geometry { what, .. } => match what {
             Table::Rows(MdhRows::Next) => "change `mdh_rows` to \"next\"".into(),
             Table::Rows(MdhRows::Previous) => "change `mdh_rows` to \"previous\"".into(),
-            Table::Lengths(factor) => format!("multiply the columns a and d of the table by {}", number(*factor)),
+            Table::Lengths(factor) => {
+                format!("multiply the columns a and d of the table by {}", number(*factor))
+            }
             Table::Reversed => "turn the order of the rows of the table round".into(),
             Table::Exchanged => "exchange the names of the columns a and d in the header of the table".into(),
             Table::Mirrored => "turn the signs of the column alpha of the table".into(),
@@ -116,24 +140,41 @@ pub fn undone(mistake: &Mistake) -> String {
         Mistake::Reading { what, .. } => match what {
             Reading::Degrees => "write `angle = \"deg\"` in `[recordings]`".into(),
             Reading::Turns => "write `counts_per_revolution = 1` in `[recordings]`".into(),
-            Reading::Geared(ratio) => format!("write the drives' `gear_ratio`, about {}, in `[recordings]`", number(*ratio)),
-            Reading::PositionSign(joint) => {
-                format!("write a `gear_ratio` of -1 for joint {joint} in `[recordings]`, or `sign` -1 in its row of the table")
+            Reading::Geared(ratio) => {
+                format!("write the drives' `gear_ratio`, about {}, in `[recordings]`", number(*ratio))
             }
-            Reading::MeasurementSign(joint) => format!("write a gain of -1 for joint {joint} as `gains` of `[instrument]`"),
-            Reading::AllMeasurementSigns => "write gains of -1 for all joints as `gains` of `[instrument]`".into(),
+            Reading::PositionSign(joint) => {
+                format!(
+                    "write a `gear_ratio` of -1 for joint {joint} in `[recordings]`, or `sign` -1 in its row of the table"
+                )
+            }
+            Reading::MeasurementSign(joint) => {
+                format!("write a gain of -1 for joint {joint} as `gains` of `[instrument]`")
+            }
+            Reading::AllMeasurementSigns => {
+                "write gains of -1 for all joints as `gains` of `[instrument]`".into()
+            }
             Reading::Order { of, order } => {
-                format!("list the {} in the order {order:?} of the joints now, with `columns`", columns_of(*of))
+                format!(
+                    "list the {} in the order {order:?} of the joints now, with `columns`",
+                    columns_of(*of)
+                )
             }
             Reading::Delay(delay) => {
-                format!("write {} for every joint as `delay_s` of `[instrument]`, or record both with one clock", number(*delay))
+                format!(
+                    "write {} for every joint as `delay_s` of `[instrument]`, or record both with one clock",
+                    number(*delay)
+                )
             }
             Reading::Time(factor) => format!(
                 "multiply the stamps by {}: look at the rate of the logger, and write it as `rate_hz` in `[recordings]`",
                 number(*factor)
             ),
             Reading::Gain { joint, factor } => {
-                format!("write a gain of {} for joint {joint} as `gains` of `[instrument]`, or correct its torque constant", number(*factor))
+                format!(
+                    "write a gain of {} for joint {joint} as `gains` of `[instrument]`, or correct its torque constant",
+                    number(*factor)
+                )
             }
         },
     }

@@ -11,8 +11,8 @@ use super::{
     judged::Judged,
 };
 use crate::{
-    doctor::oddities,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    doctor::oddities,
     failure::Failure,
     rendering::{
         style::{Emphasis, Style},
