@@ -156,7 +156,7 @@ fn without_a_mistake_nothing_is_told() {
 fn mistakes_on_simulated_recordings_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let right = simulated(folder.path());
-    for mistake in MISTAKES.iter().filter(|m| m.simulated) {
+    for mistake in MISTAKES.iter().filter(|m| m.simulated && !NOT_TOLD.contains(&m.what)) {
         let mut world = right.clone();
         (mistake.make)(&mut world);
         let answer = answer(&world, false);
