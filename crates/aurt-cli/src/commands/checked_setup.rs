@@ -67,7 +67,7 @@ pub fn checked(
     report.text.push_str(&text_of(&examination, terminal));
     report.json["setup"] = examination.to_json();
     add_findings(&mut report.json, &examination.sentences());
-    report.findings |= examination.is_serious();
+    report.findings |= examination.is_serious() || examination.hardly().is_some();
     if let Some((fixed, experiment)) = fixed.zip(experiment)
         && !examination.steps.is_empty()
     {

@@ -141,13 +141,15 @@ impl Examination {
 }
 
 /// Below this share a joint counts as hardly explained.
-const HARDLY: f64 = 0.3;
+const HARDLY: f64 = 0.1;
 
 impl Examination {
-    /// Whether it should be heeded.
+    /// Whether it should be heeded whatever a calibrated model explains: a mistake was found, nothing can be fitted, or
+    /// friction gives power.
     #[must_use]
     pub fn is_serious(&self) -> bool {
-        !self.steps.is_empty() || self.hardly().is_some()
+        let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
+        !self.steps.is_empty() || fed
     }
 
     /// What is said if joints are hardly explained and no mistake that was tried would explain them.

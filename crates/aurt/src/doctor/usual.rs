@@ -35,9 +35,8 @@ pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
 
 /// What a single recording of several can have that others have not.
 pub fn of_file(joints: usize, file: usize) -> Vec<Mistake> {
-    let single = |r: &Reading| match r {
-        Reading::Order { .. } | Reading::Gain { .. } | Reading::Geared(_) | Reading::Time(_) => false,
-        _ => true,
+    let single = |r: &Reading| {
+        !matches!(r, Reading::Order { .. } | Reading::Gain { .. } | Reading::Geared(_) | Reading::Time(_))
     };
     let readings = readings(joints).into_iter().filter(single);
     readings.map(|what| Mistake::Reading { what, file: Some(file) }).collect()
@@ -81,7 +80,10 @@ fn directions(now: [f64; 3]) -> Vec<Mistake> {
         }
     }
     directions.retain(|d| d.iter().any(|v| *v != 0.0));
-    directions.sort_by_key(|d| d.iter().filter(|v| **v != 0.0).count());
+    // Upside down is the likeliest.
+    let is_opposite =
+        |d: &[f64; 3]| size > 0.0 && d.iter().zip(&now).all(|(d, g)| (d * size + g).abs() < 1e-6);
+    directions.sort_by_key(|d| (!is_opposite(d), d.iter().filter(|v| **v != 0.0).count()));
     let to = |d: [f64; 3]| {
         let length = d.iter().map(|v| v * v).sum::<f64>().sqrt();
         d.map(|v| if v == 0.0 { 0.0 } else { size * v / length })

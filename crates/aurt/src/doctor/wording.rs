@@ -22,7 +22,7 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String
         || format!("without it nothing can be fitted, with it the error is {}", percent(step.after.total)),
         |b| format!("error {} → {}", percent(b.total), percent(step.after.total)),
     );
-    let mut alike: Vec<String> = step.alike.iter().take(2).map(|m| undone(m)).collect();
+    let mut alike: Vec<String> = step.alike.iter().take(2).map(undone).collect();
     alike.retain(|a| !a.is_empty());
     let or = if alike.is_empty() {
         String::new()
