@@ -378,7 +378,7 @@ pub const MISTAKES: &[Mistake] = &[
         |w| w.set("gravitiy_m_s2", "[0, 0, -9.81]"),
         &[&["gravity_m_s2"]],
     ),
-    everywhere("stamps that run backwards", |w| w.each(|l| l.rows.reverse()), &[&["stamp"]]),
+    everywhere("stamps that run backwards", |w| w.each(|l| l.rows.reverse()), &[&["time goes back"]]),
     mistake(
         "decimal commas between commas",
         |w| w.text = Some(|t| t.replacen("0.", "0,", 40)),

@@ -224,7 +224,7 @@ mod tests {
         let turns: Vec<usize> = (1..length / 60).map(|k| 60 * k).collect();
         let series: Vec<f64> = (0..length)
             .map(|k| {
-                let sign = if (k + 0) / 60 % 2 == 0 { 3.0 } else { -3.0 };
+                let sign = if k / 60 % 2 == 0 { 3.0 } else { -3.0 };
                 sign + 0.2 * normal.next()
             })
             .collect();

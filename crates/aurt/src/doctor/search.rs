@@ -15,8 +15,6 @@ const FINE: f64 = 0.3;
 const DOUBTFUL: f64 = 0.5;
 /// A mistake is told if undoing it takes the error to at most this share of what it was.
 const CLEARLY: f64 = 0.6;
-/// The same for gravity turned round: of the two signs one is right, and masses take up most of the difference.
-const OPPOSITE: f64 = 0.9;
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
 const EXPLAINED: f64 = 0.7;
 /// Beside one that was found, another is told only if its error falls to this share.
@@ -103,12 +101,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
             search.round(&now, least, &told)
         };
         let Some(best) = best else { break };
-        let turned = |m: &Mistake| matches!(m, Mistake::Gravity { to_m_s2 } if is_opposite(*to_m_s2, now.gravity_m_s2));
-        let share = match (found.steps.is_empty(), best.mistakes.as_slice()) {
-            (true, [only]) if turned(only) => OPPOSITE,
-            (true, _) => CLEARLY,
-            (false, _) => FURTHER,
-        };
+        let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
         if best.score.total > share * least.min(1.0) {
             break;
         }
@@ -238,10 +231,6 @@ impl Search<'_> {
         }
         best
     }
-}
-
-fn is_opposite(a: [f64; 3], b: [f64; 3]) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a + b).abs() < 1e-6) && a != [0.0; 3]
 }
 
 fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {

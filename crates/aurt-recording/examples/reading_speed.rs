@@ -1,7 +1,7 @@
 //! Times reading, preprocessing and the filter bank on a synthetic recording; medians of repeated runs.
 //!
 //! ```text
-//! cargo run --release -p aurt-recording --example speed [FILE]
+//! cargo run --release -p aurt-recording --example reading_speed [FILE]
 //! ```
 //!
 //! With a file, only that is read and preprocessed, once.

@@ -1,5 +1,5 @@
 //! How long recordings take to make, one after the other on one core:
-//! `time cargo run --release -p aurt-simulation --example speed [seconds of recording]`.
+//! `time cargo run --release -p aurt-simulation --example simulation_speed [seconds of recording]`.
 //!
 //! Wall time is shown per recording; on a machine that does other things too, the command's user time is the
 //! figure to go by.
