@@ -55,6 +55,46 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
     }
 }
 
+/// Dry friction on a joint that turns often, beside a load: both are missing while the noise is estimated, and neither is
+/// noise.
+#[test]
+fn friction_beside_a_load_is_no_noise() {
+    const MORE_NM: f64 = 4.0;
+    const NM_PER_A: f64 = 9.839;
+    let changed_files = ["later_motion.csv", "later_other_motion.csv"];
+    let folder =
+        Folder::new().with_demo(&["mdh.csv", "later.toml", "exciting_motion.csv"]).with_demo(&changed_files);
+    for name in changed_files {
+        let text = folder.read(name);
+        let rows: Vec<Vec<f64>> =
+            text.lines().skip(1).map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
+        let mut changed = text.lines().next().unwrap().to_owned();
+        for (k, row) in rows.iter().enumerate() {
+            // Positions stand after the stamp, currents after these.
+            let (joint, ahead, behind) = (2, (k + 10).min(rows.len() - 1), k.saturating_sub(10));
+            let mut row = row.clone();
+            row[7 + joint] +=
+                MORE_NM / NM_PER_A * (rows[ahead][1 + joint] - rows[behind][1 + joint]).signum();
+            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+            changed += &format!("\n{}", cells.join(","));
+        }
+        folder.write(name, &changed);
+    }
+    let run = folder.aurt(["diagnose", "later.toml", "--out", "out", "--quiet"]);
+    assert_eq!(run.status(), 1, "{}", run.stderr());
+    let verdict = folder.json("out/verdict.json");
+    let effects = verdict["effects"].as_array().unwrap();
+    assert_eq!(effects[0]["effect"], "payload", "{verdict}");
+    let on_it = |e: &&Value| {
+        e["joints"] == serde_json::json!([2]) && e["present_in"] == serde_json::json!(["target"])
+    };
+    assert!(effects.iter().any(|e| on_it(&e)), "{verdict}");
+    let joint = &verdict["residual"][2];
+    let [floor, left, was] =
+        ["floor_rms", "unexplained_rms", "baseline_rms"].map(|k| joint[k].as_f64().unwrap());
+    assert!(floor < 0.7 && left < 0.7 && was > 4.0, "{joint}");
+}
+
 /// Physics that no candidate describes is not given a name, and nothing is nothing.
 #[test]
 fn strangers_stay_unexplained_and_nulls_are_null() {

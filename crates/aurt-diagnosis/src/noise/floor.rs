@@ -9,7 +9,7 @@ use crate::recordings::rows::RecordingRows;
 
 /// A floor that exceeds the residual by this factor (mean square) is wrong beyond chance: the few reversals whose sign
 /// noise decides scatter by about as much as they are expected to bring.
-const CONTRADICTION: f64 = 2.0;
+pub(super) const CONTRADICTION: f64 = 2.0;
 
 /// Mean square of each joint's residual that noise alone would leave in the rows that count: the noise's spectrum behind
 /// the parallel filter, integrated (decimation folds it and keeps its power), and the dry friction whose sign noise

@@ -2,16 +2,15 @@
 
 use aurt_recording::{Preprocessed, WhiteAndMarkov};
 
+use super::floor::CONTRADICTION;
 use super::spectrum::RecordingNoise;
 
-/// Two estimates of one noise differ by less than this factor (mean square): a few calm pieces give a power to a third,
-/// and a memory that one of them shows and the other does not is beyond.
-const OTHERWISE: f64 = 2.0;
-/// Sampling rates that differ by less are one.
+/// Sampling rates that differ by less are one: clocks are right to 1e-4, and a logger that is set to another rate is off by
+/// more. At another rate white noise folds otherwise, and its level is another one.
 const SAME_RATE: f64 = 0.01;
 
 /// Gives recordings in question the measurement's noise of those that the model was calibrated on, joint by joint, where
-/// their own is far higher behind the parallel filter.
+/// their own contradicts it: [`CONTRADICTION`] times the power behind the parallel filter.
 ///
 /// The noise is estimated from what the model leaves above the filter. Of recordings in question that is noise *and* what
 /// the model lacks: dry friction and loads that it does not know turn with the motion, and their tails, ∝ 1/f², look like
@@ -26,11 +25,10 @@ pub(crate) fn hold_to_reference(
         let powers: Vec<f64> = noise.iter().zip(data).map(|(n, d)| measured_power(n, d, joint)).collect();
         let references = (0..noise.len()).filter(|r| is_reference(*r));
         let Some(loudest) = references.max_by(|a, b| powers[*a].total_cmp(&powers[*b])) else { return };
-        let (known, rate_hz) = (noise[loudest].measurement[joint], noise[loudest].measurement[joint].rate_hz);
+        let known: WhiteAndMarkov = noise[loudest].measurement[joint];
         for r in (0..noise.len()).filter(|r| !is_reference(*r)) {
-            let own: WhiteAndMarkov = noise[r].measurement[joint];
-            let same_rate = (own.rate_hz / rate_hz - 1.0).abs() < SAME_RATE;
-            if same_rate && powers[r] > OTHERWISE * powers[loudest] {
+            let same_rate = (noise[r].measurement[joint].rate_hz / known.rate_hz - 1.0).abs() < SAME_RATE;
+            if same_rate && powers[r] > CONTRADICTION * powers[loudest] {
                 noise[r].set_measurement(joint, known);
             }
         }

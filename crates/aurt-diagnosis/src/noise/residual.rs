@@ -14,11 +14,12 @@ const REST_RAD_S: f64 = 0.01;
 const JOLT_S: f64 = 0.1;
 /// Length of a piece, in periods of f_dyn: it resolves a quarter of it.
 const PIECE_PERIODS: f64 = 4.0;
-/// Fewer calm pieces than this say nothing; then all are taken, less the steps of their jolts.
+/// Fewer pieces than this say nothing. Where so few are calm, those with some jolts are taken, less the steps at them; where
+/// these are few as well, all.
 const FEWEST_PIECES: usize = 8;
 
-/// Spectra of the unfiltered residual of each joint, over the calm pieces of all segments; `None` where a segment has
-/// no measurement at full rate.
+/// Spectra of the unfiltered residual of each joint, over the calm pieces of all segments where there are enough; `None` where
+/// a segment has no measurement at full rate.
 ///
 /// # Errors
 /// What the model reports.
@@ -27,24 +28,42 @@ pub(super) fn spectra(
     fit: &Fit<'_>,
     f_dyn_hz: f64,
 ) -> Result<Option<Vec<MedianSpectrum>>, DiagnosisError> {
-    let joints = fit.model.joints();
     let Some(rate_hz) = segments.first().map(|s| s.rate_hz) else { return Ok(None) };
-    let empty = vec![MedianSpectrum::new(rate_hz, PIECE_PERIODS / f_dyn_hz); joints];
-    let (mut calm, mut between, mut all) = (empty.clone(), empty.clone(), empty);
+    let empty = MedianSpectrum::new(rate_hz, PIECE_PERIODS / f_dyn_hz);
+    let mut left = Vec::new();
     for segment in segments {
         let Some(residual) = full_rate(segment, fit)? else { return Ok(None) };
-        for (joint, series) in residual.iter().enumerate() {
-            let usable = calm_samples(segment, joint);
-            calm[joint].push(series, |k| usable[k]);
-            between[joint].push_between(series, &spans(&usable));
-            all[joint].push(series, |_| true);
-        }
+        left.push(residual);
     }
-    let first_with_enough = |spectra: [MedianSpectrum; 2], last: MedianSpectrum| {
-        spectra.into_iter().find(|s| s.pieces() >= FEWEST_PIECES).unwrap_or(last)
+    let of = |joint: usize, pieces: Pieces| {
+        let mut spectrum = empty.clone();
+        for (segment, left) in segments.iter().zip(&left) {
+            let (left, calm) = (&left[joint], calm_samples(segment, joint));
+            match pieces {
+                Pieces::Calm => spectrum.push(left, |k| calm[k]),
+                Pieces::Between => spectrum.push_between(left, &spans(&calm)),
+                Pieces::All => spectrum.push(left, |_| true),
+            }
+        }
+        spectrum
     };
-    let spectra = calm.into_iter().zip(between).zip(all);
-    Ok(Some(spectra.map(|((calm, between), all)| first_with_enough([calm, between], all)).collect()))
+    let enough = |spectrum: &MedianSpectrum| spectrum.pieces() >= FEWEST_PIECES;
+    let of_joint = |joint: usize| {
+        let few = [Pieces::Calm, Pieces::Between].into_iter();
+        few.map(|pieces| of(joint, pieces)).find(enough).unwrap_or_else(|| of(joint, Pieces::All))
+    };
+    Ok(Some((0..fit.model.joints()).map(of_joint).collect()))
+}
+
+/// Which pieces of a residual make its spectrum.
+#[derive(Clone, Copy)]
+enum Pieces {
+    /// Those in which the joint is calm throughout.
+    Calm,
+    /// All of them, the jolts at the turns of the joint taken off.
+    Between,
+    /// All of them as they are.
+    All,
 }
 
 /// The spans of samples that are not calm.

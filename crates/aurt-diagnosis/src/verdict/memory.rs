@@ -64,7 +64,8 @@ fn strongest_line(series: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::strongest_line;
+    use super::{factors, strongest_line};
+    use crate::verdict::JointResidual;
 
     fn noise() -> impl FnMut() -> f64 {
         let mut state = 7_u64;
@@ -72,6 +73,23 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         }
+    }
+
+    #[test]
+    fn what_has_no_shape_is_noise_however_little_and_what_has_one_is_not() {
+        let joint = |unexplained_rms: f64, follows: Option<&str>| JointResidual {
+            joint: 0,
+            baseline_rms: 3.0,
+            unexplained_rms,
+            floor_rms: 1.0,
+            structure_left: false,
+            follows: follows.map(str::to_owned),
+            follows_share: 0.0,
+            windows_s: Vec::new(),
+        };
+        let found = |residual: JointResidual| factors(&[residual], &[], &[])[0];
+        assert_eq!([0.9, 1.2, 2.5, 5.1].map(|rms| found(joint(rms, None))), [1.0, 1.2, 2.5, 1.0]);
+        assert_eq!(found(joint(2.5, Some("velocity"))), 1.0);
     }
 
     #[test]

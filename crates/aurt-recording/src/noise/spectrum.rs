@@ -11,7 +11,8 @@ const LOWEST_BIN: usize = 2;
 /// Fewer pieces than this have no medians of their own.
 const FEW_PIECES: usize = 10;
 
-/// A piece with more jolts than this has too little left of itself.
+/// A piece with more jolts than this has too little left of itself: a straight line and two shapes a jolt take up the
+/// lowest five bins, which is what lies below f_dyn in pieces of four of its periods.
 const MOST_JOLTS: usize = 4;
 
 /// Share of a bin's power that shapes leave of it, at least; less says nothing of the rest.
