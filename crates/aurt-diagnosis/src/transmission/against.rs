@@ -37,10 +37,26 @@ pub(super) struct Against<'a> {
     freed: &'a OwnFreed,
     joint: usize,
     /// The joints whose rows take part.
-    span: Vec<usize>,
-    /// Orthonormal columns over the rows of the span, `[column][place in the span][row]`.
-    bands: Vec<Vec<Vec<f64>>>,
-    residual: Vec<Vec<f64>>,
+    span: Vec<Spanned>,
+    /// Power of the joint's own residual, block by block.
+    power: Vec<f64>,
+}
+
+/// Most columns of a joint's own, and along M e_j q̈_j; then the residual.
+const OWN: usize = 5;
+const ALONG: usize = BANDS.len() + 1;
+const WIDTH: usize = OWN + ALONG + 1;
+
+/// A number for each column that is taken off, and the residual.
+type Products = [f64; WIDTH];
+
+/// A joint whose rows take part: what is taken off a gear's torque there, row by row, so that one pass gives all products.
+struct Spanned {
+    joint: usize,
+    /// Orthonormal columns and the residual.
+    rows: Vec<Products>,
+    /// Products among them, block by block.
+    gram: Vec<[Products; WIDTH]>,
 }
 
 impl OwnFreed {
@@ -106,43 +122,96 @@ impl<'a> Against<'a> {
         let bands = orthonormal(columns);
         let mut residual: Vec<Vec<f64>> = span.iter().map(|i| freed.residual[*i].clone()).collect();
         free_all(&mut residual, &bands);
-        Ok(Some(Self { freed, joint, span, bands, residual }))
+        let mut power = vec![0.0; rows.parts];
+        let mut spanned = Vec::with_capacity(span.len());
+        for (place, (i, residual)) in span.into_iter().zip(&residual).enumerate() {
+            if i == joint {
+                for (r, block) in residual.iter().zip(&rows.block) {
+                    if let Some(sum) = block.map(|b| &mut power[b]) {
+                        *sum += r * r;
+                    }
+                }
+            }
+            let along: Vec<&Vec<f64>> = bands.iter().map(|band| &band[place]).collect();
+            spanned.push(Spanned::new(freed, i, &along, residual));
+        }
+        Ok(Some(Self { freed, joint, span: spanned, power }))
     }
 
     /// How a gear's torque goes with the residual.
+    ///
+    /// The torque is c − Uα with the columns U that are taken off and α = Uᵀc; block by block its power is
+    /// c·c − 2 αᵀUᵀc + αᵀUᵀUα and its product with the residual r is c·r − αᵀUᵀr.
     pub fn moments(&self, gear: Gear) -> Moments {
         let rows = &self.freed.rows;
         let deflection = rows.deflection(self.joint, gear);
-        let mut columns: Vec<Vec<f64>> = self
+        let products: Vec<Vec<(f64, Products)>> = self
             .span
             .iter()
-            .map(|i| {
-                self.freed.column(*i, &rows.torque(self.joint, *i, gear, &deflection)).unwrap_or_default()
+            .map(|of| {
+                let torque = rows.torque(self.joint, of.joint, gear, &deflection);
+                let white = rows.whitened(of.joint, &torque).unwrap_or_default();
+                of.products(&white, &rows.block, rows.parts)
             })
             .collect();
-        free_all(&mut columns, &self.bands);
+        let total = |of: &[(f64, Products)], k: usize| of.iter().map(|(_, p)| p[k]).sum::<f64>();
+        let along: [f64; ALONG] =
+            std::array::from_fn(|k| products.iter().map(|of| total(of, OWN + k)).sum::<f64>());
         let mut moments = vec![[0.0; 2]; rows.parts];
-        for (column, residual) in columns.iter().zip(&self.residual) {
-            for ((c, r), block) in column.iter().zip(residual).zip(&rows.block) {
-                if let Some([cc, cr]) = block.map(|b| &mut moments[b]) {
-                    *cc += c * c;
-                    *cr += c * r;
+        for (of, products) in self.span.iter().zip(&products) {
+            let mut share = [0.0; WIDTH - 1];
+            share[OWN..].copy_from_slice(&along);
+            share[..OWN].iter_mut().enumerate().for_each(|(k, s)| *s = total(products, k));
+            for (([cc, cr], (square, product)), gram) in moments.iter_mut().zip(products).zip(&of.gram) {
+                let mut own = *square;
+                let mut with = product[WIDTH - 1];
+                for (k, s) in share.iter().enumerate() {
+                    let image: f64 = share.iter().zip(&gram[k]).map(|(t, g)| t * g).sum();
+                    own += s * (image - 2.0 * product[k]);
+                    with -= s * gram[k][WIDTH - 1];
                 }
+                *cc += own.max(0.0);
+                *cr += with;
             }
         }
         moments
     }
 
     /// Power of the joint's own residual, block by block.
-    pub fn power(&self) -> Vec<f64> {
-        let mut power = vec![0.0; self.freed.rows.parts];
-        let own = self.span.iter().position(|i| *i == self.joint).unwrap_or(0);
-        for (r, block) in self.residual[own].iter().zip(&self.freed.rows.block) {
-            if let Some(sum) = block.map(|b| &mut power[b]) {
-                *sum += r * r;
+    pub fn power(&self) -> &[f64] {
+        &self.power
+    }
+}
+
+impl Spanned {
+    fn new(freed: &OwnFreed, joint: usize, along: &[&Vec<f64>], residual: &[f64]) -> Self {
+        let all = &freed.rows;
+        let mut rows: Vec<Products> = vec![[0.0; WIDTH]; residual.len()];
+        let mut put = |at: usize, series: &[f64]| {
+            rows.iter_mut().zip(series).for_each(|(row, value)| row[at] = *value);
+        };
+        freed.own[joint].iter().enumerate().for_each(|(k, column)| put(k, column));
+        along.iter().enumerate().for_each(|(k, column)| put(OWN + k, column));
+        put(WIDTH - 1, residual);
+        let mut gram = vec![[[0.0; WIDTH]; WIDTH]; all.parts];
+        for (row, block) in rows.iter().zip(&all.block) {
+            let Some(gram) = block.map(|b| &mut gram[b]) else { continue };
+            for (a, gram) in row.iter().zip(gram) {
+                gram.iter_mut().zip(row).for_each(|(g, b)| *g += a * b);
             }
         }
-        power
+        Self { joint, rows, gram }
+    }
+
+    /// c·c and the products of a column c with all others, block by block.
+    fn products(&self, column: &[f64], block: &[Option<usize>], parts: usize) -> Vec<(f64, Products)> {
+        let mut products = vec![(0.0, [0.0; WIDTH]); parts];
+        for ((c, row), block) in column.iter().zip(&self.rows).zip(block) {
+            let Some((square, products)) = block.map(|b| &mut products[b]) else { continue };
+            *square += c * c;
+            products.iter_mut().zip(row).for_each(|(p, value)| *p += c * value);
+        }
+        products
     }
 }
 

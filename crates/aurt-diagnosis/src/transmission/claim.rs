@@ -134,7 +134,7 @@ impl<'a> JointRows<'a> {
     }
 
     fn blocks(&self, among: Among) -> Vec<Block> {
-        let power: Vec<Vec<f64>> = self.own.iter().map(Against::power).collect();
+        let power: Vec<&[f64]> = self.own.iter().map(Against::power).collect();
         (0..self.own.len())
             .filter(|s| among == Among::All || self.target[*s])
             .flat_map(|s| (0..power[s].len()).map(move |b| (s, b)))
@@ -198,7 +198,7 @@ impl<'a> JointRows<'a> {
         );
         let shape = self.refined(shapes[better], blocks);
         let own_power: f64 = {
-            let power: Vec<Vec<f64>> = self.own.iter().map(Against::power).collect();
+            let power: Vec<&[f64]> = self.own.iter().map(Against::power).collect();
             blocks.iter().map(|(s, b)| power[*s][*b]).sum()
         };
         let [cc, cr] = sums(&self.moments(&self.all, shape), blocks);

@@ -8,6 +8,9 @@ use crate::preprocess::clock::median;
 const BINS: usize = 512;
 /// Harmonics of the saw-tooth that are followed; what is beyond them has 2 % of its power and is taken as white.
 const HARMONICS: usize = 30;
+/// A whole turn in fixed point, and a bin of the folded half of it.
+const TURN: f64 = 4_294_967_296.0;
+const FOLDED_BIN: u32 = (1 << 31) / BINS as u32;
 /// Half of the time over which a joint's speed is taken, s: motion is far slower than this.
 const HALF_SPEED_S: f64 = 0.04;
 /// Fractional part of the golden ratio.
@@ -55,19 +58,14 @@ impl PositionNoise {
         let Some(step) = step_rad else {
             return Self { white_rad: level, step_rad, rate_hz, lattice: Vec::new() };
         };
-        let speeds = speeds(time_s, position_rad, rate_hz, step);
-        let mut noise = Self {
-            white_rad: 0.0,
-            step_rad,
-            rate_hz,
-            lattice: lattice_spectrum(&speeds, step, 0.0, rate_hz),
-        };
+        let saw_tooth = SawTooth::of(&speeds(time_s, position_rad, rate_hz, step), step, rate_hz);
+        let mut noise = Self { white_rad: 0.0, step_rad, rate_hz, lattice: saw_tooth.spectrum(0.0) };
         // Two rounds: white noise spreads the lattice's error, and that is taken from what is white.
         for _ in 0..2 {
             let own = noise.in_differences(order);
             let beside = level * level - own;
             noise.white_rad = if level * level > BEYOND_LATTICE * own { beside.max(0.0).sqrt() } else { 0.0 };
-            noise.lattice = lattice_spectrum(&speeds, step, noise.white_rad, rate_hz);
+            noise.lattice = saw_tooth.spectrum(noise.white_rad);
         }
         noise
     }
@@ -112,34 +110,54 @@ fn speeds(time_s: &[f64], position_rad: &[f64], rate_hz: f64, step: f64) -> Vec<
         .collect()
 }
 
-fn lattice_spectrum(speeds: &[Option<f64>], step: f64, white: f64, rate_hz: f64) -> Vec<f64> {
-    let mut power = vec![0.0; BINS];
-    let mut spread = 0.0;
-    let whole = step * step / 12.0;
-    let strength: Vec<f64> = (1..=HARMONICS)
-        .map(|k| {
-            let phase = std::f64::consts::TAU * k as f64 * white / step;
-            libm::exp(-phase * phase) * 6.0 / (std::f64::consts::PI * k as f64).powi(2)
-        })
-        .collect();
-    let rest = 1.0 - strength.iter().sum::<f64>();
-    for speed in speeds {
-        let Some(speed) = speed else {
-            // A resting joint shows its lattice only under noise that carries it over an edge.
-            spread += 1.0 - strength.first().map_or(1.0, |s| s / 0.607_927).clamp(0.0, 1.0);
-            continue;
-        };
-        spread += rest;
-        for (k, share) in strength.iter().enumerate() {
-            // Folded into 0 … ½.
-            let turns = ((k + 1) as f64 * speed / step / rate_hz).fract();
-            let folded = turns.min(1.0 - turns);
-            power[((2.0 * folded * BINS as f64) as usize).min(BINS - 1)] += share;
+/// The lattice's error of a joint that moves: how often each of its harmonics lies in each bin.
+struct SawTooth {
+    step: f64,
+    rate_hz: f64,
+    samples: usize,
+    resting: usize,
+    /// `[harmonic][bin]`.
+    counts: Vec<[u32; BINS]>,
+}
+
+impl SawTooth {
+    fn of(speeds: &[Option<f64>], step: f64, rate_hz: f64) -> Self {
+        let mut counts = vec![[0; BINS]; HARMONICS];
+        // Turns of the saw-tooth from sample to sample as a fraction of 2³²: multiples then fold by themselves.
+        let per_speed = 1.0 / (step * rate_hz);
+        for speed in speeds.iter().flatten() {
+            let turns = speed * per_speed;
+            let turn = ((turns - turns.floor()) * TURN) as u32;
+            let mut phase = 0_u32;
+            for counts in &mut counts {
+                phase = phase.wrapping_add(turn);
+                let bin = (phase.min(phase.wrapping_neg()) / FOLDED_BIN) as usize;
+                counts[bin.min(BINS - 1)] += 1;
+            }
         }
+        let resting = speeds.iter().filter(|s| s.is_none()).count();
+        Self { step, rate_hz, samples: speeds.len(), resting, counts }
     }
-    let samples = speeds.len().max(1) as f64;
-    let width_hz = 0.5 * rate_hz / BINS as f64;
-    power.iter().map(|p| whole * (p + spread / BINS as f64) / samples / width_hz).collect()
+
+    /// The one-sided spectrum beside white noise, rad²/Hz.
+    fn spectrum(&self, white_rad: f64) -> Vec<f64> {
+        let strength = |k: usize| {
+            let phase = std::f64::consts::TAU * k as f64 * white_rad / self.step;
+            libm::exp(-phase * phase) * 6.0 / (std::f64::consts::PI * k as f64).powi(2)
+        };
+        let strengths: Vec<f64> = (1..=HARMONICS).map(strength).collect();
+        let mut power = vec![0.0; BINS];
+        for (share, counts) in strengths.iter().zip(&self.counts) {
+            power.iter_mut().zip(counts).for_each(|(p, count)| *p += share * f64::from(*count));
+        }
+        // A resting joint shows its lattice only under noise that carries it over an edge.
+        let at_rest = 1.0 - (strengths[0] / 0.607_927).clamp(0.0, 1.0);
+        let moving = 1.0 - strengths.iter().sum::<f64>();
+        let spread = self.resting as f64 * at_rest + (self.samples - self.resting) as f64 * moving;
+        let width_hz = 0.5 * self.rate_hz / BINS as f64;
+        let each = self.step * self.step / 12.0 / self.samples.max(1) as f64 / width_hz;
+        power.iter().map(|p| each * (p + spread / BINS as f64)).collect()
+    }
 }
 
 #[cfg(test)]
