@@ -11,7 +11,8 @@ pub(crate) fn normal(t: f64, freedom: f64) -> f64 {
 }
 
 /// Student's t with the probability of a normal deviate.
-pub(crate) fn student(z: f64, freedom: f64) -> f64 {
+#[must_use]
+pub fn student(z: f64, freedom: f64) -> f64 {
     let t = (freedom * libm::expm1((z / wallace(freedom)).powi(2) / freedom)).sqrt();
     t.copysign(z)
 }

@@ -87,6 +87,18 @@ impl Problem {
         sums
     }
 
+    /// The same block by block, `[block][joint]`.
+    #[must_use]
+    pub(crate) fn held_out_by_block(&self, fit: &NestedFit, group: &[Switch]) -> Vec<Vec<f64>> {
+        let own = self.places(group);
+        let of_block = |(b, fold): (usize, &Fold)| {
+            let mut sums = vec![0.0; self.joints()];
+            self.add_errors(fit, (fold, self.fold(b)), (group, &own), &mut sums);
+            sums
+        };
+        fit.folds.iter().enumerate().map(of_block).collect()
+    }
+
     /// The squared errors of each joint over the rows to which the nested model extended by `group` is fitted.
     #[must_use]
     pub fn in_sample(&self, fit: &NestedFit, group: &[Switch]) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! What a hypothesis brings to a model, on blocks of time that did not fit it.
 
+use aurt_calibration::student;
 use rayon::prelude::*;
 
 use crate::evidence::nested::NestedFit;
@@ -157,6 +158,28 @@ impl Scoring<'_> {
         best - (self.options.tie * best).max(self.options.tie_nats)
     }
 
+    /// Whether blocks of time that were not fitted to leave open which of two groups is better: the mean over blocks of the
+    /// difference of their log-likelihoods (Q. H. Vuong, *Econometrica* 57, 1989) is less than Student's t says with 95 %.
+    pub(crate) fn leaves_open(&self, fit: &Weighed, group: usize, rival: usize) -> bool {
+        let problem = self.ground.problem();
+        let of = |g: usize| problem.held_out_by_block(&fit.nested, &self.groups[g].switches);
+        let (own, other) = (of(group), of(rival));
+        let rows: Vec<f64> = (0..problem.joints()).map(|j| problem.rows(j, false).max(1.0)).collect();
+        let per_square = |j: usize| {
+            let left = own.iter().map(|block| block[j]).sum::<f64>() / rows[j];
+            0.5 * fit.shares[j] / left.max(self.floor[j]).max(f64::MIN_POSITIVE)
+        };
+        let weights: Vec<f64> = (0..problem.joints()).map(per_square).collect();
+        let worse: Vec<f64> = own
+            .iter()
+            .zip(&other)
+            .map(|(own, other)| {
+                own.iter().zip(other).zip(&weights).map(|((own, other), w)| w * (other - own)).sum()
+            })
+            .collect();
+        !is_positive(&worse)
+    }
+
     /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
     /// not beat by the least score. Friction differs from day to day, so a change of anything else on one joint has to be
     /// clearly better than a change of its friction.
@@ -272,6 +295,17 @@ pub(crate) struct Loss {
     pub(crate) of_joint: Vec<f64>,
     /// Held-out mean squared error of each joint without it.
     without: Vec<f64>,
+}
+
+/// The normal deviate that 5 % exceed.
+const ONE_SIDED_5: f64 = 1.645;
+
+/// Whether the mean of some values exceeds zero by more than chance.
+fn is_positive(values: &[f64]) -> bool {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean > student(ONE_SIDED_5, n - 1.0) * (variance / n).sqrt()
 }
 
 /// All but the i-th.

@@ -21,8 +21,21 @@ pub struct Chosen {
     pub p_confirm: Option<f64>,
     /// Log-MSE that each joint loses without it.
     pub joint_loss: Vec<f64>,
-    /// Other groups that would do as well in its place, best first, with their scores.
-    pub rivals: Vec<(usize, f64)>,
+    /// Other groups that could stand in its place, best first.
+    pub rivals: Vec<Rival>,
+}
+
+/// A group that could stand in the place of another.
+#[derive(Debug, Clone, Copy)]
+pub struct Rival {
+    /// Index of the group.
+    pub group: usize,
+    /// Its score.
+    pub score: f64,
+    /// Whether it scores as well but for a tie.
+    pub as_good: bool,
+    /// Whether blocks of time leave open which of the two is better.
+    pub open: bool,
 }
 
 /// What selection found.
@@ -278,19 +291,26 @@ impl Scoring<'_> {
         Selection { chosen: found, before, after: full }
     }
 
-    /// Groups of other effects that do as well in the place of the i-th of the chosen. One with more coefficients that
-    /// does no better contains the chosen one, unless it is the same force in other coordinates.
-    fn rivals(&self, chosen: &[usize], i: usize, score: f64) -> Vec<(usize, f64)> {
+    /// Groups of other effects that do as well in the place of the i-th of the chosen, or of which the data leave open
+    /// whether they do. One with more coefficients that does no better contains the chosen one, unless it is the same
+    /// force in other coordinates.
+    fn rivals(&self, chosen: &[usize], i: usize, score: f64) -> Vec<Rival> {
         let own = &self.groups[chosen[i]];
         let rest = without(chosen, i);
+        let fit = self.fit(&rest);
         let near = self.near(score);
-        let rival = |(g, score): &(usize, f64)| {
+        let other = |g: &usize| {
             let other = &self.groups[*g];
             (other.switches.len() <= own.switches.len() || same_force(other.effect, own.effect))
                 && other.effect != own.effect
-                && *score >= near
         };
-        let ranked = self.rank(&self.fit(&rest), |g| !rest.contains(&g) && self.meet(g, chosen[i]));
-        ranked.into_iter().filter(rival).collect()
+        let ranked = self.rank(&fit, |g| !rest.contains(&g) && self.meet(g, chosen[i]) && other(&g));
+        let rival = |(group, score)| Rival {
+            group,
+            score,
+            as_good: score >= near,
+            open: self.leaves_open(&fit, chosen[i], group),
+        };
+        ranked.into_iter().map(rival).filter(|r| r.as_good || r.open).collect()
     }
 }

@@ -173,6 +173,22 @@ fn a_change_is_found_beside_the_structure_that_hides_it() {
 }
 
 #[test]
+fn a_weak_effect_leaves_its_like_open_and_a_strong_one_does_not() {
+    let seeds = 100..140;
+    for (strength, expected) in [(0.05, 32..=40), (0.8, 0..=2)] {
+        let open = seeds.clone().filter(|seed| {
+            let mut recording = recording(Role::Calibration, *seed, &[1.0, strength, 0.0]);
+            let (before, like) = recording.joints[0].data.split_at_mut(2 * ROWS);
+            like.iter_mut().zip(&before[ROWS..]).for_each(|(like, own)| *like = own + 0.05 * *like);
+            let groups = [group("spring", 1, false), group("viscous", 2, false)];
+            Rows::new(vec![recording]).select(&groups).chosen.iter().any(|c| c.rivals.iter().any(|r| r.open))
+        });
+        let open = open.count();
+        assert!(expected.contains(&open), "{open} of {} at {strength}", seeds.clone().count());
+    }
+}
+
+#[test]
 fn held_out_rows_confirm_what_is_there_and_not_what_is_not() {
     let rows = Rows::new(vec![recording(Role::Calibration, 5, &[1.0, 0.8, 0.0])]);
     let options = SelectionOptions::default();

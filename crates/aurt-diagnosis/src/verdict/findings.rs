@@ -226,13 +226,8 @@ fn merge(first: &mut Finding, other: Finding, parts: usize) {
     first.joints.extend(other.joints);
     first.evidence.score = first.evidence.score.max(other.evidence.score);
     first.confidence = first.confidence.min(other.confidence);
-    for alternative in other.alternatives {
-        if first.alternatives.len() < ALTERNATIVES
-            && !first.alternatives.iter().any(|a| a.effect == alternative.effect)
-        {
-            first.alternatives.push(alternative);
-        }
-    }
+    // What stands in for an effect does so on all joints that have it.
+    first.alternatives.retain(|a| other.alternatives.iter().any(|b| b.effect == a.effect));
 }
 
 fn append(list: &mut Value, value: Value, parts: usize) {
@@ -281,23 +276,23 @@ pub(crate) fn present_in(
 fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) -> Vec<Alternative> {
     let chosen = &investigation.selection.chosen;
     let mut found: Vec<Alternative> = Vec::new();
-    for (rival, score) in &one.rivals {
-        let group = &investigation.groups[*rival];
+    for rival in &one.rivals {
+        let group = &investigation.groups[rival.group];
         // What the vocabulary has a word for keeps it.
         if group.effect == REGISTERED {
             continue;
         }
-        if chosen.iter().any(|c| c.group == *rival) || found.iter().any(|a| a.effect == group.effect) {
+        if chosen.iter().any(|c| c.group == rival.group) || found.iter().any(|a| a.effect == group.effect) {
             continue;
         }
         let free = investigation.problem.free_share(&fitted.switches, &group.switches, &fitted.weights);
-        let separable = free.iter().any(|share| *share > INSEPARABLE);
-        if !separable && found.len() < ALTERNATIVES {
+        let inseparable = rival.as_good && free.iter().all(|share| *share <= INSEPARABLE);
+        if (rival.open || inseparable) && found.len() < ALTERNATIVES {
             let decider = effects::find(group.effect).map_or("", |e| e.decider());
             found.push(Alternative {
                 effect: group.effect.to_owned(),
                 joints: group.joints.clone(),
-                score: *score,
+                score: rival.score,
                 record: decider.to_owned(),
             });
         }
