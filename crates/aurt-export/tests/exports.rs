@@ -9,11 +9,11 @@ use std::{
 };
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf};
-use aurt_friction::hysteresis::dahl::Dahl;
+use aurt_friction::arm_terms::{joint_selection::JointSelection, temperature::Temperature};
 use aurt_rbd::ChainDynamics;
-use aurt_traits::{JointStack, MeasurementUnit, RobotModel};
+use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
-use models::{Case, arm, case, checks, gantry};
+use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry};
 
 fn provenance() -> Provenance {
     Provenance {
@@ -48,16 +48,29 @@ fn compiled_and_run(export: &Export) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
     write(export, folder.path());
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"];
-    let compile = Command::new("cc")
-        .args(strict)
-        .args(["machine.c", "main.c", "-o", "check", "-lm"])
-        .current_dir(folder.path())
-        .output();
-    let Ok(compile) = compile else {
+    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let compile = |compiler: &str, more: &[&str]| {
+        Command::new(compiler)
+            .args(strict)
+            .args(more)
+            .args(["machine.c", "main.c", "-o", "check", "-lm"])
+            .current_dir(folder.path())
+            .output()
+    };
+    if let Ok(other) = compile("clang", &[]) {
+        assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr));
+    }
+    // The libraries of the sanitizers are not installed everywhere.
+    let mut compiled = compile("cc", &sanitizers);
+    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
+        println!("without sanitizers");
+        compiled = compile("cc", &[]);
+    }
+    let Ok(compiled) = compiled else {
         println!("skipped: there is no C compiler `cc`");
         return None;
     };
-    assert!(compile.status.success(), "{}", String::from_utf8_lossy(&compile.stderr));
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     Some(Command::new(folder.path().join("check")).output().unwrap())
 }
 
@@ -71,8 +84,31 @@ fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{text}");
-        assert!(run.status.success(), "{name}: {text}");
+        assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
+        assert_eq!(text.matches("passed").count(), 7, "{name}: {text}");
+    }
+}
+
+#[test]
+fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case_with_memory(chain);
+        let stored = checks_along_a_path(&case, 400);
+        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let Some(run) = compiled_and_run(&export) else { return };
+        let text = String::from_utf8_lossy(&run.stdout);
+        println!("{name}: {text}");
+        assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
         assert_eq!(text.matches("passed").count(), 5, "{name}: {text}");
+        let header = &export.files[0].1;
+        assert!(!header.contains("machine_torque("), "there is no torque without memory: {header}");
+        // The order of the samples matters: the same states in another order have another torque.
+        let mut turned = stored;
+        turned.swap(120, 121);
+        let export = c::export(&source(&case, &provenance), &turned).unwrap();
+        let Some(run) = compiled_and_run(&export) else { return };
+        assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     }
 }
 
@@ -179,22 +215,17 @@ fn what_cannot_be_exported_is_refused_by_name() {
     coefficients[1] = f64::NAN;
     assert!(refusal(&Source { coefficients: &coefficients, ..good }).contains("is NaN"));
 
-    let old = &case.model.stacks()[0];
-    let with_memory = JointStack::new(
-        aurt_traits::CoulombModel::boxed_clone(old.coulomb()),
-        Box::new(Dahl::default()),
-        aurt_traits::ViscousBasis::boxed_clone(old.viscous()),
-    )
-    .unwrap();
-    let mut stacks = case.model.stacks().to_vec();
-    stacks[0] = with_memory;
+    let term = Temperature { joints: JointSelection::all(), warming_time_s: 60.0 };
     let base = case.model.base().clone();
-    let terms = case.model.arm_terms().to_vec();
+    let (stacks, terms) = (case.model.stacks().to_vec(), vec![Box::new(term) as Box<dyn ArmTerm>]);
     let model = RobotModel::new(case.model.rigid_body().clone(), base, stacks, terms).unwrap();
-    let refused = refusal(&Source { model: &model, ..good });
-    assert_eq!(
-        refused,
-        "joint 0, hysteresis: the model `dahl` cannot be exported: it has memory, and only models without are \
-         written in C; known: sign, tanh"
+    let coefficients = vec![1.0; model.parameters().len()];
+    let load = LoadTorque::Literal;
+    let refused = refusal(&Source { model: &model, coefficients: &coefficients, load: &load, ..good });
+    assert!(
+        refused.starts_with(
+            "arm term: the model `temperature` cannot be exported: it has memory of its own kind"
+        ),
+        "{refused}"
     );
 }

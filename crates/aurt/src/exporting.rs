@@ -32,6 +32,9 @@ impl Target {
 
 /// States at which the exported C is compared with the model.
 const STATES: usize = 32;
+/// Samples of a path, for models with memory, and their distance, s.
+const PATH: usize = 96;
+const PATH_STEP_S: f64 = 0.02;
 const SEED: u64 = 1;
 /// Positions of the states, rad or m, and accelerations, rad/s² or m/s².
 const REACH: f64 = 3.0;
@@ -70,22 +73,16 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
     })
 }
 
-/// States within the velocities of the calibration and what the model predicts there; in the first, all joints rest.
+/// States and what the model predicts there.
 fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
     let joints = calibrated.model.joints();
-    let mut random = Random::new(SEED);
-    let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
-    let mut states = Vec::with_capacity(STATES);
-    for state in 0..STATES {
-        let mut draw =
-            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
-        let rests = state == 0;
-        let speed = |j: usize| if rests { 0.0 } else { calibrated.calibration.ranges[j].velocity_rad_s };
-        states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
-    }
+    let remembers = calibrated.model.stacks().iter().any(|stack| {
+        stack.coulomb().state_len() + stack.hysteresis().state_len() + stack.viscous().state_len() > 0
+    }) || calibrated.model.arm_terms().iter().any(|term| term.state_len(joints) > 0);
+    let speed = |j: usize| calibrated.calibration.ranges[j].velocity_rad_s;
+    let (times, states) = if remembers { along_a_path(joints, speed) } else { random_states(joints, speed) };
     let by_joint =
         |k: usize| -> Vec<f64> { (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect() };
-    let times = (0..STATES).map(|n| n as f64).collect();
     let motion = Motion::new(joints, times, by_joint(0), by_joint(1), by_joint(2))?;
     let view: MotionView<'_> = motion.view();
     let torque = calibrated.torque(view)?;
@@ -93,10 +90,47 @@ fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
         .into_iter()
         .enumerate()
         .map(|(n, [q_rad, qd_rad_s, qdd_rad_s2])| c::Check {
+            time_s: view.time_s()[n],
             q_rad,
             qd_rad_s,
             qdd_rad_s2,
             torque_nm: torque.iter().map(|series| series[n]).collect(),
         })
         .collect())
+}
+
+type States = (Vec<f64>, Vec<[Vec<f64>; 3]>);
+
+/// States within the velocities of the calibration; in the first, all joints rest.
+fn random_states(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
+    let mut states = Vec::with_capacity(STATES);
+    for state in 0..STATES {
+        let mut draw =
+            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
+        let speed = |j: usize| if state == 0 { 0.0 } else { speed(j) };
+        states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
+    }
+    ((0..STATES).map(|n| n as f64).collect(), states)
+}
+
+/// Samples of sines that reverse, of large and of small amplitude in turn, for friction that remembers its path.
+fn along_a_path(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let waves: Vec<[f64; 2]> =
+        (0..joints).map(|_| [4.0 + 4.0 * random.unit(), std::f64::consts::TAU * random.unit()]).collect();
+    let times: Vec<f64> = (0..PATH).map(|n| PATH_STEP_S * n as f64).collect();
+    let states = times.iter().enumerate().map(|(n, time_s)| {
+        let share = if n % 32 < 16 { 0.01 } else { 0.5 };
+        [0.0, 1.0, 2.0].map(|derivative| {
+            let wave = |(j, [rate, start]): (usize, &[f64; 2])| {
+                let phase = rate * time_s + start + derivative * std::f64::consts::FRAC_PI_2;
+                share * speed(j) / rate * rate.powf(derivative) * phase.sin()
+            };
+            waves.iter().enumerate().map(wave).collect()
+        })
+    });
+    let states = states.collect();
+    (times, states)
 }
