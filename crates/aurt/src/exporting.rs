@@ -3,7 +3,12 @@
 use std::path::Path;
 
 use aurt_experiment::{Registry, model_file::read_json};
-use aurt_export::{Export, Provenance, Source, c, mjcf};
+pub use aurt_export::fmu::{Kind, Version};
+use aurt_export::{
+    Export, Provenance, Source, c,
+    fmu::{self, Fmu},
+    mjcf,
+};
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
@@ -17,6 +22,32 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
+    /// A functional mock-up unit.
+    Fmu(Kind, Version),
+}
+
+/// Files of a target.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// Their names and contents.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// What of the model the target has no word for.
+    pub lost: Vec<String>,
+    /// What a person should know of the files.
+    pub notes: Vec<String>,
+}
+
+impl From<Export> for Exported {
+    fn from(Export { files, lost, notes }: Export) -> Self {
+        let files = files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
+        Self { files, lost, notes }
+    }
+}
+
+impl From<Fmu> for Exported {
+    fn from(Fmu { file, bytes, lost, notes }: Fmu) -> Self {
+        Self { files: vec![(file, bytes)], lost, notes }
+    }
 }
 
 impl Target {
@@ -26,6 +57,7 @@ impl Target {
         match self {
             Self::C => "c",
             Self::Mjcf => "mjcf",
+            Self::Fmu(..) => "fmu",
         }
     }
 }
@@ -44,7 +76,7 @@ const ACCELERATION: f64 = 10.0;
 ///
 /// # Errors
 /// A file that is no calibrated model; [`Failure::Export`] for what the target cannot take.
-pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Export, Failure> {
+pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Exported, Failure> {
     let calibrated = CalibratedModel::read(path, registry)?;
     let (document, text) = read_json(path)?;
     let calibration = &calibrated.calibration;
@@ -68,8 +100,9 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
         provenance: &provenance,
     };
     Ok(match target {
-        Target::C => c::export(&source, &checks(&calibrated)?)?,
-        Target::Mjcf => mjcf::export(&source)?,
+        Target::C => c::export(&source, &checks(&calibrated)?)?.into(),
+        Target::Mjcf => mjcf::export(&source)?.into(),
+        Target::Fmu(kind, version) => fmu::export(&source, kind, version)?.into(),
     })
 }
 

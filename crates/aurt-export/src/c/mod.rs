@@ -15,6 +15,7 @@ pub(crate) mod text;
 pub(crate) mod tunable;
 
 pub use tape::Operations;
+pub(crate) use tape::literal;
 
 pub use self::harness::Check;
 use crate::{Export, ExportError, Source, naming::check_identifier};

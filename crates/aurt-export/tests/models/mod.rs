@@ -149,7 +149,17 @@ pub fn case_with_memory(chain: SerialChain) -> Case {
     let last = chain.joints().len() - 1;
     let damped = LuGreDamped { joints: JointSelection::of(vec![last]), ..LuGreDamped::default() };
     let load = Payload { link: None, parameters: Some(vec![Inertial::M, Inertial::MX]) };
-    made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory)
+    let mut case = made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory);
+    // A load that a machine can carry: arbitrary moments would make the mass matrix indefinite.
+    for (parameter, value) in case.model.parameters().iter().zip(&mut case.coefficients) {
+        match parameter.name.as_str() {
+            name if name.starts_with("payload.m_") => *value = 0.8,
+            name if name.starts_with("payload.mX_") => *value = 0.04,
+            _ => {}
+        }
+    }
+    case.load = LoadTorque::Fitted(case.coefficients.clone());
+    case
 }
 
 /// A model of a chain with friction of every kind without memory that can be exported.
@@ -218,6 +228,28 @@ pub fn checks_along_a_path(case: &Case, count: usize) -> Vec<Check> {
         })
         .collect();
     predicted(case, 0.01, states)
+}
+
+/// What it predicts along a smooth motion that begins at rest.
+pub fn checks_along_a_swing(case: &Case, count: usize, step_s: f64) -> Vec<Check> {
+    let joints = case.model.joints();
+    let states = (0..count)
+        .map(|n| {
+            let time_s = step_s * n as f64;
+            let wave = |derivative: i32| -> Vec<f64> {
+                (0..joints)
+                    .map(|j| {
+                        let rate = 3.0 + j as f64;
+                        let phase = rate * time_s + f64::from(derivative) * std::f64::consts::FRAC_PI_2;
+                        let still = if derivative == 0 { 1.0 } else { 0.0 };
+                        0.2 * (still - rate.powi(derivative) * phase.cos())
+                    })
+                    .collect()
+            };
+            [wave(0), wave(1), wave(2)]
+        })
+        .collect();
+    predicted(case, step_s, states)
 }
 
 fn predicted(case: &Case, step_s: f64, states: Vec<[Vec<f64>; 3]>) -> Vec<Check> {

@@ -1,0 +1,275 @@
+//! Functional mock-up units: what is in the archive, and what the model in it does.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod models;
+
+use std::{
+    collections::BTreeMap,
+    io::{Cursor, Read, Write},
+    path::Path,
+    process::{Command, Output, Stdio},
+};
+
+use aurt_export::{
+    ExportError, Provenance, Source,
+    c::Check,
+    fmu::{Fmu, Kind, Version, export},
+};
+use aurt_simulation::model::{ModelDrive, MovingModel};
+use aurt_traits::{MeasurementUnit, Motion};
+
+use models::{Case, arm, case, case_with_memory, checks_along_a_path, checks_along_a_swing, gantry};
+
+fn provenance() -> Provenance {
+    Provenance {
+        file: "rd_\"calibrated\".json".into(),
+        schema: 1,
+        blake3: "0123".into(),
+        aurt_version: Some("0.1.0".into()),
+        recordings: vec!["a & b <c>.csv".into()],
+    }
+}
+
+fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
+    Source {
+        name: "machine",
+        model: &case.model,
+        coefficients: &case.coefficients,
+        load: &case.load,
+        unit: MeasurementUnit::NewtonMetre,
+        standard: Some(&case.standard),
+        provenance,
+    }
+}
+
+fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
+    (0..archive.len())
+        .map(|k| {
+            let mut file = archive.by_index(k).unwrap();
+            let mut contents = Vec::new();
+            file.read_to_end(&mut contents).unwrap();
+            (file.name().to_owned(), contents)
+        })
+        .collect()
+}
+
+fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
+    String::from_utf8(files[name].clone()).unwrap()
+}
+
+#[test]
+fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
+    let (case, provenance) = (case(arm(), true), provenance());
+    for (version, number, platform) in [(Version::Two, "2.0", "linux64"), (Version::Three, "3.0", "x86_64-linux")]
+    {
+        for kind in [Kind::Inverse, Kind::Forward] {
+            let fmu = export(&source(&case, &provenance), kind, version).unwrap();
+            assert_eq!(fmu, export(&source(&case, &provenance), kind, version).unwrap());
+            assert_eq!(fmu.file, "machine.fmu");
+            let files = files(&fmu);
+            let xml = text(&files, "modelDescription.xml");
+            let document = roxmltree::Document::parse(&xml).unwrap();
+            let root = document.root_element();
+            assert_eq!(root.attribute("fmiVersion"), Some(number));
+            let token = root.attribute(if version == Version::Two { "guid" } else { "instantiationToken" }).unwrap();
+            assert!(text(&files, "sources/model.h").contains(&format!("#define MODEL_TOKEN \"{token}\"")));
+            assert!(root.attribute("description").unwrap().contains("rd_\"calibrated\".json (schema 1"));
+            let listed: Vec<String> = if version == Version::Two {
+                let named = document.descendants().filter(|n| n.has_tag_name("File"));
+                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
+            } else {
+                let build = text(&files, "sources/buildDescription.xml");
+                let build = roxmltree::Document::parse(&build).unwrap();
+                let named = build.descendants().filter(|n| n.has_tag_name("SourceFile"));
+                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
+            };
+            let in_archive: Vec<String> = files
+                .keys()
+                .filter_map(|f| f.strip_prefix("sources/").filter(|f| f.ends_with(".c")).map(str::to_owned))
+                .collect();
+            let mut sorted = listed;
+            sorted.sort();
+            assert_eq!(sorted, in_archive);
+            let made = fmu.notes.iter().any(|n| n.contains(&format!("binaries/{platform}/machine.so was made")));
+            assert_eq!(made, files.contains_key(&format!("binaries/{platform}/machine.so")), "{:?}", fmu.notes);
+            assert!(made || fmu.notes.iter().any(|n| n.contains("holds sources only")), "{:?}", fmu.notes);
+        }
+    }
+}
+
+#[test]
+fn variables_have_names_units_and_start_values() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Three).unwrap();
+    let xml = text(&files(&fmu), "modelDescription.xml");
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let find = |name: &str| {
+        document.descendants().find(|n| n.has_tag_name("Float64") && n.attribute("name") == Some(name)).unwrap()
+    };
+    assert_eq!(find("q[0]").attribute("unit"), Some("m"), "the first joint slides");
+    assert_eq!(find("q[1]").attribute("unit"), Some("rad"));
+    assert_eq!(find("tau[1]").attribute("causality"), Some("input"));
+    assert_eq!(find("gravity_m_s2").attribute("start"), Some("9.81"));
+    assert_eq!(find("q_start[3]").attribute("variability"), Some("fixed"));
+    assert_eq!(find("payload_mass_kg").attribute("variability"), Some("tunable"));
+    for (parameter, value) in case.model.parameters().iter().zip(&case.coefficients).skip(case.model.base().len()) {
+        let start: f64 = find(&parameter.name).attribute("start").unwrap().parse().unwrap();
+        assert_eq!(start, *value, "{}", parameter.name);
+    }
+    let outputs = document.descendants().filter(|n| n.has_tag_name("Output")).count();
+    assert_eq!(outputs, 3 * case.model.joints());
+}
+
+#[test]
+fn what_cannot_be_a_unit_is_refused_by_name() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let good = source(&case, &provenance);
+    let refusal = |source: &Source<'_>, kind| export(source, kind, Version::Two).unwrap_err();
+    for name in ["my robot", "component", "double"] {
+        assert!(matches!(refusal(&Source { name, ..good }, Kind::Inverse), ExportError::Name { .. }), "{name}");
+    }
+    let mut coefficients = case.coefficients.clone();
+    for value in &mut coefficients[..case.model.base().len()] {
+        *value = -*value;
+    }
+    let impossible = Source { coefficients: &coefficients, ..good };
+    let error = refusal(&impossible, Kind::Forward);
+    assert!(matches!(error, ExportError::MassMatrix { .. }), "{error}");
+    assert!(error.to_string().contains("not positive definite at q = "), "{error}");
+    assert!(export(&impossible, Kind::Inverse, Version::Two).is_ok(), "a torque it has all the same");
+    // Currents need no constants: what goes in and comes out is what was measured.
+    let amperes = Source { unit: MeasurementUnit::Ampere, ..good };
+    let xml = text(&files(&export(&amperes, Kind::Inverse, Version::Two).unwrap()), "modelDescription.xml");
+    assert!(xml.contains("name=\"current[0]\"") && !xml.contains("payload_mass_kg"), "{xml}");
+}
+
+/// Compiles the sources of a unit strictly, with the program that drives it, and drives it; nothing where there is no C
+/// compiler.
+fn driven(fmu: &Fmu, arguments: &[String], lines: &str) -> Option<Output> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, contents) in files(fmu) {
+        if let Some(name) = name.strip_prefix("sources/") {
+            std::fs::write(folder.path().join(name), contents).unwrap();
+        }
+    }
+    let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fmu_drive.c");
+    std::fs::copy(drive, folder.path().join("drive.c")).unwrap();
+    let sources = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name());
+    let sources: Vec<_> = sources.filter(|f| f.to_string_lossy().ends_with(".c")).collect();
+    let compile = |more: &[&str]| {
+        Command::new("cc")
+            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"])
+            .args(more)
+            .args(&sources)
+            .args(["-o", "drive", "-lm"])
+            .current_dir(folder.path())
+            .output()
+    };
+    let mut compiled = compile(&["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
+    // The libraries of the sanitizers are not installed everywhere.
+    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
+        compiled = compile(&[]);
+    }
+    let Ok(compiled) = compiled else {
+        println!("skipped: there is no C compiler `cc`");
+        return None;
+    };
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let mut run = Command::new(folder.path().join("drive"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    run.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    Some(run.wait_with_output().unwrap())
+}
+
+fn rows(output: &Output) -> Vec<Vec<f64>> {
+    let (text, error) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{error}");
+    text.lines().map(|line| line.split(' ').map(|v| v.parse().unwrap()).collect()).collect()
+}
+
+fn line(groups: &[&[f64]]) -> String {
+    let words: Vec<String> = groups.iter().flat_map(|g| g.iter().map(|v| format!("{v:?}"))).collect();
+    words.join(" ") + "\n"
+}
+
+fn largest(a: impl Iterator<Item = f64>) -> f64 {
+    a.fold(0.0, |m, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
+}
+
+#[test]
+fn an_inverse_unit_gives_the_torques_of_the_model() {
+    let provenance = provenance();
+    for (case, name) in [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")] {
+        let stored = checks_along_a_path(&case, 300);
+        let fmu = export(&source(&case, &provenance), Kind::Inverse, Version::Two).unwrap();
+        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
+        let Some(run) = driven(&fmu, &["0.01".into()], &lines) else { return };
+        let found = rows(&run);
+        assert_eq!(found.len(), stored.len());
+        let size = largest(stored.iter().flat_map(|c| c.torque_nm.iter().copied()));
+        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
+        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        println!("{name}: largest difference of the torque {worst:e}, relative to the largest");
+        assert!(worst <= 1e-12, "{name}: {worst:e}");
+    }
+}
+
+/// The same torques drive the unit and the solver of `aurt simulate`; the largest distance of their motions.
+fn distance(case: &Case, stored: &[Check], step_s: f64) -> Option<f64> {
+    let provenance = provenance();
+    let joints = case.model.joints();
+    let fmu = export(&source(case, &provenance), Kind::Forward, Version::Two).unwrap();
+    let lines: String = stored
+        .windows(2)
+        .map(|pair| {
+            let rate: Vec<f64> =
+                pair[1].torque_nm.iter().zip(&pair[0].torque_nm).map(|(b, a)| (b - a) / step_s).collect();
+            line(&[&pair[0].torque_nm, &rate])
+        })
+        .collect();
+    let mut arguments = vec![format!("{step_s}")];
+    arguments.extend(stored[0].q_rad.iter().enumerate().map(|(j, q)| format!("{}={q:?}", 1 + 5 * joints + j)));
+    arguments.extend(stored[0].qd_rad_s.iter().enumerate().map(|(j, v)| format!("{}={v:?}", 1 + 6 * joints + j)));
+    let found = rows(&driven(&fmu, &arguments, &lines)?);
+    assert_eq!(found.len(), stored.len() - 1);
+
+    let series = |of: fn(&Check) -> &Vec<f64>| -> Vec<f64> {
+        (0..joints).flat_map(|j| stored.iter().map(move |c| of(c)[j])).collect()
+    };
+    let times = stored.iter().map(|c| c.time_s).collect();
+    let (q, v, a) = (series(|c| &c.q_rad), series(|c| &c.qd_rad_s), series(|c| &c.qdd_rad_s2));
+    let motion = Motion::new(joints, times, q, v, a).unwrap();
+    let torque = (0..joints).map(|j| stored.iter().map(|c| c.torque_nm[j]).collect()).collect();
+    let moving = MovingModel { model: &case.model, coefficients: &case.coefficients, load: &case.load };
+    let moved = moving.run(&ModelDrive::Torques { motion, torque }, &mut |_| {}).unwrap();
+    let away = found.iter().enumerate().flat_map(|(n, row)| {
+        let moved = &moved;
+        (0..joints).flat_map(move |j| {
+            [row[j] - moved.position_rad[j][n + 1], row[joints + j] - moved.velocity_rad_s[j][n + 1]]
+        })
+    });
+    let way = largest(moved.position_rad.iter().flatten().copied());
+    assert!(way > 0.1, "the model has to move: {way}");
+    Some(largest(away))
+}
+
+#[test]
+fn a_forward_unit_moves_as_the_simulation_does() {
+    for (case, name) in [
+        (case(arm(), true), "arm"),
+        (case(gantry(), false), "gantry"),
+        (case_with_memory(arm()), "arm with memory"),
+        (case_with_memory(gantry()), "gantry with memory"),
+    ] {
+        let stored = checks_along_a_swing(&case, 101, 0.01);
+        let Some(away) = distance(&case, &stored, 0.01) else { return };
+        println!("{name}: largest difference of positions and velocities {away:e} rad, rad/s, m, m/s");
+        assert!(away <= 1e-9, "{name}: {away:e}");
+    }
+}
