@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod models;
+mod units;
 
 use std::{
     path::Path,

@@ -149,7 +149,8 @@ pub fn case_with_memory(chain: SerialChain) -> Case {
     let last = chain.joints().len() - 1;
     let damped = LuGreDamped { joints: JointSelection::of(vec![last]), ..LuGreDamped::default() };
     let load = Payload { link: None, parameters: Some(vec![Inertial::M, Inertial::MX]) };
-    let mut case = made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory);
+    let mut case =
+        made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory);
     // A load that a machine can carry: arbitrary moments would make the mass matrix indefinite.
     for (parameter, value) in case.model.parameters().iter().zip(&mut case.coefficients) {
         match parameter.name.as_str() {

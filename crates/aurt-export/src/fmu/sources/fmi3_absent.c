@@ -171,3 +171,54 @@ EXPORT fmi3Status NAME(fmi3GetVariableDependencies)(fmi3Instance c, fmi3ValueRef
     (void)n;
     return fmi3Error;
 }
+
+/* Model exchange and scheduled execution, whose functions some importers look for in every FMU. */
+NO_MODE(fmi3EnterContinuousTimeMode)
+
+EXPORT fmi3Status NAME(fmi3SetTime)(fmi3Instance c, fmi3Float64 time)
+{
+    (void)c;
+    (void)time;
+    return fmi3Error;
+}
+
+EXPORT fmi3Status NAME(fmi3CompletedIntegratorStep)(fmi3Instance c, fmi3Boolean no_return, fmi3Boolean *event,
+                                                    fmi3Boolean *terminate)
+{
+    (void)c;
+    (void)no_return;
+    *event = false;
+    *terminate = false;
+    return fmi3Error;
+}
+
+#define NO_VECTOR(name, constant)                                                                                    \
+    EXPORT fmi3Status NAME(name)(fmi3Instance c, constant fmi3Float64 value[], size_t n)                            \
+    {                                                                                                                \
+        (void)c;                                                                                                     \
+        (void)value;                                                                                                 \
+        return n == 0 ? fmi3OK : fmi3Error;                                                                          \
+    }
+#define NONE_OF(name)                                                                                                \
+    EXPORT fmi3Status NAME(name)(fmi3Instance c, size_t *n)                                                         \
+    {                                                                                                                \
+        (void)c;                                                                                                     \
+        *n = 0;                                                                                                      \
+        return fmi3OK;                                                                                               \
+    }
+
+NO_VECTOR(fmi3SetContinuousStates, const)
+NO_VECTOR(fmi3GetContinuousStates, CHANGING)
+NO_VECTOR(fmi3GetContinuousStateDerivatives, CHANGING)
+NO_VECTOR(fmi3GetEventIndicators, CHANGING)
+NO_VECTOR(fmi3GetNominalsOfContinuousStates, CHANGING)
+NONE_OF(fmi3GetNumberOfContinuousStates)
+NONE_OF(fmi3GetNumberOfEventIndicators)
+
+EXPORT fmi3Status NAME(fmi3ActivateModelPartition)(fmi3Instance c, fmi3ValueReference clock, fmi3Float64 time)
+{
+    (void)c;
+    (void)clock;
+    (void)time;
+    return fmi3Error;
+}
