@@ -91,7 +91,7 @@ def check_forward(unit, moved):
 
 
 def seconds(unit, moved):
-    """What the steps of a second of motion take, without what FMPy does between them."""
+    """Processor time of the steps of a second of motion, without what FMPy does between them."""
     description = fmpy.read_model_description(unit)
     joints = sum(name.startswith("q_") for name in moved)
     unpacked = fmpy.extract(unit)
@@ -111,9 +111,9 @@ def seconds(unit, moved):
     time_s, taken = moved["time"], 0.0
     for n in range(len(time_s) - 1):
         set_values(torques, [moved[f"torque_{j}"][n] for j in range(joints)])
-        began = time.perf_counter()
+        began = time.process_time()
         slave.doStep(time_s[n] - time_s[0], time_s[n + 1] - time_s[n])
-        taken += time.perf_counter() - began
+        taken += time.process_time() - began
     slave.terminate()
     slave.freeInstance()
     return taken / (time_s[-1] - time_s[0])
@@ -144,7 +144,7 @@ def main(program, model, recording):
                 print(f"FMI {fmi} {kind}: {len(problems)} problems, largest difference {away:.2e} {what}: "
                       f"{'passed' if passed else 'FAILED'}", *problems, sep="\n  " if problems else " ")
                 if kind == "forward":
-                    print(f"FMI {fmi} forward: 10 s of motion take {10.0 * seconds(unit, moved):.3f} s")
+                    print(f"FMI {fmi} forward: 10 s of motion take {10.0 * seconds(unit, moved):.3f} s of processor time")
     return good
 
 

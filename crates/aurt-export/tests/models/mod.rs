@@ -163,6 +163,40 @@ pub fn case_with_memory(chain: SerialChain) -> Case {
     case
 }
 
+/// The chain where gravity is half as strong.
+pub fn half_of_gravity(chain: SerialChain) -> SerialChain {
+    SerialChain::new(chain.joints().to_vec(), chain.gravity_m_s2().map(|g| 0.5 * g)).unwrap()
+}
+
+/// A point mass in the frame of the last link.
+#[derive(Debug, Clone, Copy)]
+pub struct Load {
+    pub mass_kg: f64,
+    pub at_m: [f64; 3],
+}
+
+/// A model with the arm term `payload`, whose coefficients are those of a load.
+pub fn case_with_load(chain: SerialChain, Load { mass_kg: m, at_m: [x, y, z] }: Load) -> Case {
+    let terms: Vec<Box<dyn ArmTerm>> = vec![Box::new(Payload::default())];
+    let mut case = made(chain, true, terms, stack);
+    let own = [
+        m * (y * y + z * z),
+        -m * x * y,
+        -m * x * z,
+        m * (x * x + z * z),
+        -m * y * z,
+        m * (x * x + y * y),
+        m * x,
+        m * y,
+        m * z,
+        m,
+    ];
+    let first = case.model.group(aurt_traits::ColumnGroup::ArmTerm(0)).start;
+    case.coefficients[first..first + own.len()].copy_from_slice(&own);
+    case.load = LoadTorque::Fitted(case.coefficients.clone());
+    case
+}
+
 /// A model of a chain with friction of every kind without memory that can be exported.
 pub fn case(chain: SerialChain, fitted: bool) -> Case {
     let terms: Vec<Box<dyn ArmTerm>> = vec![
