@@ -345,3 +345,34 @@ fn a_forward_unit_moves_as_the_simulation_does() {
         assert!(position <= 1e-8 && velocity <= 1e-7, "{name}: {position:e} {velocity:e}");
     }
 }
+
+#[test]
+fn an_arm_that_is_let_go_falls_and_one_whose_friction_bears_its_weight_rests() {
+    let provenance = provenance();
+    let heavy = || case_with_load(arm(), Load { mass_kg: 5.0, at_m: [0.1, 0.0, 0.0] });
+    for (mut case, share, falls) in [
+        (heavy(), 0.05, true),
+        (case_with_memory(arm()), 0.05, true),
+        (case_with_memory(arm()), 200.0, false),
+    ] {
+        let base = case.model.base().len();
+        let parameters: Vec<_> =
+            case.model.parameters().iter().map(|p| (p.name.clone(), p.unit.clone())).collect();
+        for ((name, unit), value) in parameters.iter().zip(&mut case.coefficients).skip(base) {
+            // Friction without load bears the weight or not; what grows with the load is left out.
+            if unit == "1" || unit == "1/Nm" {
+                *value = 0.0;
+            } else if !name.starts_with("payload.") {
+                *value *= share;
+            }
+        }
+        let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Two).unwrap();
+        let joints = case.model.joints();
+        let lines = line(&[&vec![0.0; 2 * joints]]).repeat(60);
+        let Some(run) = driven(&fmu, &["0.005".into()], &lines) else { return };
+        let found = rows(&run);
+        let way = largest(found[59][..joints].iter().copied());
+        println!("share {share}: {way:e} rad in 0.3 s");
+        assert!(if falls { way > 0.05 } else { way < 0.02 }, "share {share}: {way:e}");
+    }
+}

@@ -3,7 +3,9 @@
  *
  * The method is the singly diagonally implicit Runge-Kutta method of Alexander (1977), order two, L-stable, with Newton's
  * method in its stages; steps that it cannot solve are halved. Within REST of zero velocity a joint's torque runs linearly
- * between its values at both ends, so that dry friction holds a joint that rests.
+ * between its values at both ends, so that dry friction holds a joint that rests. A joint that breaks away under a load far
+ * beyond its friction may be out of reach of Newton's method however short the step; then the range of rest is widened and
+ * narrowed again, each solution being the start of the next.
  */
 #include "component.h"
 
@@ -13,6 +15,8 @@
 #define N MODEL_JOINTS
 /* Half the width of the velocities that count as rest, rad/s. */
 #define REST 2e-4
+/* The widest range of rest, rad/s. */
+#define WIDEST 1.0
 /* 1 - 1/sqrt(2). */
 #define GAMMA 0.29289321881345248
 #define ITERATIONS 25
@@ -31,13 +35,8 @@ typedef struct {
     double a[N];
 } motion;
 
-static int rests(double v)
-{
-    return fabs(v) < REST;
-}
-
-/* The torques of a motion that goes on from the last completed step. */
-static void needed_torque(const component *c, const motion *at, double needed[N])
+/* The torques of a motion that goes on from the last completed step; velocities below width count as rest. */
+static void needed_torque(const component *c, const motion *at, double width, double needed[N])
 {
     MODEL_STATE memory = c->memory;
     double below_v[N];
@@ -47,9 +46,9 @@ static void needed_torque(const component *c, const motion *at, double needed[N]
     int any = 0;
     int j;
     for (j = 0; j < N; ++j) {
-        const int resting = rests(at->v[j]);
-        below_v[j] = resting ? -REST : at->v[j];
-        above_v[j] = resting ? REST : at->v[j];
+        const int resting = fabs(at->v[j]) < width;
+        below_v[j] = resting ? -width : at->v[j];
+        above_v[j] = resting ? width : at->v[j];
         any |= resting;
     }
     if (any == 0) {
@@ -60,19 +59,19 @@ static void needed_torque(const component *c, const motion *at, double needed[N]
     memory = c->memory;
     MODEL_STEP(&memory, &c->value[OF_P], at->time, at->q, above_v, at->a, above);
     for (j = 0; j < N; ++j) {
-        const double share = rests(at->v[j]) ? 0.5 * (1.0 + at->v[j] / REST) : 0.5;
+        const double share = fabs(at->v[j]) < width ? 0.5 * (1.0 + at->v[j] / width) : 0.5;
         needed[j] = below[j] + share * (above[j] - below[j]);
     }
 }
 
 /* What is left of the equation; how much that is relative to its torques. */
-static double residual(const component *c, double start, const motion *at, double off[N])
+static double residual(const component *c, double start, double width, const motion *at, double off[N])
 {
     double needed[N];
     double scale = 1e-3;
     double size = 0.0;
     int j;
-    needed_torque(c, at, needed);
+    needed_torque(c, at, width, needed);
     for (j = 0; j < N; ++j) {
         const double wanted = c->value[OF_TAU + j] + c->value[OF_TAU_RATE + j] * (at->time - start);
         off[j] = needed[j] - wanted;
@@ -135,6 +134,8 @@ typedef struct {
     double time;
     double h;
     double start;
+    /* Velocities that count as rest. */
+    double width;
 } stage;
 
 static void with_acceleration(const stage *s, motion *at)
@@ -159,7 +160,7 @@ static int derivative(component *c, const stage *s, const motion *here, const do
         const double probe = PROBE * (1.0 + fabs(at.a[column]));
         at.a[column] += probe;
         with_acceleration(s, &at);
-        (void)residual(c, s->start, &at, changed);
+        (void)residual(c, s->start, s->width, &at, changed);
         for (row = 0; row < N; ++row) {
             matrix[row * N + column] = (changed[row] - off[row]) / probe;
         }
@@ -176,7 +177,7 @@ static int solve(component *c, const stage *s, motion *here)
     int j;
     int k;
     with_acceleration(s, here);
-    size = residual(c, s->start, here, off);
+    size = residual(c, s->start, s->width, here, off);
     for (iteration = 0; iteration < ITERATIONS; ++iteration) {
         const int known = c->inverse_step == s->h && c->inverse_step != 0.0 && iteration < 4;
         double share = 1.0;
@@ -202,7 +203,7 @@ static int solve(component *c, const stage *s, motion *here)
                 next.a[j] = here->a[j] - share * change[j];
             }
             with_acceleration(s, &next);
-            next_size = residual(c, s->start, &next, next_off);
+            next_size = residual(c, s->start, s->width, &next, next_off);
             /* Derivatives of an earlier step get one chance; the last try is taken as it is, since a jump may have to be
                crossed uphill. */
             if (next_size < 0.9 * size || known != 0 || share < 0.05) {
@@ -225,6 +226,31 @@ static int solve(component *c, const stage *s, motion *here)
     return size <= LEFT;
 }
 
+/* The same, if need be by way of wider ranges of rest. */
+static int solve_by_all_means(component *c, const stage *s, motion *here)
+{
+    motion at = *here;
+    stage wide = *s;
+    double width = WIDEST;
+    if (solve(c, s, &at) != 0) {
+        *here = at;
+        return 1;
+    }
+    at = *here;
+    for (;;) {
+        wide.width = width > REST ? width : REST;
+        c->inverse_step = 0.0;
+        if (solve(c, &wide, &at) == 0) {
+            return 0;
+        }
+        if (width <= REST) {
+            *here = at;
+            return 1;
+        }
+        width *= 0.5;
+    }
+}
+
 /* One step, or parts of it where it cannot be solved. Zero if that does not succeed. */
 static int step_of(component *c, motion *state, double start, double length, int halvings)
 {
@@ -242,7 +268,8 @@ static int step_of(component *c, motion *state, double start, double length, int
     s.time = state->time + within;
     s.h = within;
     s.start = start;
-    solved = solve(c, &s, &first);
+    s.width = REST;
+    solved = halvings > 0 ? solve(c, &s, &first) : solve_by_all_means(c, &s, &first);
     if (solved != 0) {
         for (j = 0; j < N; ++j) {
             q[j] = state->q[j] + rest * first.v[j];
@@ -252,7 +279,7 @@ static int step_of(component *c, motion *state, double start, double length, int
         s.v = v;
         s.time = state->time + length;
         end = first;
-        solved = solve(c, &s, &end);
+        solved = halvings > 0 ? solve(c, &s, &end) : solve_by_all_means(c, &s, &end);
     }
     if (solved != 0) {
         double unused[N];
@@ -278,27 +305,27 @@ static void read_state(const component *c, motion *state)
     }
 }
 
-/* Accelerations of the present state and inputs, for whoever reads them; the motion does not depend on them. */
+/* Accelerations with which a step would begin, for whoever reads them; the motion does not depend on them. */
 static int accelerations(const component *c, double a[N])
 {
     component copy = *c;
     motion state;
+    motion at;
     stage s;
     int j;
     read_state(c, &state);
     s.q = state.q;
     s.v = state.v;
     s.time = state.time;
-    s.h = 0.0;
+    s.h = GAMMA * c->value[OF_MAX_STEP];
     s.start = state.time;
-    {
-        motion at = state;
-        if (solve(&copy, &s, &at) == 0) {
-            return 0;
-        }
-        for (j = 0; j < N; ++j) {
-            a[j] = at.a[j];
-        }
+    s.width = REST;
+    at = state;
+    if (solve_by_all_means(&copy, &s, &at) == 0) {
+        return 0;
+    }
+    for (j = 0; j < N; ++j) {
+        a[j] = at.a[j];
     }
     return 1;
 }
