@@ -1,6 +1,6 @@
 use std::any::Any;
 
-use aurt_rbd::SerialChain;
+use aurt_rbd::{LinkFrame, RbdError, SerialChain, inconsistencies};
 use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::Value as Json;
 
@@ -152,7 +152,39 @@ impl<'a> Source<'a> {
 /// The standard parameters of a link, in their order.
 const STANDARD: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
 
+/// Each link frame of a chain in the previous one at coordinate zero.
+///
+/// # Errors
+/// None for a chain that exists: its joints are joined anew, one by one.
+pub(crate) fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
+    let mut frames = Vec::new();
+    let mut alone = Vec::new();
+    for joint in chain.joints() {
+        SerialChain::new(vec![*joint], [0.0; 3])?.link_frames(&[0.0], &mut alone);
+        frames.append(&mut alone);
+    }
+    Ok(frames)
+}
+
 impl Source<'_> {
+    /// The standard parameters of a machine that can exist.
+    ///
+    /// # Errors
+    /// [`ExportError::NoBodies`] without any, [`ExportError::Impossible`] with those of no machine, [`ExportError::Count`].
+    pub(crate) fn possible_bodies(&self) -> Result<&[f64], ExportError> {
+        let standard = self.standard.ok_or(ExportError::NoBodies)?;
+        let expected = self.model.rigid_body().standard_parameters().len();
+        if standard.len() != expected {
+            let found = standard.len();
+            return Err(ExportError::Count { what: "standard parameters", expected, found });
+        }
+        let complaints: Vec<String> = inconsistencies(standard).iter().map(ToString::to_string).collect();
+        if complaints.is_empty() {
+            return Ok(standard);
+        }
+        Err(ExportError::Impossible { complaints: complaints.join("; ") })
+    }
+
     /// The rotors' inertias of the arm term `rotor_inertia`, joint by joint; 0 without it.
     pub(crate) fn rotor_inertia_kg_m2(&self) -> Vec<f64> {
         let mut inertia = vec![0.0; self.model.joints()];

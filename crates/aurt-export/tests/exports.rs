@@ -9,9 +9,9 @@ use std::{
     process::{Command, Output},
 };
 
-use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf};
+use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, temperature::Temperature};
-use aurt_rbd::ChainDynamics;
+use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry};
@@ -177,12 +177,44 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
 }
 
 #[test]
+fn the_bodies_of_a_urdf_file_need_the_torques_of_the_model() {
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case(chain, true);
+        let export = urdf::export(&source(&case, &provenance)).unwrap();
+        let (file, text) = &export.files[0];
+        assert_eq!(file, "machine.urdf");
+        let read = aurt_robots::parse(text, file, None, None).unwrap();
+        let known = case.chain.gravity_m_s2();
+        let chain = SerialChain::new(read.joints.clone(), known).unwrap();
+        let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
+        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
+        let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
+        let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+        for check in checks(&case, 32) {
+            described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
+            bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
+            for (f, w) in found.iter().zip(&wanted) {
+                worst = worst.max((f - w).abs());
+                size = size.max(w.abs());
+            }
+        }
+        println!("{name}: largest difference {:e} of the largest torque", worst / size);
+        assert!(worst <= 1e-12 * size, "{name}: {:e}", worst / size);
+        let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
+        assert!(damped >= 2, "{:?}", read.friction);
+        assert!(export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1")), "{:?}", export.lost);
+    }
+}
+
+#[test]
 fn files_state_their_model_and_what_is_lost() {
     let (case, provenance) = (case(arm(), true), provenance());
     let source = source(&case, &provenance);
     let c = c::export(&source, &checks(&case, 2)).unwrap();
     let mjcf = mjcf::export(&source).unwrap();
-    for (name, text) in c.files.iter().chain(&mjcf.files) {
+    let urdf = urdf::export(&source).unwrap();
+    for (name, text) in c.files.iter().chain(&mjcf.files).chain(&urdf.files) {
         assert!(text.contains("rd_calibrated.json (schema 1, aurt 0.1.0)"), "{name}");
         assert!(text.contains("BLAKE3 of the model: 0123"), "{name}");
     }

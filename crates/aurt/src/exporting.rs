@@ -7,7 +7,7 @@ pub use aurt_export::fmu::{Kind, Version};
 use aurt_export::{
     Export, Provenance, Source, c,
     fmu::{self, Fmu},
-    mjcf,
+    mjcf, urdf,
 };
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
@@ -22,6 +22,8 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
+    /// A URDF file.
+    Urdf,
     /// A functional mock-up unit.
     Fmu(Kind, Version),
 }
@@ -57,6 +59,7 @@ impl Target {
         match self {
             Self::C => "c",
             Self::Mjcf => "mjcf",
+            Self::Urdf => "urdf",
             Self::Fmu(..) => "fmu",
         }
     }
@@ -102,6 +105,7 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
     Ok(match target {
         Target::C => c::export(&source, &checks(&calibrated)?)?.into(),
         Target::Mjcf => mjcf::export(&source)?.into(),
+        Target::Urdf => urdf::export(&source)?.into(),
         Target::Fmu(kind, version) => fmu::export(&source, kind, version)?.into(),
     })
 }

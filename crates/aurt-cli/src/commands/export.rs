@@ -16,16 +16,17 @@ use crate::{
     },
 };
 
-/// Export a calibrated model to other programs: C source, MuJoCo, FMI.
+/// Export a calibrated model to other programs: C source, MuJoCo, URDF, FMI.
 ///
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h alone, and a program that
-/// compares them with the model. `mjcf` writes a MuJoCo model, of a calibration with `estimator = "consistent"`. `fmu` writes
+/// compares them with the model. `mjcf` writes a MuJoCo model and `urdf` a URDF file, of a calibration with `estimator = "consistent"`. `fmu` writes
 /// a functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of forward
 /// dynamics (torques or currents in, the motion out). What the target has no word for is listed; what cannot be exported is
 /// refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt export c rd_calibrated.json --name my_robot --out exported_c\n  \
     aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf\n  \
+    aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
     aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
 pub struct Export {
     /// What the model becomes
@@ -55,6 +56,8 @@ pub enum TargetName {
     C,
     /// MuJoCo model
     Mjcf,
+    /// URDF file
+    Urdf,
     /// Functional mock-up unit, FMI co-simulation
     Fmu,
 }
@@ -81,27 +84,32 @@ pub enum FmiName {
 
 impl Export {
     fn target(&self) -> Result<Target, Failure> {
-        if self.target == TargetName::Fmu {
-            let kind = match self.kind {
-                Some(KindName::Forward) => Kind::Forward,
-                Some(KindName::Inverse) | None => Kind::Inverse,
-            };
-            let version = match self.fmi {
-                Some(FmiName::Two) => Version::Two,
-                Some(FmiName::Three) | None => Version::Three,
-            };
-            return Ok(Target::Fmu(kind, version));
-        }
-        for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
-            if given {
-                return Err(Failure::Argument {
-                    option,
-                    reason: "is of the target `fmu` alone".into(),
-                    remedy: "leave it out, or export to `fmu`".into(),
-                });
+        if self.target != TargetName::Fmu {
+            for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
+                if given {
+                    return Err(Failure::Argument {
+                        option,
+                        reason: "is of the target `fmu` alone".into(),
+                        remedy: "leave it out, or export to `fmu`".into(),
+                    });
+                }
             }
         }
-        Ok(if self.target == TargetName::C { Target::C } else { Target::Mjcf })
+        Ok(match self.target {
+            TargetName::C => Target::C,
+            TargetName::Mjcf => Target::Mjcf,
+            TargetName::Urdf => Target::Urdf,
+            TargetName::Fmu => Target::Fmu(
+                match self.kind {
+                    Some(KindName::Forward) => Kind::Forward,
+                    Some(KindName::Inverse) | None => Kind::Inverse,
+                },
+                match self.fmi {
+                    Some(FmiName::Two) => Version::Two,
+                    Some(FmiName::Three) | None => Version::Three,
+                },
+            ),
+        })
     }
 
     /// Exports.
