@@ -101,8 +101,28 @@ fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
                 "{:?}",
                 fmu.notes
             );
+            compiles_strictly(&files);
             assert!(made || fmu.notes.iter().any(|n| n.contains("holds sources only")), "{:?}", fmu.notes);
         }
+    }
+}
+
+/// Whether the C of a unit passes a strict look; nothing where there is no C compiler.
+fn compiles_strictly(files: &BTreeMap<String, Vec<u8>>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut look = Command::new("cc");
+    look.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"]);
+    for (name, contents) in files {
+        if let Some(name) = name.strip_prefix("sources/") {
+            std::fs::write(folder.path().join(name), contents).unwrap();
+            if name.ends_with(".c") {
+                look.arg(name);
+            }
+        }
+    }
+    match look.current_dir(folder.path()).output() {
+        Ok(look) => assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr)),
+        Err(error) => println!("skipped: there is no C compiler `cc` ({error})"),
     }
 }
 
