@@ -76,6 +76,18 @@ pub enum ExportError {
         /// Why not.
         source: serde_json::Error,
     },
+    /// Accelerations have no solution.
+    #[error(
+        "the mass matrix of the model is not positive definite at q = {position}, so torques do not determine its motion; \
+         calibrate with `estimator = \"consistent\"`, or export the inverse dynamics"
+    )]
+    MassMatrix {
+        /// Joint positions, rad or m.
+        position: String,
+    },
+    /// An archive cannot be made.
+    #[error("the archive of the FMU cannot be made: {0}")]
+    Archive(#[from] zip::result::ZipError),
     /// The rigid bodies.
     #[error(transparent)]
     RigidBody(#[from] RbdError),

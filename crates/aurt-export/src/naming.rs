@@ -46,6 +46,13 @@ const RESERVED: [&str; 40] = [
     "void",
 ];
 
+/// Headers of C: a model's own, found in their place, would hide them.
+const HEADERS: [&str; 24] = [
+    "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits", "locale", "math",
+    "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath",
+    "time", "wchar", "wctype",
+];
+
 /// Whether names may begin with `name`.
 ///
 /// # Errors
@@ -63,6 +70,9 @@ pub(crate) fn check_identifier(name: &str) -> Result<(), ExportError> {
     }
     if RESERVED.contains(&name) {
         return refuse("is a word of the language");
+    }
+    if HEADERS.contains(&name) {
+        return refuse("is the name of a header of C");
     }
     Ok(())
 }
@@ -90,7 +100,7 @@ mod tests {
         for name in ["ur5e", "UR_10", "a"] {
             assert!(check_identifier(name).is_ok(), "{name}");
         }
-        for name in ["", "5bar", "_x", "my robot", "kräftig", "double", "a-b", &"a".repeat(41)] {
+        for name in ["", "5bar", "_x", "my robot", "kräftig", "double", "math", "a-b", &"a".repeat(41)] {
             assert!(check_identifier(name).is_err(), "{name}");
         }
         assert_eq!(for_comment("a*/b\n--->c??/"), "a_/b -_-_c__/");

@@ -1,7 +1,8 @@
 use std::any::Any;
 
-use aurt_rbd::SerialChain;
+use aurt_rbd::{LinkFrame, RbdError, SerialChain, inconsistencies};
 use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel};
+use serde_json::Value as Json;
 
 use crate::ExportError;
 
@@ -75,6 +76,14 @@ impl<'a> Source<'a> {
         if self.unit == MeasurementUnit::Ampere {
             return Err(ExportError::Amperes);
         }
+        self.chain_in_any_unit()
+    }
+
+    /// The same for targets that take currents too.
+    ///
+    /// # Errors
+    /// As [`Self::chain`], but for [`ExportError::Amperes`].
+    pub(crate) fn chain_in_any_unit(&self) -> Result<&'a SerialChain, ExportError> {
         let (expected, found) = (self.model.parameters().len(), self.coefficients.len());
         if found != expected {
             return Err(ExportError::Count { what: "coefficients", expected, found });
@@ -102,18 +111,80 @@ impl<'a> Source<'a> {
         any.downcast_ref::<SerialChain>().ok_or(ExportError::NoChain)
     }
 
-    /// Standard parameters that give the rigid-body torque of the base parameters with the values that `weight` names:
-    /// each stands at its first standard parameter, all others are zero.
-    pub(crate) fn bodies(&self, weight: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut standard = vec![0.0; self.model.rigid_body().standard_parameters().len()];
-        for (k, column) in self.model.base().columns.iter().enumerate() {
-            standard[*column] = weight(k);
+    /// Which coefficients are values of which of the 10 N standard parameters: each base parameter stands at its first
+    /// standard parameter, all others being zero, and the columns of the arm term `payload` at those of its link.
+    ///
+    /// # Errors
+    /// [`ExportError::Description`] for a term that cannot be described.
+    pub(crate) fn places(&self) -> Result<Vec<(usize, usize)>, ExportError> {
+        let mut places: Vec<(usize, usize)> = self.model.base().columns.iter().copied().enumerate().collect();
+        for (k, term) in self.model.arm_terms().iter().enumerate().filter(|(_, t)| t.name() == "payload") {
+            let description = serde_json::to_value(term)
+                .map_err(|source| ExportError::Description { place: "arm term".into(), source })?;
+            let last = self.model.joints().saturating_sub(1);
+            let link = description.get("link").and_then(Json::as_u64).map_or(last, |link| link as usize);
+            let listed: Option<Vec<&str>> = description
+                .get("parameters")
+                .and_then(Json::as_array)
+                .map(|list| list.iter().filter_map(Json::as_str).collect());
+            let symbols = listed.unwrap_or_else(|| STANDARD.to_vec());
+            for (coefficient, symbol) in self.model.group(ColumnGroup::ArmTerm(k)).zip(symbols) {
+                let index = STANDARD.iter().position(|s| *s == symbol).unwrap_or_default();
+                places.push((coefficient, STANDARD.len() * link + index));
+            }
         }
-        standard
+        Ok(places)
+    }
+
+    /// Standard parameters of bodies whose coefficients have the values that `weight` names.
+    ///
+    /// # Errors
+    /// As [`Self::places`].
+    pub(crate) fn bodies(&self, weight: impl Fn(usize) -> f64) -> Result<Vec<f64>, ExportError> {
+        let mut standard = vec![0.0; self.model.rigid_body().standard_parameters().len()];
+        for (coefficient, place) in self.places()? {
+            standard[place] += weight(coefficient);
+        }
+        Ok(standard)
     }
 }
 
+/// The standard parameters of a link, in their order.
+const STANDARD: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
+
+/// Each link frame of a chain in the previous one at coordinate zero.
+///
+/// # Errors
+/// None for a chain that exists: its joints are joined anew, one by one.
+pub(crate) fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
+    let mut frames = Vec::new();
+    let mut alone = Vec::new();
+    for joint in chain.joints() {
+        SerialChain::new(vec![*joint], [0.0; 3])?.link_frames(&[0.0], &mut alone);
+        frames.append(&mut alone);
+    }
+    Ok(frames)
+}
+
 impl Source<'_> {
+    /// The standard parameters of a machine that can exist.
+    ///
+    /// # Errors
+    /// [`ExportError::NoBodies`] without any, [`ExportError::Impossible`] with those of no machine, [`ExportError::Count`].
+    pub(crate) fn possible_bodies(&self) -> Result<&[f64], ExportError> {
+        let standard = self.standard.ok_or(ExportError::NoBodies)?;
+        let expected = self.model.rigid_body().standard_parameters().len();
+        if standard.len() != expected {
+            let found = standard.len();
+            return Err(ExportError::Count { what: "standard parameters", expected, found });
+        }
+        let complaints: Vec<String> = inconsistencies(standard).iter().map(ToString::to_string).collect();
+        if complaints.is_empty() {
+            return Ok(standard);
+        }
+        Err(ExportError::Impossible { complaints: complaints.join("; ") })
+    }
+
     /// The rotors' inertias of the arm term `rotor_inertia`, joint by joint; 0 without it.
     pub(crate) fn rotor_inertia_kg_m2(&self) -> Vec<f64> {
         let mut inertia = vec![0.0; self.model.joints()];

@@ -2,18 +2,19 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod models;
+mod units;
 
 use std::{
     path::Path,
     process::{Command, Output},
 };
 
-use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf};
-use aurt_friction::hysteresis::dahl::Dahl;
-use aurt_rbd::ChainDynamics;
-use aurt_traits::{JointStack, MeasurementUnit, RobotModel};
+use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, urdf};
+use aurt_friction::arm_terms::{joint_selection::JointSelection, temperature::Temperature};
+use aurt_rbd::{ChainDynamics, SerialChain};
+use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
-use models::{Case, arm, case, checks, gantry};
+use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry};
 
 fn provenance() -> Provenance {
     Provenance {
@@ -48,16 +49,29 @@ fn compiled_and_run(export: &Export) -> Option<Output> {
     let folder = tempfile::tempdir().unwrap();
     write(export, folder.path());
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1"];
-    let compile = Command::new("cc")
-        .args(strict)
-        .args(["machine.c", "main.c", "-o", "check", "-lm"])
-        .current_dir(folder.path())
-        .output();
-    let Ok(compile) = compile else {
+    let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let compile = |compiler: &str, more: &[&str]| {
+        Command::new(compiler)
+            .args(strict)
+            .args(more)
+            .args(["machine.c", "main.c", "-o", "check", "-lm"])
+            .current_dir(folder.path())
+            .output()
+    };
+    if let Ok(other) = compile("clang", &[]) {
+        assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr));
+    }
+    // The libraries of the sanitizers are not installed everywhere.
+    let mut compiled = compile("cc", &sanitizers);
+    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
+        println!("without sanitizers");
+        compiled = compile("cc", &[]);
+    }
+    let Ok(compiled) = compiled else {
         println!("skipped: there is no C compiler `cc`");
         return None;
     };
-    assert!(compile.status.success(), "{}", String::from_utf8_lossy(&compile.stderr));
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
     Some(Command::new(folder.path().join("check")).output().unwrap())
 }
 
@@ -71,8 +85,31 @@ fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
         let Some(run) = compiled_and_run(&export) else { return };
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{text}");
-        assert!(run.status.success(), "{name}: {text}");
+        assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
+        assert_eq!(text.matches("passed").count(), 7, "{name}: {text}");
+    }
+}
+
+#[test]
+fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case_with_memory(chain);
+        let stored = checks_along_a_path(&case, 400);
+        let export = c::export(&source(&case, &provenance), &stored).unwrap();
+        let Some(run) = compiled_and_run(&export) else { return };
+        let text = String::from_utf8_lossy(&run.stdout);
+        println!("{name}: {text}");
+        assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
         assert_eq!(text.matches("passed").count(), 5, "{name}: {text}");
+        let header = &export.files[0].1;
+        assert!(!header.contains("machine_torque("), "there is no torque without memory: {header}");
+        // The order of the samples matters: the same states in another order have another torque.
+        let mut turned = stored;
+        turned.swap(120, 121);
+        let export = c::export(&source(&case, &provenance), &turned).unwrap();
+        let Some(run) = compiled_and_run(&export) else { return };
+        assert_eq!(run.status.code(), Some(1), "{}", String::from_utf8_lossy(&run.stdout));
     }
 }
 
@@ -140,12 +177,44 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
 }
 
 #[test]
+fn the_bodies_of_a_urdf_file_need_the_torques_of_the_model() {
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case(chain, true);
+        let export = urdf::export(&source(&case, &provenance)).unwrap();
+        let (file, text) = &export.files[0];
+        assert_eq!(file, "machine.urdf");
+        let read = aurt_robots::parse(text, file, None, None).unwrap();
+        let known = case.chain.gravity_m_s2();
+        let chain = SerialChain::new(read.joints.clone(), known).unwrap();
+        let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
+        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
+        let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
+        let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+        for check in checks(&case, 32) {
+            described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
+            bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
+            for (f, w) in found.iter().zip(&wanted) {
+                worst = worst.max((f - w).abs());
+                size = size.max(w.abs());
+            }
+        }
+        println!("{name}: largest difference {:e} of the largest torque", worst / size);
+        assert!(worst <= 1e-12 * size, "{name}: {:e}", worst / size);
+        let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
+        assert!(damped >= 2, "{:?}", read.friction);
+        assert!(export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1")), "{:?}", export.lost);
+    }
+}
+
+#[test]
 fn files_state_their_model_and_what_is_lost() {
     let (case, provenance) = (case(arm(), true), provenance());
     let source = source(&case, &provenance);
     let c = c::export(&source, &checks(&case, 2)).unwrap();
     let mjcf = mjcf::export(&source).unwrap();
-    for (name, text) in c.files.iter().chain(&mjcf.files) {
+    let urdf = urdf::export(&source).unwrap();
+    for (name, text) in c.files.iter().chain(&mjcf.files).chain(&urdf.files) {
         assert!(text.contains("rd_calibrated.json (schema 1, aurt 0.1.0)"), "{name}");
         assert!(text.contains("BLAKE3 of the model: 0123"), "{name}");
     }
@@ -179,22 +248,17 @@ fn what_cannot_be_exported_is_refused_by_name() {
     coefficients[1] = f64::NAN;
     assert!(refusal(&Source { coefficients: &coefficients, ..good }).contains("is NaN"));
 
-    let old = &case.model.stacks()[0];
-    let with_memory = JointStack::new(
-        aurt_traits::CoulombModel::boxed_clone(old.coulomb()),
-        Box::new(Dahl::default()),
-        aurt_traits::ViscousBasis::boxed_clone(old.viscous()),
-    )
-    .unwrap();
-    let mut stacks = case.model.stacks().to_vec();
-    stacks[0] = with_memory;
+    let term = Temperature { joints: JointSelection::all(), warming_time_s: 60.0 };
     let base = case.model.base().clone();
-    let terms = case.model.arm_terms().to_vec();
+    let (stacks, terms) = (case.model.stacks().to_vec(), vec![Box::new(term) as Box<dyn ArmTerm>]);
     let model = RobotModel::new(case.model.rigid_body().clone(), base, stacks, terms).unwrap();
-    let refused = refusal(&Source { model: &model, ..good });
-    assert_eq!(
-        refused,
-        "joint 0, hysteresis: the model `dahl` cannot be exported: it has memory, and only models without are \
-         written in C; known: sign, tanh"
+    let coefficients = vec![1.0; model.parameters().len()];
+    let load = LoadTorque::Literal;
+    let refused = refusal(&Source { model: &model, coefficients: &coefficients, load: &load, ..good });
+    assert!(
+        refused.starts_with(
+            "arm term: the model `temperature` cannot be exported: it has memory of its own kind"
+        ),
+        "{refused}"
     );
 }

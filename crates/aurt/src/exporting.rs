@@ -3,7 +3,12 @@
 use std::path::Path;
 
 use aurt_experiment::{Registry, model_file::read_json};
-use aurt_export::{Export, Provenance, Source, c, mjcf};
+pub use aurt_export::fmu::{Kind, Version};
+use aurt_export::{
+    Export, Provenance, Source, c,
+    fmu::{self, Fmu},
+    mjcf, urdf,
+};
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
@@ -17,6 +22,34 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
+    /// A URDF file.
+    Urdf,
+    /// A functional mock-up unit.
+    Fmu(Kind, Version),
+}
+
+/// Files of a target.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// Their names and contents.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// What of the model the target has no word for.
+    pub lost: Vec<String>,
+    /// What a person should know of the files.
+    pub notes: Vec<String>,
+}
+
+impl From<Export> for Exported {
+    fn from(Export { files, lost, notes }: Export) -> Self {
+        let files = files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
+        Self { files, lost, notes }
+    }
+}
+
+impl From<Fmu> for Exported {
+    fn from(Fmu { file, bytes, lost, notes }: Fmu) -> Self {
+        Self { files: vec![(file, bytes)], lost, notes }
+    }
 }
 
 impl Target {
@@ -26,12 +59,17 @@ impl Target {
         match self {
             Self::C => "c",
             Self::Mjcf => "mjcf",
+            Self::Urdf => "urdf",
+            Self::Fmu(..) => "fmu",
         }
     }
 }
 
 /// States at which the exported C is compared with the model.
 const STATES: usize = 32;
+/// Samples of a path, for models with memory, and their distance, s.
+const PATH: usize = 96;
+const PATH_STEP_S: f64 = 0.02;
 const SEED: u64 = 1;
 /// Positions of the states, rad or m, and accelerations, rad/s² or m/s².
 const REACH: f64 = 3.0;
@@ -41,7 +79,7 @@ const ACCELERATION: f64 = 10.0;
 ///
 /// # Errors
 /// A file that is no calibrated model; [`Failure::Export`] for what the target cannot take.
-pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Export, Failure> {
+pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Exported, Failure> {
     let calibrated = CalibratedModel::read(path, registry)?;
     let (document, text) = read_json(path)?;
     let calibration = &calibrated.calibration;
@@ -65,27 +103,23 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
         provenance: &provenance,
     };
     Ok(match target {
-        Target::C => c::export(&source, &checks(&calibrated)?)?,
-        Target::Mjcf => mjcf::export(&source)?,
+        Target::C => c::export(&source, &checks(&calibrated)?)?.into(),
+        Target::Mjcf => mjcf::export(&source)?.into(),
+        Target::Urdf => urdf::export(&source)?.into(),
+        Target::Fmu(kind, version) => fmu::export(&source, kind, version)?.into(),
     })
 }
 
-/// States within the velocities of the calibration and what the model predicts there; in the first, all joints rest.
+/// States and what the model predicts there.
 fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
     let joints = calibrated.model.joints();
-    let mut random = Random::new(SEED);
-    let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
-    let mut states = Vec::with_capacity(STATES);
-    for state in 0..STATES {
-        let mut draw =
-            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
-        let rests = state == 0;
-        let speed = |j: usize| if rests { 0.0 } else { calibrated.calibration.ranges[j].velocity_rad_s };
-        states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
-    }
+    let remembers = calibrated.model.stacks().iter().any(|stack| {
+        stack.coulomb().state_len() + stack.hysteresis().state_len() + stack.viscous().state_len() > 0
+    }) || calibrated.model.arm_terms().iter().any(|term| term.state_len(joints) > 0);
+    let speed = |j: usize| calibrated.calibration.ranges[j].velocity_rad_s;
+    let (times, states) = if remembers { along_a_path(joints, speed) } else { random_states(joints, speed) };
     let by_joint =
         |k: usize| -> Vec<f64> { (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect() };
-    let times = (0..STATES).map(|n| n as f64).collect();
     let motion = Motion::new(joints, times, by_joint(0), by_joint(1), by_joint(2))?;
     let view: MotionView<'_> = motion.view();
     let torque = calibrated.torque(view)?;
@@ -93,10 +127,47 @@ fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
         .into_iter()
         .enumerate()
         .map(|(n, [q_rad, qd_rad_s, qdd_rad_s2])| c::Check {
+            time_s: view.time_s()[n],
             q_rad,
             qd_rad_s,
             qdd_rad_s2,
             torque_nm: torque.iter().map(|series| series[n]).collect(),
         })
         .collect())
+}
+
+type States = (Vec<f64>, Vec<[Vec<f64>; 3]>);
+
+/// States within the velocities of the calibration; in the first, all joints rest.
+fn random_states(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
+    let mut states = Vec::with_capacity(STATES);
+    for state in 0..STATES {
+        let mut draw =
+            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
+        let speed = |j: usize| if state == 0 { 0.0 } else { speed(j) };
+        states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
+    }
+    ((0..STATES).map(|n| n as f64).collect(), states)
+}
+
+/// Samples of sines that reverse, of large and of small amplitude in turn, for friction that remembers its path.
+fn along_a_path(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let waves: Vec<[f64; 2]> =
+        (0..joints).map(|_| [4.0 + 4.0 * random.unit(), std::f64::consts::TAU * random.unit()]).collect();
+    let times: Vec<f64> = (0..PATH).map(|n| PATH_STEP_S * n as f64).collect();
+    let states = times.iter().enumerate().map(|(n, time_s)| {
+        let share = if n % 32 < 16 { 0.01 } else { 0.5 };
+        [0.0, 1.0, 2.0].map(|derivative| {
+            let wave = |(j, [rate, start]): (usize, &[f64; 2])| {
+                let phase = rate * time_s + start + derivative * std::f64::consts::FRAC_PI_2;
+                share * speed(j) / rate * rate.powf(derivative) * phase.sin()
+            };
+            waves.iter().enumerate().map(wave).collect()
+        })
+    });
+    let states = states.collect();
+    (times, states)
 }

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::Session;
 use crate::{
-    exporting::{Target, export},
+    exporting::{Kind, Target, Version, export},
     failure::Failure,
     output::OutputFolder,
     rendering::{
@@ -16,14 +16,18 @@ use crate::{
     },
 };
 
-/// Export a calibrated model to other programs: C source, MuJoCo.
+/// Export a calibrated model to other programs: C source, MuJoCo, URDF, FMI.
 ///
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h alone, and a program that
-/// compares them with the model. `mjcf` writes a MuJoCo model, of a calibration with `estimator = "consistent"`. What the
-/// target has no word for is listed; what cannot be exported is refused.
+/// compares them with the model. `mjcf` writes a MuJoCo model and `urdf` a URDF file, of a calibration with `estimator = "consistent"`. `fmu` writes
+/// a functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of forward
+/// dynamics (torques or currents in, the motion out). What the target has no word for is listed; what cannot be exported is
+/// refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt export c rd_calibrated.json --name my_robot --out exported_c\n  \
-    aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf")]
+    aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf\n  \
+    aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
+    aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
 pub struct Export {
     /// What the model becomes
     #[arg(value_enum)]
@@ -37,6 +41,12 @@ pub struct Export {
     /// Folder for the files
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// What an FMU computes
+    #[arg(long, value_enum, required_if_eq("target", "fmu"))]
+    kind: Option<KindName>,
+    /// Version of FMI, 3 unless given
+    #[arg(long, value_enum)]
+    fmi: Option<FmiName>,
 }
 
 /// A target of an export.
@@ -46,26 +56,78 @@ pub enum TargetName {
     C,
     /// MuJoCo model
     Mjcf,
+    /// URDF file
+    Urdf,
+    /// Functional mock-up unit, FMI co-simulation
+    Fmu,
 }
 
-impl From<TargetName> for Target {
-    fn from(name: TargetName) -> Self {
-        match name {
-            TargetName::C => Self::C,
-            TargetName::Mjcf => Self::Mjcf,
-        }
-    }
+/// What an FMU computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum KindName {
+    /// Torques or currents of a motion
+    Inverse,
+    /// The motion that torques or currents make
+    Forward,
+}
+
+/// A version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FmiName {
+    /// FMI 2.0
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
 }
 
 impl Export {
+    fn target(&self) -> Result<Target, Failure> {
+        if self.target != TargetName::Fmu {
+            for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
+                if given {
+                    return Err(Failure::Argument {
+                        option,
+                        reason: "is of the target `fmu` alone".into(),
+                        remedy: "leave it out, or export to `fmu`".into(),
+                    });
+                }
+            }
+        }
+        Ok(match self.target {
+            TargetName::C => Target::C,
+            TargetName::Mjcf => Target::Mjcf,
+            TargetName::Urdf => Target::Urdf,
+            TargetName::Fmu => Target::Fmu(
+                match self.kind {
+                    Some(KindName::Forward) => Kind::Forward,
+                    Some(KindName::Inverse) | None => Kind::Inverse,
+                },
+                match self.fmi {
+                    Some(FmiName::Two) => Version::Two,
+                    Some(FmiName::Three) | None => Version::Three,
+                },
+            ),
+        })
+    }
+
     /// Exports.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
-        let target = Target::from(self.target);
+        let target = self.target()?;
         let made = export(&self.model, &self.name, target, &session.registry)?;
-        let files: Vec<(String, Vec<u8>)> =
-            made.files.iter().map(|(name, text)| (name.clone(), text.clone().into_bytes())).collect();
-        let paths: Vec<PathBuf> = files.iter().map(|(name, _)| out.path().join(name)).collect();
+        let paths: Vec<PathBuf> = made.files.iter().map(|(name, _)| out.path().join(name)).collect();
+        // An archive of another kind or version has the same name, and importers keep what they have unpacked.
+        let existing = paths.iter().find(|p| self.target == TargetName::Fmu && p.exists());
+        if let Some(path) = existing {
+            return Err(Failure::Output {
+                option: "--out",
+                path: path.clone(),
+                reason: "exists".into(),
+                remedy: "name another folder, or remove the file".into(),
+            });
+        }
         // An input in the folder must survive.
         if let Some(path) = paths.iter().find(|p| same_file(p, &self.model)) {
             return Err(Failure::Output {
@@ -75,7 +137,7 @@ impl Export {
                 remedy: "name another folder".into(),
             });
         }
-        out.write(&files)?;
+        out.write(&made.files)?;
 
         let mut text = format!("{} of {}\n", target.name(), self.model.display());
         text.extend(made.notes.iter().map(|n| wrapped(&format!("note: {n}"))));

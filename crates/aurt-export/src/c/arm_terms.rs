@@ -1,9 +1,10 @@
 //! Arm terms of which each joint has columns of its own.
 
-use aurt_traits::ArmTerm;
+use aurt_traits::{ArmTerm, JointStack};
 
 use super::{
-    friction::{described, number, unknown},
+    friction::{self, At, decay, described, number, unknown},
+    memory::Memory,
     tape::{Function, Tape, Value},
 };
 use crate::ExportError;
@@ -17,37 +18,109 @@ pub(crate) struct Coordinates {
 }
 
 /// The arm terms that can be written.
-const KNOWN: &str = "coulomb_asymmetric, current_offset, rotor_inertia, spring, viscous_asymmetric";
+const KNOWN: &str = "coulomb_asymmetric, current_offset, joint_friction, lugre_damped, payload, rotor_inertia, spring, \
+                     viscous_asymmetric";
 
-/// Writes the columns of a term for one of its joints.
-///
-/// # Errors
-/// [`ExportError::Model`] for a term that cannot be written, by its name.
-pub(crate) fn columns(
-    tape: &mut Tape,
-    term: &dyn ArmTerm,
-    joints: usize,
-    at: Coordinates,
-) -> Result<Vec<Value>, ExportError> {
-    let place = "arm term".to_owned();
-    match term.name() {
-        "rotor_inertia" => Ok(vec![at.acceleration]),
-        "current_offset" => Ok(vec![Value::Constant(1.0)]),
-        "spring" => {
-            let description = described(serde_json::to_value(term), place)?;
-            let rest = description.get("rest_rad").and_then(serde_json::Value::as_f64);
-            let turned = tape.subtract(at.position, Value::Constant(rest.unwrap_or(0.0)));
-            let constant = rest.is_none().then_some(Value::Constant(-1.0));
-            Ok([Some(turned), constant].into_iter().flatten().collect())
+/// What a term is written with at one of its joints.
+pub(crate) struct Writer<'a> {
+    pub tape: &'a mut Tape,
+    pub memory: &'a mut Memory,
+    /// Number of joints of the robot.
+    pub joints: usize,
+}
+
+/// Where a term acts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Joint {
+    pub number: usize,
+    pub at: Coordinates,
+    /// Load torque of friction there.
+    pub load: Value,
+}
+
+impl Writer<'_> {
+    /// Writes the torque of a term at one of its joints, with that joint's coefficients.
+    ///
+    /// # Errors
+    /// [`ExportError::Model`] for a term that cannot be written, by its name.
+    pub fn torque(
+        &mut self,
+        term: &dyn ArmTerm,
+        joint: Joint,
+        coefficients: &[Value],
+    ) -> Result<Value, ExportError> {
+        if term.name() == "joint_friction" {
+            let stack = inner_stack(term)?;
+            let at = At { velocity: joint.at.velocity, load: joint.load };
+            return friction::torque(self.tape, self.memory, joint.number, &stack, coefficients, at);
         }
-        "viscous_asymmetric" => Ok(parts(tape, at.velocity)),
-        "coulomb_asymmetric" => {
-            let description = described(serde_json::to_value(term), place.clone())?;
-            let rest = number(&description, "rest_velocity_rad_s", &place)?;
-            let sign = tape.call(Function::SignBeyond, &[at.velocity, Value::Constant(rest)]);
-            Ok(parts(tape, sign))
+        let mut sum = Value::Constant(0.0);
+        for (column, coefficient) in self.columns(term, joint)?.into_iter().zip(coefficients) {
+            let product = self.tape.multiply(*coefficient, column);
+            sum = self.tape.add(sum, product);
         }
-        name => Err(unknown(place, name, term.state_len(joints), KNOWN)),
+        Ok(sum)
+    }
+
+    fn columns(&mut self, term: &dyn ArmTerm, joint: Joint) -> Result<Vec<Value>, ExportError> {
+        let Joint { number: place_of, at, .. } = joint;
+        let (tape, place) = (&mut *self.tape, "arm term".to_owned());
+        match term.name() {
+            "rotor_inertia" => Ok(vec![at.acceleration]),
+            "current_offset" => Ok(vec![Value::Constant(1.0)]),
+            "spring" => {
+                let description = described(serde_json::to_value(term), place)?;
+                let rest = description.get("rest_rad").and_then(serde_json::Value::as_f64);
+                let turned = tape.subtract(at.position, Value::Constant(rest.unwrap_or(0.0)));
+                let constant = rest.is_none().then_some(Value::Constant(-1.0));
+                Ok([Some(turned), constant].into_iter().flatten().collect())
+            }
+            "viscous_asymmetric" => Ok(parts(tape, at.velocity)),
+            "coulomb_asymmetric" => {
+                let description = described(serde_json::to_value(term), place.clone())?;
+                let rest = number(&description, "rest_velocity_rad_s", &place)?;
+                let sign = tape.call(Function::SignBeyond, &[at.velocity, Value::Constant(rest)]);
+                Ok(parts(tape, sign))
+            }
+            name @ "lugre_damped" => {
+                let description = described(serde_json::to_value(term), place.clone())?;
+                let remembered = self.memory.columns(tape, place_of, (name, &description, &place))?;
+                let Some(force) = remembered.and_then(|columns| columns.first().copied()) else {
+                    return Err(unknown(place, name, term.state_len(self.joints), KNOWN));
+                };
+                // The bristles' velocity ż = q̇ − |q̇| H/g(q̇), g = r + (1 − r) e^(−|q̇/v_S|^δ).
+                let ratio = number(&description, "coulomb_ratio", &place)?;
+                let falling = decay(tape, &description, at.velocity, &place)?;
+                let beyond = tape.multiply(Value::Constant(1.0 - ratio), falling);
+                let level = tape.add(Value::Constant(ratio), beyond);
+                let speed = tape.call(Function::Abs, &[at.velocity]);
+                let held = tape.multiply(speed, force);
+                let share = tape.quotient(held, level);
+                Ok(vec![force, tape.subtract(at.velocity, share)])
+            }
+            name => Err(unknown(place, name, term.state_len(self.joints), KNOWN)),
+        }
+    }
+}
+
+/// The stack that the term `joint_friction` is made of.
+fn inner_stack(term: &dyn ArmTerm) -> Result<JointStack, ExportError> {
+    let mut copy = term.boxed_clone();
+    let stack = copy.inner_models().map(|inner| {
+        JointStack::new(
+            inner.coulomb.boxed_clone(),
+            inner.hysteresis.boxed_clone(),
+            inner.viscous.boxed_clone(),
+        )
+    });
+    match stack {
+        Some(Ok(stack)) => Ok(stack),
+        _ => Err(ExportError::Model {
+            place: "arm term".into(),
+            model: term.name().into(),
+            reason: "its models do not fit equation (6)",
+            known: KNOWN.into(),
+        }),
     }
 }
 

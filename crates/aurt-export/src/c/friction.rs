@@ -1,9 +1,12 @@
-//! Equation (6) of a joint, τ_JD = f_C(τ_J)·H(q̇) + f_v(q̇), of models without memory.
+//! Equation (6) of a joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇).
 
 use aurt_traits::JointStack;
 use serde_json::Value as Json;
 
-use super::tape::{Function, Tape, Value};
+use super::{
+    memory::{KNOWN, Memory},
+    tape::{Function, Tape, Value},
+};
 use crate::ExportError;
 
 /// What friction of a joint depends on.
@@ -19,22 +22,24 @@ pub(crate) struct At {
 /// [`ExportError::Model`] for a model that cannot be written, by its name.
 pub(crate) fn torque(
     tape: &mut Tape,
+    memory: &mut Memory,
     joint: usize,
     stack: &JointStack,
-    coefficients: &[f64],
+    coefficients: &[Value],
     at: At,
 ) -> Result<Value, ExportError> {
     let levels = coulomb(tape, joint, stack, at)?;
-    let shapes = hysteresis(tape, joint, stack, at)?;
+    // A level of no columns leaves nothing of the hysteresis, and nothing to remember.
+    let shapes = if levels.is_empty() { Vec::new() } else { hysteresis(tape, memory, joint, stack, at)? };
     let (products, linear) = coefficients.split_at(levels.len() * shapes.len());
     let mut sum = Value::Constant(0.0);
     for (column, coefficient) in viscous(tape, joint, stack, at)?.into_iter().zip(linear) {
-        let term = tape.multiply(Value::Constant(*coefficient), column);
+        let term = tape.multiply(*coefficient, column);
         sum = tape.add(sum, term);
     }
     for (level, row) in levels.iter().zip(products.chunks_exact(shapes.len().max(1))) {
         for (shape, coefficient) in shapes.iter().zip(row) {
-            let height = tape.multiply(Value::Constant(*coefficient), *level);
+            let height = tape.multiply(*coefficient, *level);
             let term = tape.multiply(height, *shape);
             sum = tape.add(sum, term);
         }
@@ -73,7 +78,12 @@ fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
 }
 
 /// e^(−|q̇/v_S|^δ).
-fn decay(tape: &mut Tape, description: &Json, velocity: Value, place: &str) -> Result<Value, ExportError> {
+pub(crate) fn decay(
+    tape: &mut Tape,
+    description: &Json,
+    velocity: Value,
+    place: &str,
+) -> Result<Value, ExportError> {
     let scale = number(description, "stribeck_velocity_rad_s", place)?;
     let exponent = number(description, "stribeck_exponent", place)?;
     let ratio = tape.divide(velocity, scale);
@@ -90,7 +100,13 @@ fn decay(tape: &mut Tape, description: &Json, velocity: Value, place: &str) -> R
 }
 
 /// The columns of H.
-fn hysteresis(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<Vec<Value>, ExportError> {
+fn hysteresis(
+    tape: &mut Tape,
+    memory: &mut Memory,
+    joint: usize,
+    stack: &JointStack,
+    at: At,
+) -> Result<Vec<Value>, ExportError> {
     let place = format!("joint {joint}, hysteresis");
     let model = stack.hysteresis();
     let description = described(serde_json::to_value(model), place.clone())?;
@@ -103,7 +119,12 @@ fn hysteresis(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Resu
             let ratio = tape.divide(at.velocity, number(&description, "velocity_rad_s", &place)?);
             Ok(vec![tape.call(Function::Tanh, &[ratio])])
         }
-        name => Err(unknown(place, name, model.state_len(), "sign, tanh")),
+        name if name != "lugre_damped" => {
+            let remembered = memory.columns(tape, joint, (name, &description, &place))?;
+            let known = format!("{}, sign, tanh", KNOWN.join(", "));
+            remembered.ok_or_else(|| unknown(place, name, model.state_len(), &known))
+        }
+        name => Err(unknown(place, name, model.state_len(), &KNOWN.join(", "))),
     }
 }
 
@@ -164,7 +185,7 @@ pub(crate) fn described(
 /// The refusal of a model.
 pub(crate) fn unknown(place: String, name: &str, state: usize, known: &str) -> ExportError {
     let reason = if state > 0 {
-        "it has memory, and only models without are written in C"
+        "it has memory of its own kind, which this export does not know"
     } else {
         "its equation is not known to this export (a plugin, or a model that is not written in C yet)"
     };

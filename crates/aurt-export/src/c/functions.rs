@@ -1,13 +1,15 @@
 //! The functions of an export as straight-line programs.
 
-use aurt_rbd::SerialChain;
+use aurt_rbd::{INERTIAL_PARAMETERS, SerialChain};
 use aurt_traits::{ColumnGroup, LoadTorque};
 
 use super::{
-    arm_terms::{self, Coordinates},
+    arm_terms::{Coordinates, Joint, Writer},
     friction::{self, At},
-    newton_euler::Posture,
+    memory::Memory,
+    newton_euler::{Posture, Vector},
     tape::{Operations, Tape, Value, ZERO},
+    tunable::Tunable,
 };
 use crate::{ExportError, Source};
 
@@ -18,68 +20,125 @@ pub(crate) struct Function {
     pub name: &'static str,
     /// What it gives, as its comment says.
     pub summary: &'static str,
-    /// Its arguments.
+    /// Arguments before those of the motion, as C has them.
+    pub leading: Vec<String>,
+    /// Its arguments of one value a joint.
     pub arguments: &'static [&'static str],
     /// Its result and that result's length.
     pub result: (&'static str, usize),
     /// Its statements.
     pub body: String,
-    /// What they cost.
+    /// What they cost, functions that it calls aside.
     pub operations: Operations,
 }
 
 const MOTION: &[&str] = &["q", "qd", "qdd"];
 
-/// All functions of a model.
+/// The functions of a model and what it remembers.
+#[derive(Debug, Clone)]
+pub(crate) struct Program {
+    pub functions: Vec<Function>,
+    pub memory: Memory,
+}
+
+/// All functions of a model, its constants folded.
 ///
 /// # Errors
 /// What cannot be written in C, by its name.
-pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Vec<Function>, ExportError> {
+pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, ExportError> {
     let joints = chain.joints().len();
-    Ok(vec![
-        motion_function(
-            source,
-            chain,
-            "torque",
-            "Torque of the drives, as `aurt predict` gives it: bodies, rotors, friction and all else.",
-            |parts| {
-                let (mut sum, rest) = (parts.bodies_and_rotors()?, parts.rest()?);
-                for (s, r) in sum.iter_mut().zip(rest) {
-                    *s = parts.tape.add(*s, r);
-                }
-                Ok(sum)
-            },
-        )?,
-        motion_function(
-            source,
-            chain,
-            "rigid_body_torque",
-            "Torque of bodies and rotors alone: M(q) qdd + c(q, qd) + g(q).",
-            |parts| parts.bodies_and_rotors(),
-        )?,
-        motion_function(
+    let (step, memory) = step(source, chain, None)?;
+    let rigid_body = motion_function(
+        source,
+        chain,
+        "rigid_body_torque",
+        "Torque of bodies and rotors alone: M(q) qdd + c(q, qd) + g(q).",
+        |parts| parts.bodies_and_rotors(),
+    )?;
+    let of_posture = [gravity(source, chain)?, mass_matrix(source, chain, joints)?];
+    let mut functions = Vec::new();
+    if memory.is_empty() {
+        let torque = Function {
+            name: "torque",
+            summary: "Torque of the drives, as `aurt predict` gives it: bodies, rotors, friction and all else.",
+            leading: Vec::new(),
+            ..step.clone()
+        };
+        let friction = motion_function(
             source,
             chain,
             "friction_torque",
             "Torque of everything else: friction at the load of this motion, springs, offsets.",
             |parts| parts.rest(),
-        )?,
-        gravity(source, chain)?,
-        mass_matrix(source, chain, joints)?,
-    ])
+        )?;
+        let call = format!("{}    {}_torque(q, qd, qdd, tau);\n", memory.statements(), source.name);
+        let step = Function { body: call, operations: Operations::default(), ..step };
+        functions.extend([torque, rigid_body, friction]);
+        functions.extend(of_posture);
+        functions.push(step);
+    } else {
+        let body = format!("{}{}", memory.statements(), step.body);
+        functions.extend([Function { body, ..step }, rigid_body]);
+        functions.extend(of_posture);
+    }
+    Ok(Program { functions, memory })
+}
+
+/// The step of a model alone, whose coefficients of friction and arm terms are arguments.
+///
+/// # Errors
+/// As [`all`].
+pub(crate) fn tunable_step(
+    source: &Source<'_>,
+    chain: &SerialChain,
+    tunable: &Tunable,
+) -> Result<Program, ExportError> {
+    let (step, memory) = step(source, chain, Some(tunable))?;
+    let body = format!("{}{}", memory.statements(), step.body);
+    Ok(Program { functions: vec![Function { body, ..step }], memory })
+}
+
+/// The step function, with the statements of the torque alone, and what is remembered.
+fn step(
+    source: &Source<'_>,
+    chain: &SerialChain,
+    tunable: Option<&Tunable>,
+) -> Result<(Function, Memory), ExportError> {
+    let mut parts = Parts::new(source, chain, tunable)?;
+    let (mut sum, rest) = (parts.bodies_and_rotors()?, parts.rest()?);
+    for (s, r) in sum.iter_mut().zip(rest) {
+        *s = parts.tape.add(*s, r);
+    }
+    let summary = "Torque of the drives at time t, s, as `aurt predict` gives it for the samples of a series, one after \
+                   another.";
+    let mut made = function("step", summary, MOTION, "tau", &parts.tape, &sum);
+    made.leading.push(format!("{}_state *state", source.name));
+    made.leading.extend(tunable.map(|t| format!("const double p[{}]", t.parameters().len())));
+    made.leading.push("double t".into());
+    Ok((made, parts.memory))
 }
 
 /// The parts of the torque of a motion on one tape, so that they share what they have in common.
 struct Parts<'a> {
     tape: Tape,
+    memory: Memory,
     source: &'a Source<'a>,
     chain: &'a SerialChain,
     posture: Posture,
     coordinates: Vec<Coordinates>,
+    /// The model's coefficients.
+    values: Vec<Value>,
+    gravity: Vector,
+    /// Standard parameters of a body that the last link carries, where it can be chosen.
+    carried: Vec<Value>,
 }
 
 impl<'a> Parts<'a> {
-    fn new(source: &'a Source<'a>, chain: &'a SerialChain) -> Result<Self, ExportError> {
+    fn new(
+        source: &'a Source<'a>,
+        chain: &'a SerialChain,
+        tunable: Option<&Tunable>,
+    ) -> Result<Self, ExportError> {
         let joints = chain.joints().len();
         let mut tape = Tape::default();
         let coordinates: Vec<Coordinates> = (0..joints)
@@ -91,67 +150,94 @@ impl<'a> Parts<'a> {
             .collect();
         let positions: Vec<Value> = coordinates.iter().map(|c| c.position).collect();
         let posture = Posture::new(&mut tape, chain, &positions)?;
-        Ok(Self { tape, source, chain, posture, coordinates })
+        let constants = source.coefficients.iter().map(|c| Value::Constant(*c)).collect();
+        let (values, gravity, carried) = match tunable {
+            None => (constants, chain.gravity_m_s2().map(Value::Constant), Vec::new()),
+            Some(tunable) => {
+                (tunable.coefficients(&mut tape), tunable.gravity(&mut tape), tunable.carried(&mut tape))
+            }
+        };
+        let memory = Memory::default();
+        Ok(Self { tape, memory, source, chain, posture, coordinates, values, gravity, carried })
     }
 
-    /// The torque of bodies whose base parameters have the values that `weight` names.
-    fn bodies(&mut self, weight: impl Fn(usize) -> f64) -> Vec<Value> {
+    /// The torque of bodies whose coefficients are `weights`; the load on the last link counts.
+    fn bodies(&mut self, weights: &[Value], carries: bool) -> Result<Vec<Value>, ExportError> {
         let velocities: Vec<Value> = self.coordinates.iter().map(|c| c.velocity).collect();
         let accelerations: Vec<Value> = self.coordinates.iter().map(|c| c.acceleration).collect();
-        let (standard, gravity) = (self.source.bodies(weight), self.chain.gravity_m_s2());
-        self.posture.torque(&mut self.tape, &standard, gravity, &velocities, &accelerations)
+        let mut standard = vec![ZERO; INERTIAL_PARAMETERS * self.chain.joints().len()];
+        for (coefficient, place) in self.source.places()? {
+            standard[place] = self.tape.add(standard[place], weights[coefficient]);
+        }
+        if carries && !self.carried.is_empty() {
+            let last = standard.len() - INERTIAL_PARAMETERS;
+            for (own, more) in standard[last..].iter_mut().zip(&self.carried) {
+                *own = self.tape.add(*own, *more);
+            }
+        }
+        Ok(self.posture.torque(&mut self.tape, &standard, self.gravity, &velocities, &accelerations))
     }
 
     fn bodies_and_rotors(&mut self) -> Result<Vec<Value>, ExportError> {
-        let coefficients = self.source.coefficients;
-        let mut torque = self.bodies(|k| coefficients[k]);
-        self.add_terms(&mut torque, coefficients, |term| term.name() == "rotor_inertia")?;
+        let values = self.values.clone();
+        let mut torque = self.bodies(&values, true)?;
+        let none = vec![ZERO; torque.len()];
+        self.add_terms(&mut torque, &values, &none, |term| term.name() == "rotor_inertia")?;
         Ok(torque)
     }
 
     /// What is neither body nor rotor.
     fn rest(&mut self) -> Result<Vec<Value>, ExportError> {
         let Source { model, coefficients, load, .. } = *self.source;
-        let mut load_torque = match load {
-            LoadTorque::Literal => self.bodies(|_| 1.0),
+        let (values, none) = (self.values.clone(), vec![ZERO; model.joints()]);
+        let load_torque = match load {
+            LoadTorque::Literal => {
+                let base = model.base().len();
+                let ones: Vec<Value> =
+                    (0..values.len()).map(|k| Value::Constant(if k < base { 1.0 } else { 0.0 })).collect();
+                self.bodies(&ones, false)?
+            }
             LoadTorque::Fitted(weights) => {
-                let mut torque = self.bodies(|k| weights[k]);
-                self.add_terms(&mut torque, weights, |term| term.is_load())?;
+                // Weights that are the coefficients follow these where they can be chosen.
+                let weights: Vec<Value> = (weights.iter().zip(coefficients).zip(&values))
+                    .map(|((w, c), value)| if w == c { *value } else { Value::Constant(*w) })
+                    .collect();
+                let mut torque = self.bodies(&weights, true)?;
+                self.add_terms(&mut torque, &weights, &none, |term| term.is_load())?;
                 torque
             }
         };
-        let mut torque = vec![ZERO; model.joints()];
-        self.add_terms(&mut torque, coefficients, |term| term.name() != "rotor_inertia")?;
+        let mut torque = none;
+        self.add_terms(&mut torque, &values, &load_torque, |term| term.name() != "rotor_inertia")?;
         for (j, stack) in model.stacks().iter().enumerate() {
-            let own = &coefficients[model.group(ColumnGroup::JointDynamics(j))];
-            let at = At {
-                velocity: self.coordinates[j].velocity,
-                load: std::mem::replace(&mut load_torque[j], ZERO),
-            };
-            let friction = friction::torque(&mut self.tape, j, stack, own, at)?;
+            let own = &values[model.group(ColumnGroup::JointDynamics(j))];
+            let at = At { velocity: self.coordinates[j].velocity, load: load_torque[j] };
+            let friction = friction::torque(&mut self.tape, &mut self.memory, j, stack, own, at)?;
             torque[j] = self.tape.add(torque[j], friction);
         }
         Ok(torque)
     }
 
+    /// Adds arm terms other than `payload`, which is a part of the bodies.
     fn add_terms(
         &mut self,
         torque: &mut [Value],
-        coefficients: &[f64],
+        coefficients: &[Value],
+        load: &[Value],
         which: impl Fn(&dyn aurt_traits::ArmTerm) -> bool,
     ) -> Result<(), ExportError> {
         let model = self.source.model;
-        for (k, term) in model.arm_terms().iter().enumerate().filter(|(_, term)| which(&***term)) {
+        let wanted = |term: &dyn aurt_traits::ArmTerm| term.name() != "payload" && which(term);
+        for (k, term) in model.arm_terms().iter().enumerate().filter(|(_, term)| wanted(&***term)) {
             let own = &coefficients[model.group(ColumnGroup::ArmTerm(k))];
             let acting = term.joints(model.joints());
             let per_joint = own.len() / acting.len().max(1);
             for (joint, own) in acting.iter().zip(own.chunks(per_joint.max(1))) {
-                let at = self.coordinates[*joint];
-                let columns = arm_terms::columns(&mut self.tape, &**term, model.joints(), at)?;
-                for (column, coefficient) in columns.into_iter().zip(own) {
-                    let product = self.tape.multiply(Value::Constant(*coefficient), column);
-                    torque[*joint] = self.tape.add(torque[*joint], product);
-                }
+                let mut writer =
+                    Writer { tape: &mut self.tape, memory: &mut self.memory, joints: model.joints() };
+                let place = Joint { number: *joint, at: self.coordinates[*joint], load: load[*joint] };
+                let acts = writer.torque(&**term, place, own)?;
+                torque[*joint] = self.tape.add(torque[*joint], acts);
             }
         }
         Ok(())
@@ -165,9 +251,14 @@ fn motion_function(
     summary: &'static str,
     results: impl FnOnce(&mut Parts<'_>) -> Result<Vec<Value>, ExportError>,
 ) -> Result<Function, ExportError> {
-    let mut parts = Parts::new(source, chain)?;
+    let mut parts = Parts::new(source, chain, None)?;
     let results = results(&mut parts)?;
     Ok(function(name, summary, MOTION, "tau", &parts.tape, &results))
+}
+
+/// Standard parameters of the bodies as constants.
+fn constant_bodies(source: &Source<'_>) -> Result<Vec<Value>, ExportError> {
+    Ok(source.bodies(|k| source.coefficients[k])?.into_iter().map(Value::Constant).collect())
 }
 
 fn gravity(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportError> {
@@ -176,8 +267,9 @@ fn gravity(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportE
     let q: Vec<Value> = (0..joints).map(|j| tape.input(format!("q[{j}]"))).collect();
     let posture = Posture::new(&mut tape, chain, &q)?;
     let rest = vec![ZERO; joints];
-    let standard = source.bodies(|k| source.coefficients[k]);
-    let torque = posture.torque(&mut tape, &standard, chain.gravity_m_s2(), &rest, &rest);
+    let standard = constant_bodies(source)?;
+    let down = chain.gravity_m_s2().map(Value::Constant);
+    let torque = posture.torque(&mut tape, &standard, down, &rest, &rest);
     let summary = "Torque of the bodies' weight, g(q).";
     Ok(function("gravity", summary, &MOTION[..1], "tau", &tape, &torque))
 }
@@ -186,14 +278,14 @@ fn mass_matrix(source: &Source<'_>, chain: &SerialChain, joints: usize) -> Resul
     let mut tape = Tape::default();
     let q: Vec<Value> = (0..joints).map(|j| tape.input(format!("q[{j}]"))).collect();
     let posture = Posture::new(&mut tape, chain, &q)?;
-    let standard = source.bodies(|k| source.coefficients[k]);
+    let standard = constant_bodies(source)?;
     let rest = vec![ZERO; joints];
     let rotors = source.rotor_inertia_kg_m2();
     let mut entries = vec![ZERO; joints * joints];
     for column in 0..joints {
         let mut unit = rest.clone();
         unit[column] = Value::Constant(1.0);
-        let torque = posture.torque(&mut tape, &standard, [0.0; 3], &rest, &unit);
+        let torque = posture.torque(&mut tape, &standard, [ZERO; 3], &rest, &unit);
         // The matrix is symmetric: what joints before the column's need is enough.
         for row in 0..=column {
             entries[row * joints + column] = torque[row];
@@ -218,6 +310,7 @@ fn function(
     Function {
         name,
         summary,
+        leading: Vec::new(),
         arguments,
         result: (result, results.len()),
         body: tape.statements(&targets, results),

@@ -1,18 +1,21 @@
 //! C99: a header, a source, and a program that compares them with the model's own predictions.
 //!
-//! The source needs `math.h` alone, allocates nothing, keeps no state, and has no branch but those of the sign of
-//! velocity. Every function is a straight line of operations, in which constants are folded and nothing is computed that is
+//! The source needs `math.h` alone, allocates nothing, and has no branch but those of the sign of velocity and of friction
+//! with memory, whose state the caller keeps. Every function is a straight line of operations, in which constants are folded and nothing is computed that is
 //! zero or is computed already. Bodies enter by their base parameters, so every calibration can be exported.
 
 mod arm_terms;
 mod friction;
-mod functions;
+pub(crate) mod functions;
 mod harness;
+mod memory;
 mod newton_euler;
 mod tape;
-mod text;
+pub(crate) mod text;
+pub(crate) mod tunable;
 
 pub use tape::Operations;
+pub(crate) use tape::literal;
 
 pub use self::harness::Check;
 use crate::{Export, ExportError, Source, naming::check_identifier};
@@ -24,15 +27,17 @@ use crate::{Export, ExportError, Source, naming::check_identifier};
 pub fn export(source: &Source<'_>, checks: &[Check]) -> Result<Export, ExportError> {
     check_identifier(source.name)?;
     let chain = source.chain()?;
-    let functions = functions::all(source, chain)?;
+    let program = functions::all(source, chain)?;
     let name = source.name;
     let files = vec![
-        (format!("{name}.h"), text::header(source, chain, &functions)),
-        (format!("{name}.c"), text::implementation(source, &functions)),
-        ("main.c".to_owned(), harness::program(source, chain, checks)?),
+        (format!("{name}.h"), text::header(source, chain, &program, None)),
+        (format!("{name}.c"), text::implementation(source, &program)),
+        ("main.c".to_owned(), harness::program(source, chain, checks, program.memory.is_empty())?),
     ];
-    let notes = functions
+    let notes = program
+        .functions
         .iter()
+        .filter(|f| f.operations != Operations::default())
         .map(|f| {
             let Operations { multiplications, additions, calls } = f.operations;
             format!(

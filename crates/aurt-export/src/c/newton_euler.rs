@@ -4,7 +4,7 @@ use aurt_rbd::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
 
 use super::tape::{Function, Tape, Value, ZERO};
 
-type Vector = [Value; 3];
+pub(crate) type Vector = [Value; 3];
 
 /// A joint's constants and the sine and cosine of its angle.
 #[derive(Debug, Clone)]
@@ -44,13 +44,13 @@ impl Posture {
     pub fn torque(
         &self,
         tape: &mut Tape,
-        standard: &[f64],
-        gravity_m_s2: [f64; 3],
+        standard: &[Value],
+        gravity_m_s2: Vector,
         qd: &[Value],
         qdd: &[Value],
     ) -> Vec<Value> {
         let (mut omega, mut omega_dot) = ([ZERO; 3], [ZERO; 3]);
-        let mut accel = gravity_m_s2.map(|g| Value::Constant(-g));
+        let mut accel = gravity_m_s2.map(|g| tape.negate(g));
         let mut loads: Vec<(Vector, Vector)> = Vec::new();
         let bodies = standard.chunks_exact(INERTIAL_PARAMETERS);
         for (((place, body), qd), qdd) in self.places.iter().zip(bodies).zip(qd).zip(qdd) {
@@ -152,21 +152,21 @@ impl Place {
 /// Moment and force that a body needs, about and at its frame's origin.
 fn wrench(
     tape: &mut Tape,
-    body: &[f64],
+    body: &[Value],
     omega: Vector,
     omega_dot: Vector,
     accel: Vector,
 ) -> (Vector, Vector) {
     let inertia = [[body[0], body[1], body[2]], [body[1], body[3], body[4]], [body[2], body[4], body[5]]];
-    let h = [body[6], body[7], body[8]].map(Value::Constant);
-    let by_mass = accel.map(|a| tape.multiply(Value::Constant(body[9]), a));
+    let h = [body[6], body[7], body[8]];
+    let by_mass = accel.map(|a| tape.multiply(body[9], a));
     let euler = cross(tape, omega_dot, h);
     let inner = cross(tape, omega, h);
     let centrifugal = cross(tape, omega, inner);
     let turning = sum(tape, euler, centrifugal);
     let force = sum(tape, by_mass, turning);
-    let angular = by_constants(tape, &inertia, omega_dot);
-    let momentum = by_constants(tape, &inertia, omega);
+    let angular = by_values(tape, &inertia, omega_dot);
+    let momentum = by_values(tape, &inertia, omega);
     let gyroscopic = cross(tape, omega, momentum);
     let lever = cross(tape, h, accel);
     let turning = sum(tape, angular, gyroscopic);
@@ -174,8 +174,12 @@ fn wrench(
 }
 
 fn by_constants(tape: &mut Tape, matrix: &[[f64; 3]; 3], v: Vector) -> Vector {
+    by_values(tape, &matrix.map(|row| row.map(Value::Constant)), v)
+}
+
+fn by_values(tape: &mut Tape, matrix: &[Vector; 3], v: Vector) -> Vector {
     matrix.map(|row| {
-        let products = [0, 1, 2].map(|k| tape.multiply(Value::Constant(row[k]), v[k]));
+        let products = [0, 1, 2].map(|k| tape.multiply(row[k], v[k]));
         let first = tape.add(products[0], products[1]);
         tape.add(first, products[2])
     })

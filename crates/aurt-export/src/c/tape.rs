@@ -152,6 +152,15 @@ impl Tape {
         }
     }
 
+    /// a divided by a value that is not constant.
+    pub fn quotient(&mut self, a: Value, divisor: Value) -> Value {
+        match (a, divisor) {
+            (_, Value::Constant(d)) => self.divide(a, d),
+            (Value::Constant(0.0), _) => ZERO,
+            _ => self.push(Operation::Divide(a.into(), divisor.into())),
+        }
+    }
+
     pub fn negate(&mut self, a: Value) -> Value {
         match (a, self.negated(a)) {
             (Value::Constant(x), _) => Value::Constant(-x),

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, LinkFrame, RbdError, SerialChain};
+use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, SerialChain};
 
 use super::joint::JointDynamics;
-use crate::ExportError;
+use crate::{ExportError, source::frames};
 
 /// Radius of the shapes, as a share of their length and at most, m.
 const SLENDER: f64 = 0.15;
@@ -79,17 +79,6 @@ pub(super) fn tree(
     Ok(text)
 }
 
-/// Each link frame in the previous one at coordinate zero.
-fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
-    let mut frames = Vec::new();
-    let mut alone = Vec::new();
-    for joint in chain.joints() {
-        SerialChain::new(vec![*joint], [0.0; 3])?.link_frames(&[0.0], &mut alone);
-        frames.append(&mut alone);
-    }
-    Ok(frames)
-}
-
-fn numbers(values: &[f64]) -> String {
+pub(crate) fn numbers(values: &[f64]) -> String {
     values.iter().map(|v| format!("{:?}", if *v == 0.0 { 0.0 } else { *v })).collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! What MuJoCo's joints can say of friction, rotors and springs.
+//! What joints of robot descriptions can say of friction, rotors and springs.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::Source;
 
 /// Attributes of a joint.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct JointDynamics {
+pub(crate) struct JointDynamics {
     pub armature: f64,
     pub damping: f64,
     pub friction_loss: f64,
@@ -17,7 +17,7 @@ pub(super) struct JointDynamics {
 }
 
 /// The attributes of all joints, and all coefficients that have none.
-pub(super) fn dynamics(source: &Source<'_>) -> (Vec<JointDynamics>, Vec<String>) {
+pub(crate) fn dynamics(source: &Source<'_>) -> (Vec<JointDynamics>, Vec<String>) {
     let mut joints = vec![JointDynamics::default(); source.model.joints()];
     let mut lost = Vec::new();
     for (j, joint) in joints.iter_mut().enumerate() {
@@ -33,7 +33,7 @@ pub(super) fn dynamics(source: &Source<'_>) -> (Vec<JointDynamics>, Vec<String>)
                         joints[joint].armature += value;
                     } else {
                         lost.push(format!(
-                            "armature of joint {joint}: {value:.4} kg m^2, and MuJoCo takes none below 0"
+                            "armature of joint {joint}: {value:.4} kg m^2, and none below 0 is taken"
                         ));
                     }
                 }
@@ -75,7 +75,7 @@ fn friction(source: &Source<'_>, j: usize, joint: &mut JointDynamics, lost: &mut
     let hysteresis = stack.hysteresis().name();
     if hysteresis != "sign" && products > 0 {
         lost.push(format!(
-            "joint {j}, hysteresis `{hysteresis}`: friction loss has a transition of MuJoCo's own"
+            "joint {j}, hysteresis `{hysteresis}`: the jump of friction at rest is the engine's own"
         ));
     }
 }
@@ -97,7 +97,7 @@ fn spring(term: &dyn ArmTerm, own: &[f64], joints: &mut [JointDynamics], lost: &
             joints[*joint].spring_ref = constant / stiffness;
         } else {
             lost.push(format!(
-                "spring of joint {joint}: {stiffness:.4} N m/rad, and MuJoCo takes one above 0 for each joint"
+                "spring of joint {joint}: {stiffness:.4} N m/rad, and one above 0 is taken for each joint"
             ));
         }
     }

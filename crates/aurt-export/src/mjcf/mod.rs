@@ -4,12 +4,10 @@
 //! (linear viscous friction), friction loss (the Coulomb level without load) and springs. All else has no word in MuJoCo:
 //! it is listed in the file and in [`Export::lost`].
 
-mod body;
-mod joint;
+pub(crate) mod body;
+pub(crate) mod joint;
 
 use std::fmt::Write;
-
-use aurt_rbd::inconsistencies;
 
 use crate::{
     Export, ExportError, Source,
@@ -24,16 +22,7 @@ use crate::{
 pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     check_identifier(source.name)?;
     let chain = source.chain()?;
-    let standard = source.standard.ok_or(ExportError::NoBodies)?;
-    let expected = source.model.rigid_body().standard_parameters().len();
-    if standard.len() != expected {
-        let found = standard.len();
-        return Err(ExportError::Count { what: "standard parameters", expected, found });
-    }
-    let complaints: Vec<String> = inconsistencies(standard).iter().map(ToString::to_string).collect();
-    if !complaints.is_empty() {
-        return Err(ExportError::Impossible { complaints: complaints.join("; ") });
-    }
+    let standard = source.possible_bodies()?;
     let (joints, mut lost) = joint::dynamics(source);
     lost.push("limits of positions and torques, and shapes that collide: the model file has none".into());
     let bodies = body::tree(source.name, chain, standard, &joints)?;

@@ -3,17 +3,27 @@
 use aurt_export::c::Check;
 use aurt_friction::{
     arm_terms::{
-        coulomb_asymmetric::CoulombAsymmetric, current_offset::CurrentOffset,
-        joint_selection::JointSelection, rotor_inertia::RotorInertia, spring::Spring,
+        coulomb_asymmetric::CoulombAsymmetric,
+        current_offset::CurrentOffset,
+        joint_friction::JointFriction,
+        joint_selection::JointSelection,
+        lugre_damped::LuGreDamped,
+        payload::{Inertial, Payload},
+        rotor_inertia::RotorInertia,
+        spring::Spring,
         viscous_asymmetric::ViscousAsymmetric,
     },
     coulomb::{
+        absent::Absent,
         absolute::Absolute,
         none::Constant,
         square::Square,
         stribeck::{LoadDependence, Stribeck},
     },
-    hysteresis::{sign::Sign, tanh::Tanh},
+    hysteresis::{
+        bouc_wen::BoucWen, dahl::Dahl, gms::Gms, lugre::LuGre, maxwell_slip::MaxwellSlip, sign::Sign,
+        tanh::Tanh,
+    },
     viscous::{polynomial::Polynomial, saturating::Saturating},
 };
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain, base_parameters};
@@ -97,6 +107,23 @@ fn stack(joint: usize) -> JointStack {
     made.unwrap()
 }
 
+/// Friction with memory of every kind.
+fn stack_with_memory(joint: usize) -> JointStack {
+    let polynomial = || Box::new(Polynomial { powers: vec![1] });
+    let made = match joint {
+        0 => JointStack::new(Box::new(Absolute {}), Box::new(Dahl { presliding_rad: 0.02 }), polynomial()),
+        1 => JointStack::new(Box::new(Constant {}), Box::new(MaxwellSlip::default()), polynomial()),
+        2 => JointStack::new(Box::new(Absolute {}), Box::new(LuGre::default()), polynomial()),
+        3 => JointStack::new(Box::new(Square {}), Box::new(Gms::default()), polynomial()),
+        4 => {
+            let sharp = BoucWen { presliding_rad: 0.03, exponent: 1.7, beta: 0.8 };
+            JointStack::new(Box::new(Constant {}), Box::new(sharp), polynomial())
+        }
+        _ => JointStack::new(Box::new(Absent {}), Box::new(Sign::default()), polynomial()),
+    };
+    made.unwrap()
+}
+
 fn bodies(numbers: &mut Numbers, count: usize) -> Vec<f64> {
     (0..count)
         .flat_map(|_| {
@@ -110,10 +137,68 @@ fn bodies(numbers: &mut Numbers, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A model of a chain with friction of every kind that can be exported.
+/// A model of a chain with friction with memory of every kind that can be exported, and a load.
+pub fn case_with_memory(chain: SerialChain) -> Case {
+    let slow = LuGre { stribeck_exponent: 1.5, ..LuGre::default() };
+    let beside = JointFriction {
+        joints: JointSelection::of(vec![0, 2]),
+        coulomb: Box::new(Absolute {}),
+        hysteresis: Box::new(slow),
+        viscous: Box::new(Polynomial { powers: vec![2] }),
+    };
+    let last = chain.joints().len() - 1;
+    let damped = LuGreDamped { joints: JointSelection::of(vec![last]), ..LuGreDamped::default() };
+    let load = Payload { link: None, parameters: Some(vec![Inertial::M, Inertial::MX]) };
+    let mut case =
+        made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory);
+    // A load that a machine can carry: arbitrary moments would make the mass matrix indefinite.
+    for (parameter, value) in case.model.parameters().iter().zip(&mut case.coefficients) {
+        match parameter.name.as_str() {
+            name if name.starts_with("payload.m_") => *value = 0.8,
+            name if name.starts_with("payload.mX_") => *value = 0.04,
+            _ => {}
+        }
+    }
+    case.load = LoadTorque::Fitted(case.coefficients.clone());
+    case
+}
+
+/// The chain where gravity is half as strong.
+pub fn half_of_gravity(chain: SerialChain) -> SerialChain {
+    SerialChain::new(chain.joints().to_vec(), chain.gravity_m_s2().map(|g| 0.5 * g)).unwrap()
+}
+
+/// A point mass in the frame of the last link.
+#[derive(Debug, Clone, Copy)]
+pub struct Load {
+    pub mass_kg: f64,
+    pub at_m: [f64; 3],
+}
+
+/// A model with the arm term `payload`, whose coefficients are those of a load.
+pub fn case_with_load(chain: SerialChain, Load { mass_kg: m, at_m: [x, y, z] }: Load) -> Case {
+    let terms: Vec<Box<dyn ArmTerm>> = vec![Box::new(Payload::default())];
+    let mut case = made(chain, true, terms, stack);
+    let own = [
+        m * (y * y + z * z),
+        -m * x * y,
+        -m * x * z,
+        m * (x * x + z * z),
+        -m * y * z,
+        m * (x * x + y * y),
+        m * x,
+        m * y,
+        m * z,
+        m,
+    ];
+    let first = case.model.group(aurt_traits::ColumnGroup::ArmTerm(0)).start;
+    case.coefficients[first..first + own.len()].copy_from_slice(&own);
+    case.load = LoadTorque::Fitted(case.coefficients.clone());
+    case
+}
+
+/// A model of a chain with friction of every kind without memory that can be exported.
 pub fn case(chain: SerialChain, fitted: bool) -> Case {
-    let joints = chain.joints().len();
-    let base = base_parameters(&chain, 0).unwrap();
     let terms: Vec<Box<dyn ArmTerm>> = vec![
         Box::new(RotorInertia { joints: JointSelection::of(vec![1, 3]) }),
         Box::new(Spring { joints: JointSelection::of(vec![2]), rest_rad: None }),
@@ -121,6 +206,17 @@ pub fn case(chain: SerialChain, fitted: bool) -> Case {
         Box::new(ViscousAsymmetric { joints: JointSelection::of(vec![2]) }),
         Box::new(CoulombAsymmetric { joints: JointSelection::of(vec![0, 1]), rest_velocity_rad_s: 0.05 }),
     ];
+    made(chain, fitted, terms, stack)
+}
+
+fn made(
+    chain: SerialChain,
+    fitted: bool,
+    terms: Vec<Box<dyn ArmTerm>>,
+    stack: fn(usize) -> JointStack,
+) -> Case {
+    let joints = chain.joints().len();
+    let base = base_parameters(&chain, 0).unwrap();
     let mut numbers = Numbers(7);
     let standard = bodies(&mut numbers, joints);
     let values = base.values(&standard);
@@ -144,9 +240,58 @@ pub fn checks(case: &Case, count: usize) -> Vec<Check> {
             [3.0, speed, 5.0].map(|reach| numbers.many(joints).iter().map(|v| reach * v).collect())
         })
         .collect();
+    predicted(case, 1.0, states)
+}
+
+/// What it predicts along a motion with reversals, small ones within the presliding distances among them.
+pub fn checks_along_a_path(case: &Case, count: usize) -> Vec<Check> {
+    let joints = case.model.joints();
+    let mut numbers = Numbers(13);
+    let waves: Vec<[f64; 2]> = (0..joints).map(|_| [5.0 + 3.0 * numbers.next(), numbers.next()]).collect();
+    let states = (0..count)
+        .map(|n| {
+            let time_s = 0.01 * n as f64;
+            let size = if n % 97 < 40 { 0.004 } else { 0.4 };
+            let wave = |derivative: f64| -> Vec<f64> {
+                let phase = derivative * std::f64::consts::FRAC_PI_2;
+                waves
+                    .iter()
+                    .map(|[rate, start]| size * rate.powf(derivative) * (rate * time_s + start + phase).sin())
+                    .collect()
+            };
+            [wave(0.0), wave(1.0), wave(2.0)]
+        })
+        .collect();
+    predicted(case, 0.01, states)
+}
+
+/// What it predicts along a smooth motion that begins at rest.
+pub fn checks_along_a_swing(case: &Case, count: usize, step_s: f64) -> Vec<Check> {
+    let joints = case.model.joints();
+    let states = (0..count)
+        .map(|n| {
+            let time_s = step_s * n as f64;
+            let wave = |derivative: i32| -> Vec<f64> {
+                (0..joints)
+                    .map(|j| {
+                        let rate = 3.0 + j as f64;
+                        let phase = rate * time_s + f64::from(derivative) * std::f64::consts::FRAC_PI_2;
+                        let still = if derivative == 0 { 1.0 } else { 0.0 };
+                        0.2 * (still - rate.powi(derivative) * phase.cos())
+                    })
+                    .collect()
+            };
+            [wave(0), wave(1), wave(2)]
+        })
+        .collect();
+    predicted(case, step_s, states)
+}
+
+fn predicted(case: &Case, step_s: f64, states: Vec<[Vec<f64>; 3]>) -> Vec<Check> {
+    let joints = case.model.joints();
     let series = |k: usize| (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect();
-    let times = (0..count).map(|n| n as f64).collect();
-    let motion = Motion::new(joints, times, series(0), series(1), series(2)).unwrap();
+    let times: Vec<f64> = (0..states.len()).map(|n| step_s * n as f64).collect();
+    let motion = Motion::new(joints, times.clone(), series(0), series(1), series(2)).unwrap();
     let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
     case.model.evaluate(motion.view(), &case.load, &mut state, &mut tile).unwrap();
     let torque = |joint: usize, n: usize| -> f64 {
@@ -157,6 +302,7 @@ pub fn checks(case: &Case, count: usize) -> Vec<Check> {
         .iter()
         .enumerate()
         .map(|(n, [q, qd, qdd])| Check {
+            time_s: times[n],
             q_rad: q.clone(),
             qd_rad_s: qd.clone(),
             qdd_rad_s2: qdd.clone(),

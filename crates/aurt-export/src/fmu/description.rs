@@ -1,0 +1,194 @@
+//! `modelDescription.xml` of FMI 2.0 and 3.0 and `buildDescription.xml` of FMI 3.0.
+
+use std::fmt::Write;
+
+use super::{
+    Kind, Version,
+    variables::{Role, Variable, Variables},
+};
+use crate::Source;
+
+/// Text for an attribute of XML.
+fn attribute(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Exponents of SI units, for units that importers may convert; others are words to them.
+fn base_unit(unit: &str) -> &'static str {
+    match unit {
+        "s" => "s=\"1\"",
+        "kg" => "kg=\"1\"",
+        "m" => "m=\"1\"",
+        "m/s" => "m=\"1\" s=\"-1\"",
+        "m/s2" => "m=\"1\" s=\"-2\"",
+        "rad" => "rad=\"1\"",
+        "rad/s" => "rad=\"1\" s=\"-1\"",
+        "rad/s2" => "rad=\"1\" s=\"-2\"",
+        "N" => "kg=\"1\" m=\"1\" s=\"-2\"",
+        "N/s" => "kg=\"1\" m=\"1\" s=\"-3\"",
+        "N.m" | "Nm" => "kg=\"1\" m=\"2\" s=\"-2\"",
+        "N.m/s" => "kg=\"1\" m=\"2\" s=\"-3\"",
+        "A" => "A=\"1\"",
+        "A/s" => "A=\"1\" s=\"-1\"",
+        _ => "",
+    }
+}
+
+fn units(variables: &Variables) -> String {
+    let mut names: Vec<&str> = variables.all.iter().map(|v| v.unit.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut text = String::from("  <UnitDefinitions>\n");
+    for name in names {
+        let _ = match base_unit(name) {
+            "" => writeln!(text, "    <Unit name=\"{}\"/>", attribute(name)),
+            base => {
+                writeln!(text, "    <Unit name=\"{}\"><BaseUnit {base}/></Unit>", attribute(name))
+            }
+        };
+    }
+    text.push_str("  </UnitDefinitions>\n");
+    text
+}
+
+/// Causality, variability and initial of a variable.
+const fn words(role: Role) -> (&'static str, &'static str, &'static str) {
+    match role {
+        Role::Time => ("independent", "continuous", ""),
+        Role::Input => ("input", "continuous", ""),
+        Role::Jumping => ("input", "discrete", ""),
+        Role::Output => ("output", "continuous", " initial=\"calculated\""),
+        Role::Tunable => ("parameter", "tunable", " initial=\"exact\""),
+        Role::Fixed => ("parameter", "fixed", " initial=\"exact\""),
+    }
+}
+
+fn variable(version: Version, reference: usize, v: &Variable) -> String {
+    let (causality, variability, initial) = words(v.role);
+    let start = match v.role {
+        Role::Time | Role::Output => String::new(),
+        _ => format!(" start=\"{:?}\"", v.start),
+    };
+    let head = format!(
+        "name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\"{initial} \
+         description=\"{}\"",
+        attribute(&v.name),
+        attribute(&v.description)
+    );
+    let unit = attribute(&v.unit);
+    match version {
+        Version::Two => {
+            format!("    <ScalarVariable {head}><Real unit=\"{unit}\"{start}/></ScalarVariable>\n")
+        }
+        Version::Three => format!("    <Float64 {head} unit=\"{unit}\"{start}/>\n"),
+    }
+}
+
+/// The outputs, once as such and once as what initialisation computes.
+fn structure(version: Version, variables: &Variables) -> String {
+    let outputs = || variables.all.iter().enumerate().filter(|(_, v)| v.role == Role::Output);
+    let mut text = String::from("  <ModelStructure>\n");
+    match version {
+        Version::Two => {
+            for group in ["Outputs", "InitialUnknowns"] {
+                let _ = writeln!(text, "    <{group}>");
+                for (k, _) in outputs() {
+                    let _ = writeln!(text, "      <Unknown index=\"{}\"/>", k + 1);
+                }
+                let _ = writeln!(text, "    </{group}>");
+            }
+        }
+        Version::Three => {
+            for element in ["Output", "InitialUnknown"] {
+                for (k, _) in outputs() {
+                    let _ = writeln!(text, "    <{element} valueReference=\"{k}\"/>");
+                }
+            }
+        }
+    }
+    text.push_str("  </ModelStructure>\n");
+    text
+}
+
+/// The description of the model.
+pub(super) fn model(
+    source: &Source<'_>,
+    kind: Kind,
+    version: Version,
+    variables: &Variables,
+    token: &str,
+    sources: &[(String, String)],
+) -> String {
+    let name = source.name;
+    let (token_key, state) = match version {
+        Version::Two => ("guid", "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\""),
+        Version::Three => {
+            ("instantiationToken", "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"")
+        }
+    };
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{name}\" \
+         {token_key}=\"{token}\" description=\"{} dynamics of {name}. {}\" generationTool=\"aurt {}\" \
+         variableNamingConvention=\"flat\">\n",
+        version.number(),
+        match kind {
+            Kind::Inverse => "Inverse",
+            Kind::Forward => "Forward",
+        },
+        attribute(&source.provenance.lines().join("; ")),
+        env!("CARGO_PKG_VERSION"),
+    );
+    let _ = write!(
+        text,
+        "  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" {state}"
+    );
+    if version == Version::Two {
+        text.push_str(" canNotUseMemoryManagementFunctions=\"true\">\n    <SourceFiles>\n");
+        for (file, _) in sources.iter().filter(|(file, _)| file.ends_with(".c")) {
+            let _ = writeln!(text, "      <File name=\"{file}\"/>");
+        }
+        text.push_str("    </SourceFiles>\n  </CoSimulation>\n");
+    } else {
+        text.push_str("/>\n");
+    }
+    text.push_str(&units(variables));
+    text.push_str("  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n");
+    text.push_str(
+        "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"0.002\"/>\n  <ModelVariables>\n",
+    );
+    for (reference, v) in variables.all.iter().enumerate() {
+        text.push_str(&variable(version, reference, v));
+    }
+    text.push_str("  </ModelVariables>\n");
+    text.push_str(&structure(version, variables));
+    text.push_str("</fmiModelDescription>\n");
+    text
+}
+
+/// The description of how the sources are built.
+pub(super) fn build(name: &str, sources: &[(String, String)]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
+         <BuildConfiguration modelIdentifier=\"{name}\">\n    <SourceFileSet language=\"C99\">\n"
+    );
+    for (file, _) in sources.iter().filter(|(file, _)| file.ends_with(".c")) {
+        let _ = writeln!(text, "      <SourceFile name=\"{file}\"/>");
+    }
+    text.push_str(
+        "      <PreprocessorDefinition name=\"FMI3_FUNCTION_PREFIX\" value=\"\" optional=\"true\"/>\n    \
+         </SourceFileSet>\n    <Library name=\"m\" external=\"true\"/>\n  </BuildConfiguration>\n\
+         </fmiBuildDescription>\n",
+    );
+    text
+}

@@ -1,0 +1,141 @@
+//! URDF: a complete description of a robot, for Gazebo, Isaac and all else that reads it.
+//!
+//! Links carry the inertias of a calibration that found some a machine can have, joints the linear viscous friction as
+//! `damping` and the Coulomb level without load as `friction`. Rotors' inertias have no element in URDF; they and all else
+//! that is lost are listed in the file and in [`Export::lost`].
+
+use std::fmt::Write;
+
+use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody};
+
+use crate::{
+    Export, ExportError, Source,
+    mjcf::{
+        body::numbers,
+        joint::{JointDynamics, dynamics},
+    },
+    naming::{check_identifier, for_comment},
+    source::frames,
+};
+
+/// Limits that do not limit: the file must state some of prismatic joints, and the model knows none.
+const UNLIMITED: &str = "1e16";
+
+/// The URDF file of a model.
+///
+/// # Errors
+/// [`ExportError::NoBodies`] without standard parameters, [`ExportError::Impossible`] with those of no machine; models in
+/// amperes; names that are no identifiers.
+pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
+    check_identifier(source.name)?;
+    let chain = source.chain()?;
+    let standard = source.possible_bodies()?;
+    let name = source.name;
+    let (joints, mut lost) = dynamics(source);
+    for (j, joint) in joints.iter().enumerate() {
+        if joint.armature != 0.0 {
+            lost.push(format!(
+                "rotor inertia of joint {j}: {:?} kg m^2; set it where the engine has it, as `armature` in Isaac, MuJoCo and Drake",
+                joint.armature
+            ));
+        }
+        if joint.stiffness != 0.0 {
+            lost.push(format!(
+                "spring of joint {j}: {:.4} N m/rad about {:.4} rad",
+                joint.stiffness, joint.spring_ref
+            ));
+        }
+    }
+    let [x, y, z] = chain.gravity_m_s2();
+    lost.push(format!("gravity, {x} {y} {z} m/s^2 in the base frame: the world has it"));
+    lost.push("limits of positions, velocities and torques, and shapes: the model file has none".into());
+
+    let mut lines = vec![format!("{name}, written by `aurt export urdf`.")];
+    lines.extend(source.provenance.lines());
+    lines.push("URDF has no word for:".into());
+    lines.extend(lost.iter().map(|l| format!("  {l}")));
+    let mut text = String::from("<?xml version=\"1.0\"?>\n<!--\n");
+    for line in lines {
+        let _ = writeln!(text, "  {}", for_comment(&line));
+    }
+    let _ = write!(text, "-->\n<robot name=\"{name}\">\n  <link name=\"{name}_base\"/>\n");
+    let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
+    let mut parent = format!("{name}_base");
+    for (j, (frame, body)) in frames(chain)?.iter().zip(bodies).enumerate() {
+        let child = format!("{name}_link_{j}");
+        let kind = chain.joints()[j].kind;
+        let [origin, turn] = [frame.origin_m, roll_pitch_yaw(&frame.rotation)].map(|v| numbers(&v));
+        let _ = write!(
+            text,
+            "  <joint name=\"joint_{j}\" type=\"{}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>\n    \
+             <origin xyz=\"{origin}\" rpy=\"{turn}\"/>\n    <axis xyz=\"0 0 {}\"/>\n",
+            match kind {
+                JointKind::Revolute => "continuous",
+                JointKind::Prismatic => "prismatic",
+            },
+            chain.joints()[j].sign
+        );
+        let JointDynamics { damping, friction_loss, .. } = joints[j];
+        let _ = writeln!(text, "    <dynamics damping=\"{damping:?}\" friction=\"{friction_loss:?}\"/>");
+        if kind == JointKind::Prismatic {
+            let _ = writeln!(
+                text,
+                "    <limit lower=\"-{UNLIMITED}\" upper=\"{UNLIMITED}\" effort=\"{UNLIMITED}\" velocity=\"{UNLIMITED}\"/>"
+            );
+        }
+        text.push_str("  </joint>\n");
+        link(&mut text, &child, body)?;
+        parent = child;
+    }
+    text.push_str("</robot>\n");
+    let notes =
+        vec!["friction acts without load; friction that grows with the load is larger than it says".into()];
+    Ok(Export { files: vec![(format!("{name}.urdf"), text)], lost, notes })
+}
+
+fn link(text: &mut String, name: &str, standard: &[f64; INERTIAL_PARAMETERS]) -> Result<(), ExportError> {
+    let body = LinkBody::from_standard_parameters(standard).ok_or(ExportError::NoBodies)?;
+    let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
+    let _ = write!(
+        text,
+        "  <link name=\"{name}\">\n    <inertial>\n      <origin xyz=\"{}\" rpy=\"0 0 0\"/>\n      <mass value=\"{:?}\"/>\n      \
+         <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" iyz=\"{yz:?}\" izz=\"{zz:?}\"/>\n    \
+         </inertial>\n  </link>\n",
+        numbers(&body.com_m),
+        body.mass_kg,
+    );
+    Ok(())
+}
+
+/// Roll, pitch and yaw about fixed axes of R = Rot_z(yaw) Rot_y(pitch) Rot_x(roll).
+fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
+    let level = r[0][0].hypot(r[1][0]);
+    let pitch = (-r[2][0]).atan2(level);
+    if level > 1e-12 {
+        return [r[2][1].atan2(r[2][2]), pitch, r[1][0].atan2(r[0][0])];
+    }
+    // Roll and yaw turn about the same axis: roll takes it all.
+    [(-r[1][2]).atan2(r[1][1]), pitch, 0.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use aurt_rbd::{Joint, Placement, SerialChain};
+
+    use super::*;
+
+    #[test]
+    fn angles_give_back_the_rotation_upright_ones_too() {
+        let right = std::f64::consts::FRAC_PI_2;
+        for angles in [[0.3, -0.7, 1.1], [0.0; 3], [0.4, right, 0.0], [-0.4, -right, 0.0], [3.0, 1.0, -3.0]] {
+            let rotation = |angles| {
+                let joint = Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], angles));
+                frames(&SerialChain::new(vec![joint], [0.0; 3]).unwrap()).unwrap()[0].rotation
+            };
+            let (wanted, found) = (rotation(angles), rotation(roll_pitch_yaw(&rotation(angles))));
+            for (a, b) in wanted.iter().flatten().zip(found.iter().flatten()) {
+                assert!((a - b).abs() < 1e-12, "{angles:?}: {wanted:?} {found:?}");
+            }
+        }
+    }
+}

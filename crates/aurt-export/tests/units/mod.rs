@@ -1,0 +1,398 @@
+//! Functional mock-up units: what is in the archive, and what the model in it does.
+
+use std::{
+    collections::BTreeMap,
+    io::{Cursor, Read, Write},
+    path::Path,
+    process::{Command, Output, Stdio},
+};
+
+use aurt_export::{
+    ExportError, Provenance, Source,
+    c::Check,
+    fmu::{Fmu, Kind, Version, export},
+};
+use aurt_simulation::model::{ModelDrive, MovingModel};
+use aurt_traits::{MeasurementUnit, Motion};
+
+use super::models::{
+    Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
+    gantry, half_of_gravity,
+};
+
+fn provenance() -> Provenance {
+    Provenance {
+        file: "rd_\"calibrated\".json".into(),
+        schema: 1,
+        blake3: "0123".into(),
+        aurt_version: Some("0.1.0".into()),
+        recordings: vec!["a & b <c>.csv".into()],
+    }
+}
+
+fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
+    Source {
+        name: "machine",
+        model: &case.model,
+        coefficients: &case.coefficients,
+        load: &case.load,
+        unit: MeasurementUnit::NewtonMetre,
+        standard: Some(&case.standard),
+        provenance,
+    }
+}
+
+fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
+    (0..archive.len())
+        .map(|k| {
+            let mut file = archive.by_index(k).unwrap();
+            let mut contents = Vec::new();
+            file.read_to_end(&mut contents).unwrap();
+            (file.name().unwrap().into_owned(), contents)
+        })
+        .collect()
+}
+
+fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
+    String::from_utf8(files[name].clone()).unwrap()
+}
+
+#[test]
+fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    for (version, number, platform) in
+        [(Version::Two, "2.0", "linux64"), (Version::Three, "3.0", "x86_64-linux")]
+    {
+        for kind in [Kind::Inverse, Kind::Forward] {
+            let fmu = export(&source(&case, &provenance), kind, version).unwrap();
+            assert_eq!(fmu, export(&source(&case, &provenance), kind, version).unwrap());
+            assert_eq!(fmu.file, "machine.fmu");
+            let files = files(&fmu);
+            let xml = text(&files, "modelDescription.xml");
+            let document = roxmltree::Document::parse(&xml).unwrap();
+            let root = document.root_element();
+            assert_eq!(root.attribute("fmiVersion"), Some(number));
+            let token =
+                root.attribute(if version == Version::Two { "guid" } else { "instantiationToken" }).unwrap();
+            assert!(text(&files, "sources/model.h").contains(&format!("#define MODEL_TOKEN \"{token}\"")));
+            assert!(root.attribute("description").unwrap().contains("rd_\"calibrated\".json (schema 1"));
+            let listed: Vec<String> = if version == Version::Two {
+                let named = document.descendants().filter(|n| n.has_tag_name("File"));
+                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
+            } else {
+                let build = text(&files, "sources/buildDescription.xml");
+                let build = roxmltree::Document::parse(&build).unwrap();
+                let named = build.descendants().filter(|n| n.has_tag_name("SourceFile"));
+                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
+            };
+            let in_archive: Vec<String> = files
+                .keys()
+                .filter_map(|f| f.strip_prefix("sources/").filter(|f| f.ends_with(".c")).map(str::to_owned))
+                .collect();
+            let mut sorted = listed;
+            sorted.sort();
+            assert_eq!(sorted, in_archive);
+            let made =
+                fmu.notes.iter().any(|n| n.contains(&format!("binaries/{platform}/machine.so was made")));
+            assert_eq!(
+                made,
+                files.contains_key(&format!("binaries/{platform}/machine.so")),
+                "{:?}",
+                fmu.notes
+            );
+            compiles_strictly(&files);
+            assert!(made || fmu.notes.iter().any(|n| n.contains("holds sources only")), "{:?}", fmu.notes);
+        }
+    }
+}
+
+/// Whether the C of a unit passes a strict look; nothing where there is no C compiler.
+fn compiles_strictly(files: &BTreeMap<String, Vec<u8>>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut look = Command::new("cc");
+    look.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only"]);
+    for (name, contents) in files {
+        if let Some(name) = name.strip_prefix("sources/") {
+            std::fs::write(folder.path().join(name), contents).unwrap();
+            if name.ends_with(".c") {
+                look.arg(name);
+            }
+        }
+    }
+    match look.current_dir(folder.path()).output() {
+        Ok(look) => assert!(look.status.success(), "{}", String::from_utf8_lossy(&look.stderr)),
+        Err(error) => println!("skipped: there is no C compiler `cc` ({error})"),
+    }
+}
+
+#[test]
+fn variables_have_names_units_and_start_values() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Three).unwrap();
+    let xml = text(&files(&fmu), "modelDescription.xml");
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let find = |name: &str| {
+        document
+            .descendants()
+            .find(|n| n.has_tag_name("Float64") && n.attribute("name") == Some(name))
+            .unwrap()
+    };
+    assert_eq!(find("q[0]").attribute("unit"), Some("m"), "the first joint slides");
+    assert_eq!(find("q[1]").attribute("unit"), Some("rad"));
+    assert_eq!(find("tau[1]").attribute("causality"), Some("input"));
+    assert_eq!(find("gravity_m_s2").attribute("start"), Some("9.81"));
+    assert_eq!(find("q_start[3]").attribute("variability"), Some("fixed"));
+    assert_eq!(find("payload_mass_kg").attribute("variability"), Some("tunable"));
+    for (parameter, value) in
+        case.model.parameters().iter().zip(&case.coefficients).skip(case.model.base().len())
+    {
+        let start: f64 = find(&parameter.name).attribute("start").unwrap().parse().unwrap();
+        assert_eq!(start, *value, "{}", parameter.name);
+    }
+    let outputs = document.descendants().filter(|n| n.has_tag_name("Output")).count();
+    assert_eq!(outputs, 3 * case.model.joints());
+}
+
+#[test]
+fn what_cannot_be_a_unit_is_refused_by_name() {
+    let (case, provenance) = (case(gantry(), true), provenance());
+    let good = source(&case, &provenance);
+    let refusal = |source: &Source<'_>, kind| export(source, kind, Version::Two).unwrap_err();
+    for name in ["my robot", "component", "double"] {
+        assert!(
+            matches!(refusal(&Source { name, ..good }, Kind::Inverse), ExportError::Name { .. }),
+            "{name}"
+        );
+    }
+    let mut coefficients = case.coefficients.clone();
+    for value in &mut coefficients[..case.model.base().len()] {
+        *value = -*value;
+    }
+    let impossible = Source { coefficients: &coefficients, ..good };
+    let error = refusal(&impossible, Kind::Forward);
+    assert!(matches!(error, ExportError::MassMatrix { .. }), "{error}");
+    assert!(error.to_string().contains("not positive definite at q = "), "{error}");
+    assert!(export(&impossible, Kind::Inverse, Version::Two).is_ok(), "a torque it has all the same");
+    // Currents need no constants: what goes in and comes out is what was measured.
+    let amperes = Source { unit: MeasurementUnit::Ampere, ..good };
+    let xml = text(&files(&export(&amperes, Kind::Inverse, Version::Two).unwrap()), "modelDescription.xml");
+    assert!(xml.contains("name=\"current[0]\"") && !xml.contains("payload_mass_kg"), "{xml}");
+}
+
+/// Compiles the sources of a unit strictly, with the program that drives it, and drives it; nothing where there is no C
+/// compiler.
+fn driven(fmu: &Fmu, arguments: &[String], lines: &str) -> Option<Output> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, contents) in files(fmu) {
+        if let Some(name) = name.strip_prefix("sources/") {
+            std::fs::write(folder.path().join(name), contents).unwrap();
+        }
+    }
+    let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/units/drive.c");
+    std::fs::copy(drive, folder.path().join("drive.c")).unwrap();
+    let sources = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name());
+    let sources: Vec<_> = sources.filter(|f| f.to_string_lossy().ends_with(".c")).collect();
+    let compile = |more: &[&str]| {
+        Command::new("cc")
+            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"])
+            .args(more)
+            .args(&sources)
+            .args(["-o", "drive", "-lm"])
+            .current_dir(folder.path())
+            .output()
+    };
+    let mut compiled = compile(&["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
+    // The libraries of the sanitizers are not installed everywhere.
+    if compiled.as_ref().is_ok_and(|c| !c.status.success()) {
+        compiled = compile(&[]);
+    }
+    let Ok(compiled) = compiled else {
+        println!("skipped: there is no C compiler `cc`");
+        return None;
+    };
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let mut run = Command::new(folder.path().join("drive"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    run.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+    Some(run.wait_with_output().unwrap())
+}
+
+fn rows(output: &Output) -> Vec<Vec<f64>> {
+    let (text, error) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{error}");
+    text.lines().map(|line| line.split(' ').map(|v| v.parse().unwrap()).collect()).collect()
+}
+
+fn line(groups: &[&[f64]]) -> String {
+    let words: Vec<String> = groups.iter().flat_map(|g| g.iter().map(|v| format!("{v:?}"))).collect();
+    words.join(" ") + "\n"
+}
+
+fn largest(a: impl Iterator<Item = f64>) -> f64 {
+    a.fold(0.0, |m, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
+}
+
+#[test]
+fn an_inverse_unit_gives_the_torques_of_the_model() {
+    let provenance = provenance();
+    for (case, name) in [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")] {
+        let stored = checks_along_a_path(&case, 300);
+        let fmu = export(&source(&case, &provenance), Kind::Inverse, Version::Two).unwrap();
+        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
+        let Some(run) = driven(&fmu, &["0.01".into()], &lines) else { return };
+        let found = rows(&run);
+        assert_eq!(found.len(), stored.len());
+        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
+        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
+        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        println!("{name}: largest difference of the torque {worst:e}, relative to the largest");
+        assert!(worst <= 1e-12, "{name}: {worst:e}");
+    }
+}
+
+/// A reference of a variable with its value, as the program that drives takes it.
+fn set(fmu: &Fmu, name: &str, value: f64) -> String {
+    let xml = text(&files(fmu), "modelDescription.xml");
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let variable = document.descendants().find(|n| n.attribute("name") == Some(name)).unwrap();
+    format!("{}={value:?}", variable.attribute("valueReference").unwrap())
+}
+
+#[test]
+fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
+    let provenance = provenance();
+    let (lighter, loaded) = (half_of_gravity(arm()), Load { mass_kg: 1.7, at_m: [0.03, -0.02, 0.11] });
+    let nothing = Load { mass_kg: 0.0, ..loaded };
+    let mut coefficient = case(arm(), true);
+    let place = coefficient.model.base().len() + 2;
+    let name = coefficient.model.parameters()[place].name.clone();
+    let unit = export(&source(&coefficient, &provenance), Kind::Inverse, Version::Two).unwrap();
+    let changed = set(&unit, &name, 7.5);
+    coefficient.coefficients[place] = 7.5;
+    let [x, y, z] = loaded.at_m;
+    let of_load = |unit: &Fmu| -> Vec<String> {
+        [("payload_mass_kg", loaded.mass_kg), ("payload_x_m", x), ("payload_y_m", y), ("payload_z_m", z)]
+            .map(|(name, value)| set(unit, name, value))
+            .to_vec()
+    };
+    let heavy = export(&source(&case(arm(), true), &provenance), Kind::Inverse, Version::Two).unwrap();
+    let empty =
+        export(&source(&case_with_load(arm(), nothing), &provenance), Kind::Inverse, Version::Two).unwrap();
+    let half = set(&heavy, "gravity_m_s2", 0.5 * (9.81_f64.powi(2) + 0.09).sqrt());
+    for (what, unit, arguments, other) in [
+        ("a coefficient", &unit, vec![changed], coefficient),
+        ("gravity", &heavy, vec![half], case(lighter, true)),
+        ("a load", &empty, of_load(&empty), case_with_load(arm(), loaded)),
+    ] {
+        let stored = checks_along_a_path(&other, 60);
+        let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
+        let arguments: Vec<String> = std::iter::once("0.01".to_owned()).chain(arguments).collect();
+        let Some(run) = driven(unit, &arguments, &lines) else { return };
+        let size = largest(stored.iter().flat_map(|c| c.torque_nm.clone()));
+        let found = rows(&run);
+        let pairs = found.iter().zip(&stored).flat_map(|(f, c)| f.iter().zip(&c.torque_nm));
+        let worst = largest(pairs.map(|(f, s)| f - s)) / size;
+        assert!(worst <= 1e-12, "{what}: {worst:e}");
+    }
+}
+
+/// The same torques drive the unit and the solver of `aurt simulate`; the largest differences of their positions and
+/// velocities.
+fn distance(case: &Case, stored: &[Check], step_s: f64) -> Option<[f64; 2]> {
+    let provenance = provenance();
+    let joints = case.model.joints();
+    let series = |of: fn(&Check) -> &Vec<f64>| -> Vec<f64> {
+        (0..joints).flat_map(|j| stored.iter().map(move |c| of(c)[j])).collect()
+    };
+    let times = stored.iter().map(|c| c.time_s).collect();
+    let (q, v, a) = (series(|c| &c.q_rad), series(|c| &c.qd_rad_s), series(|c| &c.qdd_rad_s2));
+    let motion = Motion::new(joints, times, q, v, a).unwrap();
+    let torque = (0..joints).map(|j| stored.iter().map(|c| c.torque_nm[j]).collect()).collect();
+    let moving = MovingModel { model: &case.model, coefficients: &case.coefficients, load: &case.load };
+    let moved = moving.run(&ModelDrive::Torques { motion, torque }, &mut |_| {});
+    let moved = moved.unwrap_or_else(|error| panic!("{error}"));
+
+    let fmu = export(&source(case, &provenance), Kind::Forward, Version::Two).unwrap();
+    let lines: String = stored
+        .windows(2)
+        .map(|pair| {
+            let rate: Vec<f64> =
+                pair[1].torque_nm.iter().zip(&pair[0].torque_nm).map(|(b, a)| (b - a) / step_s).collect();
+            line(&[&pair[0].torque_nm, &rate])
+        })
+        .collect();
+    let mut arguments = vec![format!("{step_s}")];
+    arguments
+        .extend(stored[0].q_rad.iter().enumerate().map(|(j, q)| format!("{}={q:?}", 1 + 5 * joints + j)));
+    arguments
+        .extend(stored[0].qd_rad_s.iter().enumerate().map(|(j, v)| format!("{}={v:?}", 1 + 6 * joints + j)));
+    let found = rows(&driven(&fmu, &arguments, &lines)?);
+    assert_eq!(found.len(), stored.len() - 1);
+
+    let away = |first: usize, series: &[Vec<f64>]| {
+        let of_row = |(n, row): (usize, &Vec<f64>)| -> Vec<f64> {
+            (0..joints).map(|j| row[first + j] - series[j][n + 1]).collect()
+        };
+        largest(found.iter().enumerate().flat_map(of_row))
+    };
+    let way = largest(moved.position_rad.iter().flatten().copied());
+    assert!(way > 0.1, "the model has to move: {way}");
+    Some([away(0, &moved.position_rad), away(joints, &moved.velocity_rad_s)])
+}
+
+#[test]
+fn a_forward_unit_moves_as_the_simulation_does() {
+    for (mut case, name) in [
+        (case(arm(), true), "arm"),
+        (case(gantry(), true), "gantry"),
+        (case_with_memory(arm()), "arm with memory"),
+        (case_with_memory(gantry()), "gantry with memory"),
+    ] {
+        // Friction that grows faster than its load would lock the joints.
+        let base = case.model.base().len();
+        for (parameter, value) in case.model.parameters().iter().zip(&mut case.coefficients).skip(base) {
+            *value *= if parameter.unit == "1/Nm" { 1e-4 } else { 0.05 };
+        }
+        let stored = checks_along_a_swing(&case, 101, 0.01);
+        let Some([position, velocity]) = distance(&case, &stored, 0.01) else { return };
+        println!("{name}: largest differences {position:e} rad or m, {velocity:e} rad/s or m/s");
+        assert!(position <= 1e-8 && velocity <= 1e-7, "{name}: {position:e} {velocity:e}");
+    }
+}
+
+#[test]
+fn an_arm_that_is_let_go_falls_and_one_whose_friction_bears_its_weight_rests() {
+    let provenance = provenance();
+    let heavy = || case_with_load(arm(), Load { mass_kg: 5.0, at_m: [0.1, 0.0, 0.0] });
+    for (mut case, share, falls) in [
+        (heavy(), 0.05, true),
+        (case_with_memory(arm()), 0.05, true),
+        (case_with_memory(arm()), 200.0, false),
+    ] {
+        let base = case.model.base().len();
+        let parameters: Vec<_> =
+            case.model.parameters().iter().map(|p| (p.name.clone(), p.unit.clone())).collect();
+        for ((name, unit), value) in parameters.iter().zip(&mut case.coefficients).skip(base) {
+            // Friction without load bears the weight or not; what grows with the load is left out.
+            if unit == "1" || unit == "1/Nm" {
+                *value = 0.0;
+            } else if !name.starts_with("payload.") {
+                *value *= share;
+            }
+        }
+        let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Two).unwrap();
+        let joints = case.model.joints();
+        let lines = line(&[&vec![0.0; 2 * joints]]).repeat(60);
+        let Some(run) = driven(&fmu, &["0.005".into()], &lines) else { return };
+        let found = rows(&run);
+        let way = largest(found[59][..joints].iter().copied());
+        println!("share {share}: {way:e} rad in 0.3 s");
+        assert!(if falls { way > 0.05 } else { way < 0.02 }, "share {share}: {way:e}");
+    }
+}
