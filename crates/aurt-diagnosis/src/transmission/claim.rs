@@ -312,13 +312,16 @@ fn sums(moments: &[Moments], blocks: &[Block]) -> [f64; 2] {
     })
 }
 
-/// A gear gives way; it does not stiffen.
+/// A gear gives way; it does not stiffen. One that its load topples, with a torque beyond all bounds, explains nothing.
 fn amplitude([cc, cr]: [f64; 2]) -> f64 {
-    if cc > 0.0 { (cr / cc).max(0.0) } else { 0.0 }
+    if cc > 0.0 && cc.is_finite() && cr.is_finite() { (cr / cc).max(0.0) } else { 0.0 }
 }
 
 /// What an amplitude gains in log-likelihood.
 fn gain([cc, cr]: [f64; 2], amplitude: f64) -> f64 {
+    if amplitude == 0.0 {
+        return 0.0;
+    }
     amplitude * cr - 0.5 * amplitude * amplitude * cc
 }
 
@@ -332,4 +335,16 @@ fn in_standard_errors(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
     mean / (variance / n).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitted_gain;
+
+    #[test]
+    fn a_gear_that_its_load_topples_gains_nothing() {
+        let topples = [[f64::NAN, 1.0], [f64::INFINITY, f64::NAN], [1.0, f64::INFINITY], [0.0, 0.0]];
+        assert!(topples.iter().all(|moments| fitted_gain(*moments) == 0.0));
+        assert_eq!(fitted_gain([2.0, 4.0]), 4.0);
+    }
 }
