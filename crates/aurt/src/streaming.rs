@@ -175,7 +175,7 @@ impl Job {
             progress.step(format!("validating on {}", source.label));
             let mut notes = prepared.recording().report().notes();
             notes.extend(prepared.report().notes());
-            notes.push("read in stretches: measured velocities are not compared with positions".into());
+            notes.push("read in stretches: measured velocities are not compared with positions, and no rows are shown".into());
             recordings.push(RecordingResult {
                 label: source.label.clone(),
                 role: *role,
