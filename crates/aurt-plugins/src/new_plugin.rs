@@ -226,7 +226,7 @@ const SOURCE: Option<&str> = match option_env!("AURT_RELEASE") {
 /// The dependency on one of our crates: by its path where this program's source is still there, else by version.
 fn dependency(name: &str) -> String {
     let source = SOURCE.map(|folder| Path::new(folder).join("..").join(name));
-    match source.map_or_else(|| Err(ErrorKind::NotFound.into()), |source| source.canonicalize()) {
+    match source.map_or_else(|| Err(io::ErrorKind::NotFound.into()), |source| source.canonicalize()) {
         Ok(path) if path.join("Cargo.toml").exists() => {
             format!("{{ path = {} }}", toml::Value::from(path.to_string_lossy().into_owned()))
         }

@@ -145,7 +145,11 @@ pub(super) fn write(to: &mut impl Write, text: &impl Serialize, numbers: &[&[f64
     bytes.extend_from_slice(&(count as u64).to_le_bytes());
     bytes.extend_from_slice(&text);
     for list in numbers {
-        bytes.extend(list.iter().flat_map(|x| x.to_le_bytes()));
+        let first = bytes.len();
+        bytes.resize(first + 8 * list.len(), 0);
+        for (to, x) in bytes[first..].chunks_exact_mut(8).zip(*list) {
+            to.copy_from_slice(&x.to_le_bytes());
+        }
     }
     to.write_all(&bytes)
 }
