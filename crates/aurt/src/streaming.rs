@@ -20,8 +20,8 @@ use crate::{
     results::metrics::{RecordingResult, Role},
 };
 
-/// Memory that whole recordings take, per byte of their files (`docs/performance.md`).
-const MEMORY_PER_BYTE: u64 = 5;
+/// Memory that whole recordings take at most, per byte of their files (`docs/reliability.md`).
+const MEMORY_PER_BYTE: u64 = 8;
 
 /// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::fitting::fit_experiment) does
 /// with whole ones; predictions for their rows are not made.
