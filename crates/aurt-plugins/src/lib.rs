@@ -2,8 +2,8 @@
 //!
 //! - [`Registry`] knows every model that can be named and builds one from its table;
 //! - [`Node`] is such a table, with the place of every key and value;
-//! - [`Registry::load_library`] adds the models of a dynamic library, in this process or ([`Registry::isolate`]) in one of the
-//!   library's own, [`new_plugin`] writes a new one to start from.
+//! - [`Registry::load_library`] adds the models of a dynamic library, in this process or ([`Registry::isolate`]) in one
+//!   of the library's own, [`new_plugin`] writes a new one to start from.
 //!
 //! ```
 //! use aurt_plugins::{Node, Registry};

@@ -1,4 +1,5 @@
-//! Writes torques, mass matrices and regressors of every serial chain of robot description files, for comparison with other programs:
+//! Writes torques, mass matrices and regressors of every serial chain of robot description files, for comparison with
+//! other programs:
 //!
 //! `cargo run --release -p aurt-robots --example chains -- FOLDER FILE…`
 //!

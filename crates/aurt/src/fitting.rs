@@ -66,7 +66,7 @@ pub struct Outcome {
 }
 
 impl Role {
-    const fn purpose(self) -> Purpose {
+    pub(crate) const fn purpose(self) -> Purpose {
         match self {
             Self::Calibration => Purpose::Calibration,
             Self::Validation => Purpose::Validation,

@@ -13,7 +13,7 @@ use aurt_traits::MeasurementUnit;
 
 use crate::{
     calibrated_file::CalibratedModel,
-    data::{Purpose, Source},
+    data::Source,
     failure::Failure,
     fitting::{Job, Outcome},
     progress::Progress,
@@ -143,9 +143,9 @@ impl Job {
         let pipeline = self.pipeline();
         let mut prepared: Vec<LongPrepared> = Vec::new();
         let mut first: Option<(MeasurementUnit, &Path)> = None;
-        for (source, _) in assigned {
+        for (source, role) in assigned {
             progress.step(format!("reading {} in stretches", source.label));
-            let options = source.read_options(Some(self.model.joints()), Purpose::Calibration);
+            let options = source.read_options(Some(self.model.joints()), role.purpose());
             let long = LongRecording::read(&source.file, &options)?;
             let unit = self.instrument.unit(long.unit());
             match first {
@@ -160,8 +160,7 @@ impl Job {
                 _ => first = first.or(Some((unit, &source.file))),
             }
             progress.step(format!("preprocessing {}", source.label));
-            // Rest at the ends of a held-out recording is left out too, as it is where whole ones are judged.
-            let options = pipeline.options(long.unit(), Purpose::Calibration);
+            let options = pipeline.options(long.unit(), role.purpose());
             prepared.push(long.prepare(&options).map_err(|e| because.explained(e))?);
         }
         progress.step("calibrating");

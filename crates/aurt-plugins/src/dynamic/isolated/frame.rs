@@ -1,7 +1,7 @@
 //! What host and process say to each other: frames of a text in JSON and numbers.
 //!
-//! A frame is the length of its text in bytes and the count of its numbers (two little-endian `u64`), the text, and the numbers (little-endian
-//! `f64`). Series and columns are numbers, all else is text.
+//! A frame is the length of its text in bytes and the count of its numbers (two little-endian `u64`), the text, and the
+//! numbers (little-endian `f64`). Series and columns are numbers, all else is text.
 
 use std::io::{self, Read, Write};
 

@@ -1,10 +1,12 @@
 //! Libraries in processes of their own: what such a process does wrong ends with it.
 //!
-//! A host that offers this ([`Registry::serve_with`](crate::Registry::serve_with)) names a program that becomes the process of a library when it is
-//! started with [`Worker::ARGUMENT`] and the library's path; [`serve_if_asked`], called first in `main`, makes a program one.
-//! Host and process talk over a socket, a request and a reply at a time: [`frame`] says in which form. A library has as many processes as
-//! threads ask for it at once ([`pool`]). An instance lives on both sides: the host keeps what it was made from, so that a process that ended is
-//! replaced at the next call.
+//! A host that offers this ([`Registry::serve_with`](crate::Registry::serve_with)) names a program that becomes the
+//! process of a library when it is started with [`Worker::ARGUMENT`] and the library's path; [`serve_if_asked`], called
+//! first in `main`, makes a program one.
+//!
+//! Host and process talk over a socket, a request and a reply at a time (`frame`). A library has as many processes as
+//! threads ask for it at once (`pool`). An instance lives on both sides (`remote`, `serve`): the host keeps what it was
+//! made from, so that a process that ended is replaced at the next call.
 
 mod frame;
 mod pool;
