@@ -12,7 +12,7 @@ use std::{
 };
 
 use super::{
-    Worker,
+    TIME_LIMIT, Worker,
     frame::{self, Offer, Reply, Request},
     remote::Remote,
     time_limit,
@@ -97,7 +97,10 @@ impl Pool {
         match error.kind() {
             io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
                 child.kill();
-                format!("has not returned for {:.1} s and was ended", self.time_limit.as_secs_f64())
+                format!(
+                    "has not returned for {:.1} s and was ended; {TIME_LIMIT} sets another limit",
+                    self.time_limit.as_secs_f64()
+                )
             }
             io::ErrorKind::InvalidData => {
                 child.kill();
