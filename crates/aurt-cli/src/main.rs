@@ -40,7 +40,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     if let Ok(worker) = Worker::this_program() {
         registry.serve_with(worker);
     }
-    registry.isolate(arguments.command.tries_libraries());
+    registry.isolate(cfg!(unix) && arguments.command.tries_libraries());
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
