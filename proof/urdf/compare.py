@@ -1,4 +1,4 @@
-"""Serial chains of URDF files: torques, regressors and numbers of base parameters against Pinocchio.
+"""Serial chains of URDF files: torques, mass matrices, regressors and numbers of base parameters against Pinocchio.
 
     pip install pin==4.1.0 example-robot-data==6.0.0
     cargo build --release -p aurt-robots --example chains
@@ -7,7 +7,8 @@
 
 Prints one row per file: chains read and refused, the largest number of joints, the largest relative differences of
 torque and regressor over the states of all chains (of each state relative to its largest entry), and chains whose
-number of base parameters differs. Exit status 1 if a difference exceeds 1e-9 or a number differs.
+number of base parameters differs. Exit status 1 if a difference, of mass matrices too, exceeds 1e-9 or a number
+differs.
 
 Pinocchio reads the same file; joints beside the chain rest at zero in its model as they do in ours. Its regressor
 is in the parameters of its own link frames: ours is turned into these by the constant rotation between the two frames
@@ -73,7 +74,7 @@ def rest(model, file):
 
 
 def compare_chain(model, posture, chain, folder):
-    """Largest relative differences of torque and regressor, and Pinocchio's number of base parameters.
+    """Largest relative differences of torque, mass matrix and regressor, and Pinocchio's number of base parameters.
 
     The model is that of the whole robot, in which nothing but the chain moves: the chain's joints carry the same torques
     as if the others were fixed, and the columns of its links are the same.
@@ -84,11 +85,12 @@ def compare_chain(model, posture, chain, folder):
     velocities = [joint.idx_v for joint in joints]
     links = [model.getJointId(name) - 1 for name in chain["joints"]]
     into = [to_ours(np.array(frame)) for frame in chain["frames"]]
-    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 10 * n * n)
-    differences, stacked = [0.0, 0.0], []
+    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 11 * n * n)
+    differences, stacked = [0.0, 0.0, 0.0], []
     for row in numbers:
         q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
-        ours = row[4 * n :].reshape(n, n, 10)
+        mass = row[4 * n : 4 * n + n * n].reshape(n, n)
+        ours = row[4 * n + n * n :].reshape(n, n, 10)
         configuration, v, a = posture.copy(), np.zeros(model.nv), np.zeros(model.nv)
         for k, joint in enumerate(joints):
             value = [q[k]] if joint.nq == 1 else [np.cos(q[k]), np.sin(q[k])]
@@ -96,10 +98,14 @@ def compare_chain(model, posture, chain, folder):
             v[joint.idx_v], a[joint.idx_v] = qd[k], qdd[k]
         theirs = pin.rnea(model, data, configuration, v, a)[velocities]
         differences[0] = max(differences[0], relative(torque, theirs))
+        pin.crba(model, data, configuration)
+        theirs = np.triu(data.M) + np.triu(data.M, 1).T
+        theirs = theirs[np.ix_(velocities, velocities)]
+        differences[1] = max(differences[1], relative(mass, theirs))
         theirs = pin.computeJointTorqueRegressor(model, data, configuration, v, a)
         theirs = theirs.reshape(model.nv, model.njoints - 1, 10)[velocities][:, links]
         ours = np.stack([ours[:, link] @ into[link] for link in range(n)], axis=1)
-        differences[1] = max(differences[1], relative(ours, theirs))
+        differences[2] = max(differences[2], relative(ours, theirs))
         stacked.append(theirs.reshape(n, 10 * n))
     return (*differences, rank(np.vstack(stacked)))
 
@@ -140,7 +146,7 @@ def main():
             if read:
                 model = pin.buildModelFromUrdf(str(file))
                 posture = rest(model, file)
-            worst, other = [0.0, 0.0], []
+            worst, other = [0.0, 0.0, 0.0], []
             for chain in read:
                 *differences, rank_there = compare_chain(model, posture, chain, numbers)
                 worst = np.maximum(worst, differences)
@@ -152,7 +158,7 @@ def main():
             text = "; ".join(other) or ", ".join(map(str, counts))
             joints = max((len(chain["joints"]) for chain in read), default=0)
             print(
-                f"| {name} | {len(read)} | {len(refused)} | {joints} | {worst[0]:.0e} | {worst[1]:.0e} | {text} |",
+                f"| {name} | {len(read)} | {len(refused)} | {joints} | {worst[0]:.0e} | {worst[2]:.0e} | {text} |",
                 flush=True,
             )
     print(f"\n{total['files']} files, {total['chains']} chains compared, {total['refused']} refused:")

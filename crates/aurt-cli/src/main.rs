@@ -19,7 +19,7 @@ use aurt::{
     calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary,
     injected, inspection, output, proof, reports, results, sensitivity, streaming, sweeping, tracking,
 };
-use aurt_plugins::Registry;
+use aurt_plugins::{Registry, Worker};
 use aurt_traits::Dispatch;
 
 use crate::{
@@ -37,6 +37,10 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     }
     let mut registry = Registry::linked()?;
     registry.before_libraries(supervised::before_library);
+    if let Ok(worker) = Worker::this_program() {
+        registry.serve_with(worker);
+    }
+    registry.isolate(cfg!(unix) && arguments.command.tries_libraries());
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
@@ -64,13 +68,23 @@ fn refuse(error: &clap::Error) -> ExitCode {
 }
 
 fn main() -> ExitCode {
+    if let Some(status) = aurt_plugins::serve_if_asked() {
+        return status;
+    }
     let arguments = match arguments::parse(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
     interrupt::listen();
-    match run(&arguments, &terminal) {
+    let status = report(run(&arguments, &terminal), &terminal);
+    supervised::ended();
+    status
+}
+
+/// Says how the command went, and with which status it ends.
+fn report(outcome: Result<Report, Failure>, terminal: &Terminal) -> ExitCode {
+    match outcome {
         Ok(report) => match terminal.print_report(&report) {
             Ok(()) if report.findings => ExitCode::from(FINDINGS),
             Ok(()) => ExitCode::SUCCESS,

@@ -17,12 +17,12 @@ use std::{
 const NOTE: &str = "AURT_LIBRARY_NOTE";
 /// Seconds that a single call of a library's function may take.
 const LIMIT: &str = "AURT_LIBRARY_TIME_LIMIT_S";
-/// Without [`LIMIT`]: a call evaluates some thousand samples, which takes milliseconds.
-const USUAL_LIMIT: Duration = Duration::from_secs(60);
 /// How often calls are looked at.
 const EVERY: Duration = Duration::from_millis(100);
 /// Exit status of a command that failed.
 const FAILURE: i32 = 2;
+/// In the place of a call: the command has come to its end.
+const ENDED: &str = "ended";
 
 /// The file of notes of this process.
 static NOTED: OnceLock<PathBuf> = OnceLock::new();
@@ -52,9 +52,22 @@ pub fn before_library(library: &Path) {
         say(&format!("{called} crashed{}; nothing that was being written is kept", signal(status)));
         FAILURE
     });
+    if status < FAILURE && fs::read_to_string(note.path()).is_ok_and(|called| called != ENDED) {
+        let called = fs::read_to_string(note.path()).unwrap_or_default();
+        say(&format!("{called} ended the command with exit status {status}, which a library must not do"));
+        drop(note);
+        std::process::exit(FAILURE);
+    }
     // `exit` runs no destructors.
     drop(note);
     std::process::exit(status);
+}
+
+/// Notes that the command came to its end, so that whoever is above knows that no library has ended it.
+pub fn ended() {
+    if NOTED.get().is_some() {
+        note_call(ENDED);
+    }
 }
 
 fn note_call(called: &str) {
@@ -66,8 +79,7 @@ fn note_call(called: &str) {
 
 /// Ends the command when a call takes longer than it may.
 fn watch_time() {
-    let wanted = env::var(LIMIT).ok().and_then(|text| text.parse::<f64>().ok()).filter(|s| *s > 0.0);
-    let limit = wanted.and_then(|s| Duration::try_from_secs_f64(s).ok()).unwrap_or(USUAL_LIMIT);
+    let limit = aurt_plugins::time_limit();
     std::thread::spawn(move || {
         loop {
             std::thread::sleep(EVERY);

@@ -195,7 +195,7 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
     for (name, contents) in files {
         let path = staged.join(name);
         let fail = || WriteError::at(&folder.join(name));
-        fs::create_dir_all(folder_of(&path)).map_err(fail())?;
+        make_below(staged, name.as_ref()).map_err(fail())?;
         let mut file = fs::File::create_new(&path).map_err(fail())?;
         io::Write::write_all(&mut file, contents.as_ref()).and_then(|()| file.sync_data()).map_err(fail())?;
     }
@@ -207,6 +207,20 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
     drop(staging);
     drop(publishing);
     sync_folder(parent);
+    Ok(())
+}
+
+/// Makes the folders of a name below a folder, but never the folder itself: one that an interruption has removed stays
+/// away.
+fn make_below(folder: &Path, name: &Path) -> io::Result<()> {
+    let mut below = folder.to_owned();
+    for part in name.parent().into_iter().flat_map(Path::components) {
+        below.push(part);
+        match fs::create_dir(&below) {
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+            _ => {}
+        }
+    }
     Ok(())
 }
 

@@ -59,6 +59,20 @@ fn a_folder_that_cannot_be_filled_does_not_appear() {
     assert!(contents(parent.path()).is_empty());
 }
 
+#[test]
+fn a_staged_folder_that_an_interruption_removed_is_not_made_again() {
+    let parent = tempfile::tempdir().unwrap();
+    let staged = parent.path().join("staged");
+    fs::create_dir(&staged).unwrap();
+    make_below(&staged, Path::new("a/b/file")).unwrap();
+    make_below(&staged, Path::new("a/file")).unwrap();
+    assert!(staged.join("a/b").is_dir());
+    fs::remove_dir_all(&staged).unwrap();
+    assert!(make_below(&staged, Path::new("a/file")).is_err());
+    make_below(&staged, Path::new("file")).unwrap();
+    assert!(contents(parent.path()).is_empty());
+}
+
 /// Makes a file look as if a process had left it a minute ago.
 fn abandoned(path: &Path, text: impl AsRef<[u8]>) -> PathBuf {
     fs::write(path, text).unwrap();

@@ -217,10 +217,16 @@ fn type_name(model: &str) -> String {
         .collect()
 }
 
+/// The folder of this crate when it was compiled; none in a program that is handed out (`scripts/release.sh`).
+const SOURCE: Option<&str> = match option_env!("AURT_RELEASE") {
+    Some(_) => None,
+    None => Some(env!("CARGO_MANIFEST_DIR")),
+};
+
 /// The dependency on one of our crates: by its path where this program's source is still there, else by version.
 fn dependency(name: &str) -> String {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name);
-    match source.canonicalize() {
+    let source = SOURCE.map(|folder| Path::new(folder).join("..").join(name));
+    match source.map_or_else(|| Err(io::ErrorKind::NotFound.into()), |source| source.canonicalize()) {
         Ok(path) if path.join("Cargo.toml").exists() => {
             format!("{{ path = {} }}", toml::Value::from(path.to_string_lossy().into_owned()))
         }

@@ -1,10 +1,11 @@
-//! Writes torques and regressors of every serial chain of robot description files, for comparison with other programs:
+//! Writes torques, mass matrices and regressors of every serial chain of robot description files, for comparison with
+//! other programs:
 //!
 //! `cargo run --release -p aurt-robots --example chains -- FOLDER FILE…`
 //!
 //! For each file one line of JSON goes to the standard output, with the chains' joints, the inertial parameters and the
-//! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ (N each) and the
-//! regressor (N rows of 10 N), in the computer's byte order.
+//! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ (N each), the
+//! mass matrix (N rows of N) and the regressor (N rows of 10 N), in the computer's byte order.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -62,8 +63,10 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
             let (q, qd, qdd) = (numbers.series(n, 3.0), numbers.series(n, 2.0), numbers.series(n, 8.0));
             let mut torque = vec![0.0; n];
             dynamics.inverse_dynamics(&q, &qd, &qdd, &mut torque);
+            let mut mass = vec![0.0; n * n];
+            dynamics.mass_matrix(&q, &mut mass);
             let regressor = chain.regressor(&q, &qd, &qdd);
-            for value in q.iter().chain(&qd).chain(&qdd).chain(&torque).chain(&regressor) {
+            for value in q.iter().chain(&qd).chain(&qdd).chain(&torque).chain(&mass).chain(&regressor) {
                 out.write_all(&value.to_ne_bytes())?;
             }
         }

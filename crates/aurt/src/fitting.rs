@@ -66,7 +66,7 @@ pub struct Outcome {
 }
 
 impl Role {
-    const fn purpose(self) -> Purpose {
+    pub(crate) const fn purpose(self) -> Purpose {
         match self {
             Self::Calibration => Purpose::Calibration,
             Self::Validation => Purpose::Validation,
@@ -84,6 +84,20 @@ pub const fn judged_rows(role: Role, trim_rest: bool) -> ValidatedRows {
 }
 
 impl Job {
+    /// What an experiment asks for.
+    ///
+    /// # Errors
+    /// If its model cannot be assembled.
+    pub fn of(experiment: &Experiment) -> Result<Self, Failure> {
+        Ok(Self {
+            model: experiment.robot_model()?,
+            preprocessing: experiment.preprocess.clone(),
+            instrument: Instrument::of(experiment),
+            options: calibration_options(experiment),
+            scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
+        })
+    }
+
     /// How recordings are read and preprocessed.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
@@ -286,13 +300,7 @@ pub fn fit_and_keep(
 ) -> Result<(Outcome, Vec<Assigned>), Failure> {
     let recordings = &experiment.recordings;
     progress.step("compiling the model");
-    let job = Job {
-        model: experiment.robot_model()?,
-        preprocessing: experiment.preprocess.clone(),
-        instrument: Instrument::of(experiment),
-        options: calibration_options(experiment),
-        scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
-    };
+    let job = Job::of(experiment)?;
     let assigned = job.read(
         recordings.calibration.iter().map(Source::from),
         recordings.validation.iter().map(Source::from),

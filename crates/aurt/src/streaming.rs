@@ -1,22 +1,46 @@
 //! Calibration on recordings that are read in stretches, in memory that does not grow with their length.
 
-use std::{fmt, path::Path, str::FromStr};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
 
-use aurt_calibration::{Comparison, calibrate_long, shapes_of, validate_long};
+use aurt_calibration::{CalibrationError, Comparison, calibrate_long, shapes_of, validate_long};
+use aurt_experiment::Experiment;
 use aurt_recording::{LongPrepared, LongRecording, RecordingError};
 use aurt_traits::MeasurementUnit;
 
 use crate::{
     calibrated_file::CalibratedModel,
-    data::{Purpose, Source},
+    data::Source,
     failure::Failure,
     fitting::{Job, Outcome},
     progress::Progress,
     results::metrics::{RecordingResult, Role},
 };
 
-/// Memory that whole recordings take, per byte of their files (`docs/performance.md`).
-const MEMORY_PER_BYTE: u64 = 5;
+/// Memory that whole recordings take at most, per byte of their files (`docs/reliability.md`).
+const MEMORY_PER_BYTE: u64 = 8;
+
+/// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::fitting::fit_experiment) does
+/// with whole ones; predictions for their rows are not made.
+///
+/// # Errors
+/// As [`Job::fit_in_stretches`].
+pub fn fit_experiment_in_stretches(
+    experiment: &Experiment,
+    because: TooLarge,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    progress.step("compiling the model");
+    let recordings = &experiment.recordings;
+    let role = |role| move |source| (Source::from(source), role);
+    let calibration = recordings.calibration.iter().map(role(Role::Calibration));
+    let assigned: Vec<(Source, Role)> =
+        calibration.chain(recordings.validation.iter().map(role(Role::Validation))).collect();
+    Job::of(experiment)?.fit_in_stretches(&assigned, because, progress)
+}
 
 /// A number of bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -103,35 +127,25 @@ impl TooLarge {
 }
 
 impl Job {
-    /// As [`Self::fit`] on recordings of which all are for calibration; they are judged, but nothing is predicted.
+    /// As [`Self::fit`]; recordings are judged, but nothing is predicted row by row.
     ///
     /// # Errors
     /// As [`Self::fit`]; [`Failure::Stretches`] for what needs whole recordings: a clock that is not uniform, another
-    /// rate than the recording's own, shape parameters that are searched.
+    /// rate than the recording's own, a part of a recording, shape parameters that are searched, arm terms that act in
+    /// some recordings alone.
     pub fn fit_in_stretches(
         &self,
-        sources: &[Source],
+        assigned: &[(Source, Role)],
         because: TooLarge,
         progress: &Progress,
     ) -> Result<Outcome, Failure> {
-        let searched = shapes_of(&self.model);
-        if self.options.fit_shapes && !searched.is_empty() {
-            let reason = format!(
-                "the shape parameters of {} are searched, which passes over the recordings many times",
-                searched.join(", ")
-            );
-            return Err(because.refusal(
-                None,
-                reason,
-                "compile the model with friction models that have none",
-            ));
-        }
+        self.refuse_what_needs_all(assigned, because)?;
         let pipeline = self.pipeline();
         let mut prepared: Vec<LongPrepared> = Vec::new();
         let mut first: Option<(MeasurementUnit, &Path)> = None;
-        for source in sources {
+        for (source, role) in assigned {
             progress.step(format!("reading {} in stretches", source.label));
-            let options = source.read_options(Some(self.model.joints()), Purpose::Calibration);
+            let options = source.read_options(Some(self.model.joints()), role.purpose());
             let long = LongRecording::read(&source.file, &options)?;
             let unit = self.instrument.unit(long.unit());
             match first {
@@ -146,22 +160,24 @@ impl Job {
                 _ => first = first.or(Some((unit, &source.file))),
             }
             progress.step(format!("preprocessing {}", source.label));
-            let options = pipeline.options(long.unit(), Purpose::Calibration);
+            let options = pipeline.options(long.unit(), role.purpose());
             prepared.push(long.prepare(&options).map_err(|e| because.explained(e))?);
         }
         progress.step("calibrating");
         let unit = first.map(|(unit, _)| unit).unwrap_or_default();
-        let calibration =
-            calibrate_long(&self.model, &prepared, unit, self.preprocessing.f_dyn_hz, &self.options)?;
+        // Those for calibration come first.
+        let fitted = assigned.iter().take_while(|(_, role)| *role == Role::Calibration).count();
+        let f_dyn_hz = self.preprocessing.f_dyn_hz;
+        let calibration = calibrate_long(&self.model, &prepared[..fitted], unit, f_dyn_hz, &self.options)?;
         let mut recordings = Vec::new();
-        for (source, prepared) in sources.iter().zip(&prepared) {
+        for ((source, role), prepared) in assigned.iter().zip(&prepared) {
             progress.step(format!("validating on {}", source.label));
             let mut notes = prepared.recording().report().notes();
             notes.extend(prepared.report().notes());
-            notes.push("read in stretches: measured velocities are not compared with positions".into());
+            notes.push("read in stretches: measured velocities are not compared with positions, and no rows are shown".into());
             recordings.push(RecordingResult {
                 label: source.label.clone(),
-                role: Role::Calibration,
+                role: *role,
                 window_s: source.window_s,
                 validation: validate_long(&self.model, &calibration, prepared)?,
                 comparison: Comparison::default(),
@@ -177,6 +193,39 @@ impl Job {
             instrument: self.instrument.clone(),
         };
         Ok(Outcome { calibrated, recordings, predictions: Vec::new() })
+    }
+
+    /// Refuses what stretches cannot do, and a held-out recording that is fitted to as well.
+    fn refuse_what_needs_all(&self, assigned: &[(Source, Role)], because: TooLarge) -> Result<(), Failure> {
+        let searched = shapes_of(&self.model);
+        if self.options.fit_shapes && !searched.is_empty() {
+            let reason = format!(
+                "the shape parameters of {} are searched, which passes over the recordings many times",
+                searched.join(", ")
+            );
+            let otherwise = "compile the model with friction models that have none";
+            return Err(because.refusal(None, reason, otherwise));
+        }
+        if let Some((source, _)) = assigned.iter().find(|(source, _)| source.window_s.is_some()) {
+            let reason = format!("{}: a part of the recording is asked for", source.file.display());
+            return Err(because.refusal(Some(&source.file), reason, "cut the file"));
+        }
+        let acts_everywhere = |label: &str| !self.scopes.acting(&self.model, label).contains(&false);
+        if !assigned.iter().all(|(source, _)| acts_everywhere(&source.label)) {
+            let reason = "arm terms act in some recordings alone";
+            return Err(because.refusal(None, reason, "leave out their `recordings`"));
+        }
+        let of =
+            |role: Role| assigned.iter().filter(move |(_, r)| *r == role).map(|(source, _)| &source.file);
+        let place = |file: &Path| std::fs::canonicalize(file).ok();
+        for validation in of(Role::Validation) {
+            let same = |c: &&PathBuf| place(c).is_some_and(|c| place(validation) == Some(c));
+            if let Some(calibration) = of(Role::Calibration).find(same) {
+                let (validation, calibration) = (validation.clone(), calibration.clone());
+                return Err(CalibrationError::Repeated { validation, calibration }.into());
+            }
+        }
+        Ok(())
     }
 }
 

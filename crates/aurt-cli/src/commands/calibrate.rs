@@ -20,7 +20,10 @@ use crate::{
     fitting::{Detail, Job},
     output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
-    results::{metrics::Results, parameters},
+    results::{
+        metrics::{Results, Role},
+        parameters,
+    },
     streaming::{Bytes, TooLarge},
 };
 
@@ -80,7 +83,8 @@ impl Calibrate {
         let together = Bytes::of_files(self.data.iter().map(PathBuf::as_path));
         let outcome = if together > self.stream_above {
             let because = TooLarge { together, limit: self.stream_above };
-            job.fit_in_stretches(&sources, because, &progress)?
+            let assigned: Vec<_> = sources.into_iter().map(|source| (source, Role::Calibration)).collect();
+            job.fit_in_stretches(&assigned, because, &progress)?
         } else {
             let assigned = job.read(sources, [], &progress)?;
             job.fit(&assigned, Detail::Errors, &progress)?

@@ -18,6 +18,7 @@ use crate::{
     },
     reports,
     results::{metrics::Results, parameters},
+    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
 };
 
 /// Calibrate and validate a model as an experiment file says.
@@ -33,6 +34,10 @@ pub struct Run {
     /// Folder for the results; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them;
+    /// predictions row by row are not written then, and mistakes of the setup not looked for
+    #[arg(long, value_name = "SIZE", default_value = "500MB")]
+    stream_above: Bytes,
     #[command(flatten)]
     plots: PlotOptions,
 }
@@ -45,6 +50,17 @@ impl Run {
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let progress = session.terminal.progress(3 * count + 3);
+        let recordings = &experiment.recordings;
+        let together = Bytes::of_files(
+            recordings.calibration.iter().chain(&recordings.validation).map(|r| r.file.as_path()),
+        );
+        if together > self.stream_above {
+            let because = TooLarge { together, limit: self.stream_above };
+            let outcome = fit_experiment_in_stretches(&experiment, because, &progress)
+                .map_err(|failure| failure.of_value_in(&experiment.path))?;
+            drop(progress);
+            return write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal);
+        }
         let (outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
         progress.step("looking for mistakes of the setup");

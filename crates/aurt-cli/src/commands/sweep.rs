@@ -213,12 +213,18 @@ impl RunSweep {
     }
 }
 
+/// Points of a plan that the terminal lists.
+const MOST_LISTED: usize = 200;
+
 impl PlanSweep {
     fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let (_, plan, folder) = planned(&self.experiment, &self.out, session)?;
         let mut text = format!("{}\n", counted(plan.points.len()));
-        for (k, point) in plan.points.iter().enumerate() {
+        for (k, point) in plan.points.iter().enumerate().take(MOST_LISTED) {
             text.push_str(&format!("  {:>4}  {}\n", k + 1, point.name));
+        }
+        if plan.points.len() > MOST_LISTED {
+            text.push_str(&format!("  and {} further points\n", plan.points.len() - MOST_LISTED));
         }
         text.push_str(&written_text(&[folder.path().join("sweep.json"), folder.path().join("points")]));
         let json =
@@ -309,7 +315,11 @@ fn damaged_text(damaged: &[PathBuf]) -> String {
             path.display()
         )
     };
-    damaged.iter().map(line).collect()
+    let mut text: String = damaged.iter().take(MOST_LISTED).map(line).collect();
+    if damaged.len() > MOST_LISTED {
+        text.push_str(&format!("warning: {} further results likewise\n", damaged.len() - MOST_LISTED));
+    }
+    text
 }
 
 fn summary_text(summary: &Summary) -> String {

@@ -106,3 +106,47 @@ fn what_stretches_cannot_do_is_refused_with_the_way_out() {
     folder.aurt(line()).refused(&["exciting_motion.csv", "1000", "`x`"]);
     folder.aurt(line().map(|word| if word == "0" { "much" } else { word })).refused(&["500MB"]);
 }
+
+#[test]
+fn a_whole_experiment_runs_in_stretches() {
+    let folder = folder("sign");
+    let run = |more: &[&str], out: &str| {
+        let line = ["run", "experiment.toml", "--out", out].into_iter().chain(more.iter().copied());
+        folder.aurt(line).succeeded();
+        folder.json(&format!("{out}/metrics.json"))
+    };
+    let whole = run(&[], "whole");
+    let stretches = run(&["--stream-above", "1kB"], "stretches");
+    let values = |out: &str| -> Vec<f64> {
+        let text = folder.read(&format!("{out}/calibrated_parameters.csv"));
+        text.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect()
+    };
+    let (ours, expected) = (values("stretches"), values("whole"));
+    assert_eq!(ours.len(), expected.len());
+    for (a, b) in ours.iter().zip(&expected) {
+        assert!((a - b).abs() <= 1e-6 * (1.0 + b.abs()), "{a} {b}");
+    }
+    let recordings = |metrics: &Value| metrics["recordings"].as_array().unwrap().clone();
+    for (ours, expected) in recordings(&stretches).iter().zip(recordings(&whole)) {
+        for key in ["file", "role", "unit"] {
+            assert_eq!(ours[key], expected[key]);
+        }
+        // Rows at rest at the ends of a held-out recording count here, and do not there.
+        for (a, b) in numbers(&ours["moving"]["nrmse"]).iter().zip(numbers(&expected["moving"]["nrmse"])) {
+            assert!((a - b).abs() <= 1e-4 * b, "{a} {b}");
+        }
+    }
+    assert!(folder.read("stretches/report.html").contains("in stretches"));
+    assert!(folder.json("stretches/rd_calibrated.json")["model"].is_object());
+
+    let text = folder.read("experiment.toml");
+    let windowed =
+        text.replace("\"other_motion.csv\"", "{ file = \"other_motion.csv\", window_s = [0.0, 5.0] }");
+    assert_ne!(text, windowed);
+    folder.write("windowed.toml", &windowed);
+    folder.aurt(["run", "windowed.toml", "--out", "w", "--stream-above", "0"]).refused(&[
+        "other_motion.csv",
+        "a part of the recording",
+        "--stream-above",
+    ]);
+}

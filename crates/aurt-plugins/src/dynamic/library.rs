@@ -9,8 +9,10 @@ use aurt_traits::{
     abi::{self, Declaration, ModelTable},
 };
 use libloading::Library;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::isolated::Pool;
 use crate::{
     Error,
     registry::{ModelListing, Origin},
@@ -28,7 +30,7 @@ pub struct LibraryListing {
 }
 
 /// Why a library could not be loaded.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum LibraryProblem {
     /// There is no such file.
@@ -61,19 +63,43 @@ pub enum LibraryProblem {
         /// Its minor version.
         minor: u32,
     },
+    /// It is to run in a process of its own, and the host has not said which program that is.
+    #[error(
+        "is to run in a process of its own, which this program does not offer; the command `aurt` does, and with \
+         `isolate = false` under [plugins] the library runs in this process"
+    )]
+    NoWorker,
+    /// The process that it was to run in ended, or could not be had.
+    #[error("{0} while it was being loaded in a process of its own")]
+    Process(String),
     /// Its declaration contradicts the ABI.
     #[error("has a faulty declaration: {0}")]
     Faulty(String),
 }
 
-/// A model of a loaded library.
+/// A model of a library.
 #[derive(Debug)]
 pub struct LibraryModel {
-    pub table: ModelTable,
+    pub code: Code,
     pub slot: Slot,
-    /// Lives in the library, and so as long as the process.
+    /// Lives as long as the process.
     pub name: &'static str,
     pub library: LibraryListing,
+}
+
+/// Where a model's functions run.
+#[derive(Debug)]
+pub enum Code {
+    /// In this process.
+    Loaded(Table),
+    /// In processes of the library's own; `number` is the model's place there.
+    Isolated { pool: Arc<Pool>, number: usize },
+}
+
+/// The functions of a model of a library that is loaded into this process.
+#[derive(Debug, Clone, Copy)]
+pub struct Table {
+    pub functions: ModelTable,
     /// Bytes that `describe` may write.
     pub description_size: usize,
     /// The table's place in the library, which `create` gets back.
@@ -82,15 +108,18 @@ pub struct LibraryModel {
 
 // SAFETY: tables and the texts behind them are constant, and their functions may be called from any thread, as the
 // ABI demands.
-unsafe impl Send for LibraryModel {}
+unsafe impl Send for Table {}
 // SAFETY: as above.
-unsafe impl Sync for LibraryModel {}
+unsafe impl Sync for Table {}
 
 /// A model's listing and the model.
 type Listed = (ModelListing, Arc<LibraryModel>);
 
+/// What a library is, and its models.
+pub(crate) type Loaded = (LibraryListing, Vec<Listed>);
+
 /// Opens a library and lists its models.
-pub(crate) fn load(path: &Path) -> Result<(LibraryListing, Vec<Listed>), Error> {
+pub(crate) fn load(path: &Path) -> Result<Loaded, Error> {
     let fail = |problem| Error::Library { path: path.to_owned(), problem };
     let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
     if !file.is_file() {
@@ -216,8 +245,8 @@ unsafe fn read_model(
         example: named(table.example, "example of a model")?.to_owned(),
         origin: Origin::Library(library.clone()),
     };
-    let model = LibraryModel { table, slot, name, library: library.clone(), description_size, address };
-    Ok((listing, Arc::new(model)))
+    let code = Code::Loaded(Table { functions: table, description_size, address });
+    Ok((listing, Arc::new(LibraryModel { code, slot, name, library: library.clone() })))
 }
 
 /// # Safety

@@ -63,7 +63,8 @@ impl Series {
     ///
     /// # Safety
     /// Every pointer leads to the values that the struct describes, and nobody changes them during `'a`.
-    pub(super) unsafe fn as_arm<'a>(&self) -> (MotionView<'a>, &'a [f64]) {
+    #[must_use]
+    pub unsafe fn as_arm<'a>(&self) -> (MotionView<'a>, &'a [f64]) {
         let reach =
             |stride: usize| if self.joints == 0 { 0 } else { (self.joints - 1) * stride + self.samples };
         // SAFETY: the caller promises `joints` series, `stride` apart, of `samples` values each.

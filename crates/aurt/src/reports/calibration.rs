@@ -18,7 +18,11 @@ use crate::{
 
 /// The page; `experiment` is the file that was run, where there is one, and `metrics` what metrics.json holds.
 pub fn page(command: &str, results: &Results<'_>, experiment: Option<&str>, metrics: &Value) -> Page {
-    let mut sections = vec![errors(results), series(results), residuals(results)];
+    let mut sections = vec![errors(results)];
+    // Recordings that were read in stretches have no rows to be shown.
+    if results.recordings.iter().all(|r| !r.comparison.joints.is_empty()) {
+        sections.extend([series(results), residuals(results)]);
+    }
     sections.extend(results.calibration.essential.as_ref().map(super::essential::section));
     sections.push(Section {
         title: "Parameters".into(),

@@ -5,15 +5,26 @@ use aurt_sweep::{Plan, Ranked, Ranking, Rows, Validate};
 use serde_json::{Value, json};
 
 use super::parts;
-use crate::rendering::{
-    json::pretty,
-    number::{percent, significant},
+use crate::{
+    rendering::{
+        json::pretty,
+        number::{percent, significant},
+    },
+    results::sweep_table::{ranges, readable},
 };
+
+/// Points that the page has in its tables.
+const MOST: usize = 200;
+/// Points that its figure has.
+const MOST_BARS: usize = 40;
+/// Points that one sentence names.
+const MOST_NAMED: usize = 5;
 
 /// The page of a ranking; `definition` is the experiment with its section `sweep`.
 pub fn page(ranking: &Ranking, plan: &Plan, definition: Option<&str>) -> Page {
-    let mut sections = vec![compared(ranking), errors(ranking)];
-    let troubles = troubles(ranking);
+    let (shown, left_out) = readable(ranking, MOST);
+    let mut sections = vec![compared(&shown, &left_out), errors(&shown)];
+    let troubles = troubles(&shown);
     if !troubles.is_empty() {
         sections.push(Section { title: "Troubles".into(), introduction: String::new(), blocks: troubles });
     }
@@ -46,7 +57,10 @@ pub fn page(ranking: &Ranking, plan: &Plan, definition: Option<&str>) -> Page {
             aurt_sweep::LEVEL
         ),
     ));
-    let document: Value = json!(ranking);
+    let mut document: Value = json!(shown);
+    if !left_out.is_empty() {
+        document["left_out"] = json!(left_out);
+    }
     Page {
         title: "Sweep over variants of a robot model".into(),
         verdict: verdict(ranking),
@@ -85,7 +99,11 @@ fn verdict(ranking: &Ranking) -> Verdict {
         .map(|r| format!("\"{}\"", r.name))
         .collect();
     if !tied.is_empty() {
-        sentences.push(format!("Noise may explain the difference from {}.", parts::listed(&tied)));
+        let mut named = tied[..tied.len().min(MOST_NAMED)].to_vec();
+        if tied.len() > named.len() {
+            named.push(format!("{} other points", tied.len() - named.len()));
+        }
+        sentences.push(format!("Noise may explain the difference from {}.", parts::listed(&named)));
     }
     if failed > 0 {
         sentences.push(format!("{failed} points failed."));
@@ -102,7 +120,7 @@ fn joint_columns(ranking: &Ranking) -> impl Iterator<Item = String> {
     (0..joints).map(|j| format!("joint {j}"))
 }
 
-fn compared(ranking: &Ranking) -> Section {
+fn compared(ranking: &Ranking, left_out: &[String]) -> Section {
     let score = |r: &Ranked| r.score.map(|s| 100.0 * s);
     let bars = Bars {
         title: "held-out MSE, % of the reference's".into(),
@@ -115,6 +133,7 @@ fn compared(ranking: &Ranking) -> Section {
         groups: ranking
             .ranked
             .iter()
+            .take(MOST_BARS)
             .map(|r| BarGroup {
                 label: format!("{}. {}", r.rank, r.name),
                 values: vec![score(r)],
@@ -146,7 +165,10 @@ fn compared(ranking: &Ranking) -> Section {
             "Bold: more than noise explains. =: over all joints, noise may explain the difference from the \
                        best."
                 .into(),
-        blocks: vec![Block::Figure(Figure::Bars(bars)), Block::Table(table)],
+        blocks: [Block::Figure(Figure::Bars(bars)), Block::Table(table)]
+            .into_iter()
+            .chain(left_out.iter().map(|line| Block::Text(format!("{line}."))))
+            .collect(),
     }
 }
 
@@ -183,7 +205,7 @@ fn troubles(ranking: &Ranking) -> Vec<Block> {
         blocks.push(Block::List(failed));
     }
     if !ranking.missing.is_empty() {
-        let numbers = aurt_sweep::slurm::ranges(&ranking.missing);
+        let numbers = ranges(&ranking.missing);
         blocks.push(Block::Text(format!("Points without a result: {numbers}.")));
     }
     for r in ranking.ranked.iter().filter(|r| !r.warnings.is_empty()) {
