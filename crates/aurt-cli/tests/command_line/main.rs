@@ -11,6 +11,7 @@ mod diagnosis;
 mod estimators;
 mod injection;
 mod instruction_sets;
+mod joined;
 mod long_recordings;
 mod machine_output;
 mod outputs;
