@@ -180,7 +180,7 @@ e.toml:12:24: there is no hysteresis model `square`; `square` is a model for `co
 e.toml:13:33: model `absolute`, key `level`: unknown key `level`, it has no keys; a working example: ABSOLUTE
 e.toml:15:25: `calibration` names the file missing.csv, which does not exist; relative paths start at the experiment's folder
 e.toml:16:40: `unit` cannot be "mA"; known values: `A`, `Nm`
-e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joint_names`, `rate_hz`, `time`, `topic`, `unit`, `window_s`
+e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joined`, `joint_names`, `rate_hz`, `take`, `time`, `topic`, `unit`, `window_s`
 e.toml:18:12: `f_dyn_hz` must be above zero, is -1
 e.toml:20:13: `estimator` expects a string, found an integer
 e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;

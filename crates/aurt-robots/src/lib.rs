@@ -12,6 +12,7 @@ mod description;
 mod element;
 mod error;
 mod known;
+mod mdh;
 mod mjcf;
 mod pose;
 mod selection;
@@ -24,6 +25,7 @@ use std::path::Path;
 pub use description::{DescribedRobot, JointFriction, JointLimits};
 pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
+pub use mdh::AsMdh;
 
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
 pub const MOST_BYTES: u64 = 64 << 20;

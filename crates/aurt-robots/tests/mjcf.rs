@@ -110,7 +110,11 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
         ("", whole(&format!("<joint axis=\"0 0 0\"/>{INERTIAL}")), &["axis has no direction"]),
         ("", whole(&format!("<joint type=\"screw\"/>{INERTIAL}")), &["type `screw` is not known"]),
         ("", whole(&format!("<joint damping=\"much\"/>{INERTIAL}")), &["`damping`", "`much`"]),
-        ("", whole(&format!("<freejoint/>{INERTIAL}")), &["is a free joint, which serial chains cannot have"]),
+        (
+            "",
+            whole(&format!("<freejoint/>{INERTIAL}")),
+            &["is a free joint, which serial chains cannot have"],
+        ),
         ("", whole(&format!("<joint class=\"none\"/>{INERTIAL}")), &["there is no class `none`"]),
         ("", body("<body name=\"b\"/>"), &["the name `b` is taken"]),
         ("", body("<body quat=\"0 0 0 0\"/>"), &["`quat` is zero"]),

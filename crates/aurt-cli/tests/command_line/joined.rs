@@ -35,7 +35,7 @@ fn assert_same_model(folder: &Folder, toml: &str, names: &[&str]) {
     for which in ["whole", "split"] {
         folder.aurt(["run", &format!("{which}.toml"), "--out", which]).succeeded();
     }
-    let model = |which: &str| folder.read(&format!("{which}/params.csv"));
+    let model = |which: &str| folder.read(&format!("{which}/calibrated_parameters.csv"));
     assert_eq!(model("whole"), model("split"));
     let report = folder.read("split/metrics.json");
     assert!(report.contains("are joined by equal stamps"), "{report}");

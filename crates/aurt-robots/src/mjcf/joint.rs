@@ -9,6 +9,9 @@ use crate::pose::Pose;
 use crate::tree::Freedom;
 use crate::{JointFriction, JointLimits, RobotError};
 
+/// The numbers of an attribute: its name, its text, how many there have to be.
+type Numbers<'f> = dyn Fn(&'static str, &str, usize) -> Result<Vec<f64>, RobotError> + 'f;
+
 /// A joint of a body.
 pub(super) struct MjcfJoint {
     /// The joint's frame in the frame of the body before it moves, at coordinate zero.
@@ -100,7 +103,7 @@ impl<'x> Reading<'_, 'x> {
     fn limits<'t>(
         &self,
         of: impl Fn(&str) -> Option<&'t str>,
-        numbers: &dyn Fn(&'static str, &str, usize) -> Result<Vec<f64>, RobotError>,
+        numbers: &Numbers<'_>,
         unit: f64,
     ) -> Result<JointLimits, RobotError> {
         let pair = |name: &'static str, flag: &str| -> Result<Option<[f64; 2]>, RobotError> {

@@ -47,7 +47,7 @@ pub const TERMS: &[Term] = &[
         name: "joint_names",
         title: "joint_names",
         text: "The names of the robot's joints in the order of its chain, for files that name joints (joint states in MCAP). \
-            Robots of a URDF file have them; without any, the order of the first message is taken.",
+            Robots of a URDF or MJCF file have them; without any, the order of the first message is taken.",
     },
     Term {
         name: "rate_hz",
