@@ -65,8 +65,10 @@ fn with(other: &Path, change: impl FnOnce(&mut JoinedFile)) -> ReadOptions {
     ReadOptions { joints: Some(JOINTS), recorded, ..ReadOptions::default() }
 }
 
-fn numbers(recording: &Recording) -> (&[f64], &[Vec<f64>], Option<&Vec<Vec<f64>>>) {
-    (&recording.time_s, &recording.position_rad, recording.measurement.as_ref())
+/// All series of a recording: stamps, positions, measurements.
+fn numbers(recording: &Recording) -> Vec<&Vec<f64>> {
+    let measured = recording.measurement.iter().flatten();
+    std::iter::once(&recording.time_s).chain(&recording.position_rad).chain(measured).collect()
 }
 
 fn remarks(recording: &Recording) -> String {
