@@ -1,6 +1,6 @@
 //! Described chains as tables of modified Denavit–Hartenberg parameters.
 
-use aurt_rbd::{JointKind, MdhRow, RbdError, RobotDescription};
+use aurt_rbd::{MdhRow, RbdError, RobotDescription};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::DescribedRobot;
@@ -70,12 +70,6 @@ impl DescribedRobot {
         }
         let gravity = base.transpose() * Vector3::from(gravity_m_s2);
         Ok(AsMdh { rows, gravity_m_s2: gravity.into() })
-    }
-
-    /// Whether a joint slides.
-    #[must_use]
-    pub fn slides(&self, joint: usize) -> bool {
-        self.joints[joint].kind == JointKind::Prismatic
     }
 }
 

@@ -34,7 +34,7 @@ const LIKELIER: f64 = 0.9;
 /// The same for each recording alone.
 const EACH_LIKELIER: f64 = 0.95;
 /// Of robots that take it to within this factor of the least share, the likeliest mistake is told.
-const ONE_AS_LIKELY: f64 = 1.01;
+const ONE_AS_LIKELY: f64 = 1.03;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
 
