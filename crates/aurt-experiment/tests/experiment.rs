@@ -171,7 +171,7 @@ estimator = 3
 [plot]
 "#;
     let expected = r#"e.toml:4:12: `mdh_rows` cannot be "nxet"; did you mean `next`? known values: `next`, `previous`
-e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `mdh`, `mdh_rows`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
+e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `mdh`, `mdh_rows`, `mjcf`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
 e.toml:6:29: `torque_constants_nm_per_a` expects one entry per joint, so 2, found 3
 e.toml:8:21: there is no coulomb model `sqare`; did you mean `square`? known coulomb models: COULOMB
 e.toml:9:44: model `polynomial`, key `powers`: invalid type: string "1", expected a sequence; a working example: POLYNOMIAL
@@ -180,7 +180,7 @@ e.toml:12:24: there is no hysteresis model `square`; `square` is a model for `co
 e.toml:13:33: model `absolute`, key `level`: unknown key `level`, it has no keys; a working example: ABSOLUTE
 e.toml:15:25: `calibration` names the file missing.csv, which does not exist; relative paths start at the experiment's folder
 e.toml:16:40: `unit` cannot be "mA"; known values: `A`, `Nm`
-e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joint_names`, `rate_hz`, `time`, `topic`, `unit`, `window_s`
+e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joined`, `joint_names`, `rate_hz`, `take`, `time`, `topic`, `unit`, `window_s`
 e.toml:18:12: `f_dyn_hz` must be above zero, is -1
 e.toml:20:13: `estimator` expects a string, found an integer
 e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;
@@ -225,13 +225,13 @@ fn missing_sections_and_keys_are_named_with_an_example() {
     assert_eq!(
         problems("# nothing\n"),
         "e.toml:1:1: the experiment lacks the key `schema`; for example: schema = 1\n\
-         e.toml:1:1: the experiment lacks the key `robot`; for example: [robot] with `mdh` (or `urdf`, or `name`) and `gravity_m_s2`\n\
+         e.toml:1:1: the experiment lacks the key `robot`; for example: [robot] with `mdh` (or `urdf`, `mjcf`, `name`) and `gravity_m_s2`\n\
          e.toml:1:1: the experiment lacks the key `recordings`; for example: [recordings] with `calibration`"
     );
     assert_eq!(
         problems("schema = 2\n[robot]\n[recordings]\ncalibration = []\n"),
         "e.toml:1:10: `schema` is 2, another version of the experiment file; this program reads schema 1\n\
-         e.toml:2:1: [robot] lacks the key `mdh`; for example: mdh = \"mdh.csv\", urdf = \"robot.urdf\" or name = \"ur10e\"\n\
+         e.toml:2:1: [robot] lacks the key `mdh`; for example: mdh = \"mdh.csv\", urdf = \"robot.urdf\", mjcf = \"robot.xml\" or name = \"ur10e\"\n\
          e.toml:2:1: [robot] lacks the key `gravity_m_s2`; for example: gravity_m_s2 = [0.0, 0.0, -9.81]\n\
          e.toml:4:15: `calibration` needs at least one recording"
     );
@@ -376,7 +376,10 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
         ),
         ("name = \"ur-10e\"", &["did you mean \"ur10e\"?"]),
         ("mdh = \"mdh.csv\"\nname = \"ur10e\"", &["`name` is a second geometry beside `mdh`; remove one"]),
-        ("mdh = \"mdh.csv\"\ntip = \"arm\"", &["`tip` chooses a link of a `urdf`, which is not given"]),
+        (
+            "mdh = \"mdh.csv\"\ntip = \"arm\"",
+            &["`tip` chooses a link of a `urdf` or `mjcf`, which is not given"],
+        ),
     ] {
         let all = read(folder.path(), &of_robot(lines)).expect_err("this experiment is wrong");
         for part in parts {

@@ -144,6 +144,18 @@ pub enum RecordingError {
         /// The number.
         value: f64,
     },
+    /// Two files that do not belong together.
+    #[error("{path} with {other}: {reason}; {remedy}", path = path.display(), other = other.display())]
+    Joined {
+        /// The file with the positions.
+        path: PathBuf,
+        /// The other one.
+        other: PathBuf,
+        /// Why they cannot be joined.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
     /// A file that is not what its format says.
     #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
     Malformed {

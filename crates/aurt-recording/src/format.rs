@@ -8,8 +8,8 @@ use std::{
 };
 
 use crate::{
-    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, matlab::Matlab, mcap_bag::McapBag,
-    numpy::NumPy, parquet::Parquet,
+    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, joined, matlab::Matlab,
+    mcap_bag::McapBag, numpy::NumPy, parquet::Parquet,
 };
 
 /// Every format, in the order in which their claims to a file are heard.
@@ -95,12 +95,16 @@ impl<'a> RecordingInput<'a> {
     }
 }
 
-/// Reads a recording from a file of any of the [`FORMATS`].
+/// Reads a recording from a file of any of the [`FORMATS`], together with those that
+/// [belong to it](crate::RecordedAs::joined): rows of the common time span, joined by their stamps.
 ///
 /// # Errors
 /// A file that cannot be read, and what its format reports (for text: [`Csv`]). Each error names the file, the place and
 /// what to do.
 pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
+    if !options.recorded.joined.is_empty() {
+        return joined::read(path, options);
+    }
     read(path, options, usize::MAX, &mut |_| Ok(()))
 }
 
@@ -139,6 +143,14 @@ pub(crate) fn read_pieces(
     options: &ReadOptions,
     visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
 ) -> Result<ReadReport, RecordingError> {
+    if let Some(other) = options.recorded.joined.first() {
+        return Err(RecordingError::Joined {
+            path: path.to_owned(),
+            other: other.file.clone(),
+            reason: "files are joined as a whole, and the recordings are too large for that".into(),
+            remedy: "read them whole with a higher --stream-above, or join them into one file first".into(),
+        });
+    }
     let last = read(path, options, PIECE_ROWS, visit)?;
     visit(&last)?;
     Ok(last.report)

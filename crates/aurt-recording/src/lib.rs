@@ -39,6 +39,7 @@ mod csv;
 mod error;
 mod foreign;
 mod format;
+mod joined;
 mod joint_state;
 mod long;
 mod matlab;
@@ -53,6 +54,7 @@ mod recording;
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
 pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
+pub use joined::JoinedFile;
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::Matlab;
 pub use mcap_bag::McapBag;
@@ -66,5 +68,5 @@ pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
-pub use recorded_as::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
+pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};

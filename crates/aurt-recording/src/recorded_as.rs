@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use crate::RecordingError;
+use crate::{JoinedFile, RecordingError};
 
 /// The unit of positions and, per second, of velocities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,17 @@ pub enum CurrentUnit {
     Milliampere,
 }
 
+/// What a recording consists of beside its stamps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Joint positions.
+    Position,
+    /// Joint velocities.
+    Velocity,
+    /// Joint torques or motor currents.
+    Measurement,
+}
+
 /// What a file does not tell of itself: units, sampling rate, encoders, gears, and what to read of a bag.
 /// Whatever is `None` is as usual: rad, s, A, joint side.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -67,6 +78,10 @@ pub struct RecordedAs {
     pub topic: Option<String>,
     /// The robot's joints by name, in the robot's order; for formats that name joints.
     pub joint_names: Option<Vec<String>>,
+    /// What is taken of the file; `None`: all that it has.
+    pub take: Option<Vec<Quantity>>,
+    /// Files that hold other quantities of the same motion.
+    pub joined: Vec<JoinedFile>,
 }
 
 /// What a number is multiplied with and then divided by. Both steps are exact where the unit allows it, so that
@@ -88,7 +103,14 @@ impl RecordedAs {
             gear_ratio: self.gear_ratio.or_else(|| general.gear_ratio.clone()),
             topic: self.topic.or_else(|| general.topic.clone()),
             joint_names: self.joint_names.or_else(|| general.joint_names.clone()),
+            take: self.take,
+            joined: self.joined,
         }
+    }
+
+    /// Whether a quantity is to be taken of the file.
+    pub(crate) fn takes(&self, quantity: Quantity) -> bool {
+        self.take.as_ref().is_none_or(|take| take.contains(&quantity))
     }
 
     pub(crate) fn validate(&self) -> Result<(), RecordingError> {

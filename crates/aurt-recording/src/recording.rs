@@ -45,6 +45,9 @@ pub struct ReadReport {
     /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
     #[serde(skip)]
     pub line_is_row: bool,
+    /// Seconds that the reader took off all stamps, so that they keep their nanoseconds.
+    #[serde(skip)]
+    pub origin_s: f64,
 }
 
 /// A row that was left out.

@@ -37,6 +37,8 @@ pub struct DescribedRobot {
     pub limits: Vec<JointLimits>,
     /// The joints' friction.
     pub friction: Vec<JointFriction>,
+    /// Of each joint the inertia of its rotor as the joint feels it, in kg m² (kg of a prismatic joint): MuJoCo's `armature`.
+    pub armature_kg_m2: Vec<f64>,
     /// 10 N standard parameters, link after link {XX XY XZ YY YZ ZZ mX mY mZ m} in the frames of the chain, with those
     /// of the bodies that a link carries; `None` if the description has no masses.
     pub standard_parameters: Option<Vec<f64>>,

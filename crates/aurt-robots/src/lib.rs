@@ -1,6 +1,6 @@
-//! Robots as they are described elsewhere: serial chains of URDF files, and robots known by name.
+//! Robots as they are described elsewhere: serial chains of URDF and MJCF files, and robots known by name.
 //!
-//! [`read`] takes the chain between two links out of a URDF file: revolute, continuous and prismatic joints with axes in
+//! [`read`] takes the chain between two links out of a URDF file or an MJCF file of MuJoCo: revolute, continuous and prismatic joints with axes in
 //! any direction, bodies behind fixed joints merged into the links that carry them, other branches carried as fixed at
 //! zero posture. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
 //!
@@ -9,8 +9,11 @@
 
 mod body;
 mod description;
+mod element;
 mod error;
 mod known;
+mod mdh;
+mod mjcf;
 mod pose;
 mod selection;
 mod serial;
@@ -22,6 +25,7 @@ use std::path::Path;
 pub use description::{DescribedRobot, JointFriction, JointLimits};
 pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
+pub use mdh::AsMdh;
 
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
 pub const MOST_BYTES: u64 = 64 << 20;
@@ -55,7 +59,7 @@ pub fn parse(
     tip: Option<&str>,
 ) -> Result<DescribedRobot, RobotErrors> {
     let path = path.as_ref();
-    let tree = urdf::parse(text, path)?;
+    let tree = tree(text, path)?;
     let selection = selection::select(&tree, base, tip)?;
     serial::chain(&tree, &selection)
 }
@@ -66,7 +70,20 @@ pub fn parse(
 /// # Errors
 /// As [`read`].
 pub fn tips(text: &str, path: impl AsRef<Path>, base: Option<&str>) -> Result<Vec<String>, RobotErrors> {
-    let tree = urdf::parse(text, path.as_ref())?;
+    let tree = tree(text, path.as_ref())?;
     let base = selection::base_of(&tree, base)?;
     Ok(selection::tips(&tree, base).into_iter().map(|tip| tree.links[tip].name.clone()).collect())
+}
+
+/// Whether a text is an MJCF file, by its outermost element.
+#[must_use]
+pub fn is_mjcf(text: &str) -> bool {
+    element::document(text, Path::new("")).is_ok_and(|d| d.root_element().tag_name().name() == mjcf::ROOT)
+}
+
+/// The links and joints of a file in either format.
+fn tree(text: &str, path: &Path) -> Result<tree::Tree, RobotErrors> {
+    let document = element::document(text, path)?;
+    let root = document.root_element();
+    if root.tag_name().name() == mjcf::ROOT { mjcf::read(root, path) } else { urdf::read(root, path) }
 }

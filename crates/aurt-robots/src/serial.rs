@@ -74,6 +74,7 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
             .collect(),
         limits: of_joints().map(|j| j.limits).collect(),
         friction: of_joints().map(|j| j.friction).collect(),
+        armature_kg_m2: of_joints().map(|j| j.armature).collect(),
         standard_parameters: has_masses.then_some(standard),
         frames: links
             .iter()

@@ -58,6 +58,8 @@ pub(crate) struct TreeJoint {
     pub mimic: Option<Mimic>,
     pub limits: JointLimits,
     pub friction: JointFriction,
+    /// Inertia of the rotor as the joint feels it, in kg m² (kg where it slides).
+    pub armature: f64,
 }
 
 impl TreeJoint {

@@ -28,12 +28,13 @@ pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
     let section = |document: &mut Table, name: &str, key: &str| {
         let Some(value) = document.get_mut(name).and_then(|s| s.get_mut(key)) else { return };
         match value {
-            Value::Array(items) => items.iter_mut().for_each(|item| fix(file_of(item))),
-            other => fix(file_of(other)),
+            Value::Array(items) => items.iter_mut().for_each(|item| each_file(item, &fix)),
+            other => each_file(other, &fix),
         }
     };
     for (name, key) in [
         ("robot", "mdh"),
+        ("robot", "mjcf"),
         ("robot", "urdf"),
         ("plugins", "libraries"),
         ("recordings", "calibration"),
@@ -45,12 +46,17 @@ pub(crate) fn make_absolute(document: &mut Table, folder: &Path) {
     }
 }
 
-/// The path in a recording: the value itself, or its `file`.
-fn file_of(value: &mut Value) -> &mut Value {
-    if value.get("file").is_some() {
-        return &mut value["file"];
+/// The paths in a recording: the value itself, or its `file` and those of the files `joined` to it.
+fn each_file(value: &mut Value, fix: &dyn Fn(&mut Value)) {
+    let Value::Table(table) = value else { return fix(value) };
+    if let Some(file) = table.get_mut("file") {
+        fix(file);
     }
-    value
+    match table.get_mut("joined") {
+        Some(Value::Array(items)) => items.iter_mut().for_each(|item| each_file(item, fix)),
+        Some(other) => each_file(other, fix),
+        None => {}
+    }
 }
 
 /// The way to what stands at `span` of a text: the deepest key or value that lies there.

@@ -80,6 +80,9 @@ pub fn key(
     let recordings = &experiment.recordings;
     for source in recordings.calibration.iter().chain(&recordings.validation) {
         add(&digests.of(&source.file)?);
+        for other in &source.recorded.joined {
+            add(&digests.of(&other.file)?);
+        }
     }
     Ok(hash.finalize().to_hex().as_str()[..40].to_owned())
 }

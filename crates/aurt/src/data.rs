@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use aurt_calibration::NamedRecording;
 use aurt_experiment::{
     Experiment,
-    experiment::{ColumnName, JointColumns, RecordingColumns, RecordingSource},
+    experiment::{RecordingColumns, RecordingSource},
 };
 use aurt_recording::{
-    ColumnRef, ColumnSelection, ColumnsRef, PreprocessOptions, ReadOptions, ReadReport, RecordedAs,
-    Recording, RecordingError, preprocess, read_recording,
+    ColumnSelection, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
+    preprocess, read_recording,
 };
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
@@ -272,23 +272,9 @@ impl Pipeline<'_> {
 
 fn selection(columns: &RecordingColumns) -> ColumnSelection {
     ColumnSelection {
-        time: columns.time.as_ref().map(column),
-        position: Some(joint_columns(&columns.position)),
-        velocity: columns.velocity.as_ref().map(joint_columns),
-        measurement: columns.measurement.as_ref().map(joint_columns),
-    }
-}
-
-fn column(name: &ColumnName) -> ColumnRef {
-    match name {
-        ColumnName::Index(index) => ColumnRef::Index(*index),
-        ColumnName::Name(name) => ColumnRef::Name(name.clone()),
-    }
-}
-
-fn joint_columns(columns: &JointColumns) -> ColumnsRef {
-    match columns {
-        JointColumns::Range { first, last } => ColumnsRef::Range { first: *first, last: *last },
-        JointColumns::Names(names) => ColumnsRef::List(names.iter().cloned().map(ColumnRef::Name).collect()),
+        time: columns.time.as_ref().map(Into::into),
+        position: Some((&columns.position).into()),
+        velocity: columns.velocity.as_ref().map(Into::into),
+        measurement: columns.measurement.as_ref().map(Into::into),
     }
 }

@@ -124,7 +124,7 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
             option: "--robot",
             reason: format!("{robot} is neither a robot known by name nor a file"),
             remedy: format!(
-                "{meant}`aurt robots` lists the names; else give a .urdf or a table of MDH parameters"
+                "{meant}`aurt robots` lists the names; else give a .urdf, an MJCF file or a table of MDH parameters"
             ),
         });
     }
@@ -137,8 +137,11 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
                 remedy: "choose the end of the chain with `--tip`, or correct the file".into(),
             })?;
         let tip = format!("tip = {}\n", quoted(&described.tip));
+        let is_mjcf =
+            aurt_files::read_text(file, aurt_robots::MOST_BYTES).is_ok_and(|t| aurt_robots::is_mjcf(&t));
+        let key = if is_mjcf { "mjcf" } else { "urdf" };
         return Ok(Arm {
-            line: format!("urdf = {written}\n{tip}"),
+            line: format!("{key} = {written}\n{tip}"),
             joints: described.joints.len(),
             is_table: false,
         });

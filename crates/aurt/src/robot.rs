@@ -50,7 +50,7 @@ impl Robot {
         Ok(Self { described: Some(Box::new(described.clone())), ..Self::new(&described, gravity_m_s2)? })
     }
 
-    /// The serial chain between two links of a URDF file; without `base` it starts at the file's root, without `tip` it
+    /// The serial chain between two links of a URDF or MJCF file; without `base` it starts at the file's root, without `tip` it
     /// ends where the only moving chain does.
     ///
     /// # Errors

@@ -91,11 +91,14 @@ impl Init {
     }
 
     fn robot(&self) -> Result<String, Failure> {
-        let asked = || ask("Robot (a name of `aurt robots`, a .urdf, or a table of MDH parameters): ");
+        let asked =
+            || ask("Robot (a name of `aurt robots`, a .urdf, an MJCF .xml, or a table of MDH parameters): ");
         self.robot.clone().or_else(asked).ok_or_else(|| Failure::Argument {
             option: "--robot",
             reason: "the robot is not given".into(),
-            remedy: "give a name that `aurt robots` lists, a .urdf, or a table of MDH parameters".into(),
+            remedy:
+                "give a name that `aurt robots` lists, a .urdf, an MJCF .xml, or a table of MDH parameters"
+                    .into(),
         })
     }
 

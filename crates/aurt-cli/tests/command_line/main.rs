@@ -12,6 +12,7 @@ mod estimators;
 mod injection;
 mod instruction_sets;
 mod isolation;
+mod joined;
 mod long_recordings;
 mod machine_output;
 mod outputs;

@@ -9,12 +9,15 @@ use crate::error::DiagnosisError;
 
 /// Keys whose strings, alone, in a list or under `file` in a table of a list, name files.
 const KEYS: [(&str, &[&str]); 4] = [
-    ("robot", &["mdh", "urdf"]),
+    ("robot", &["mdh", "mjcf", "urdf"]),
     ("plugins", &["libraries"]),
     ("recordings", &["calibration", "validation", "target", "simulated"]),
     // The recordings in which a term acts, by the names that `[recordings]` gives them.
     ("arm_terms", &["recordings"]),
 ];
+
+/// Keys of a recording's table that name files: its own and those joined to it.
+const FILES: [&str; 2] = ["file", "joined"];
 
 /// Stands for a variable's `$` while a name is rewritten; no file name has this character of Unicode's private use area.
 const VARIABLE: char = '\u{f8fe}';
@@ -65,7 +68,11 @@ fn names(item: &mut Item, rewrite: &dyn Fn(&Path) -> PathBuf) {
     match item {
         Item::Value(value) => name(value, rewrite),
         Item::ArrayOfTables(tables) => {
-            tables.iter_mut().filter_map(|t| t.get_mut("file")).for_each(|file| names(file, rewrite));
+            for table in tables.iter_mut() {
+                FILES
+                    .iter()
+                    .for_each(|key| table.get_mut(key).into_iter().for_each(|item| names(item, rewrite)));
+            }
         }
         Item::Table(_) | Item::None => {}
     }
@@ -87,9 +94,7 @@ fn name(value: &mut Value, rewrite: &dyn Fn(&Path) -> PathBuf) {
         }
         Value::Array(list) => list.iter_mut().for_each(|item| name(item, rewrite)),
         Value::InlineTable(table) => {
-            if let Some(file) = table.get_mut("file") {
-                name(file, rewrite);
-            }
+            FILES.iter().for_each(|key| table.get_mut(key).into_iter().for_each(|item| name(item, rewrite)));
         }
         _ => {}
     }

@@ -8,6 +8,7 @@ mod calibration;
 mod errors;
 mod geometry;
 mod instrument;
+mod joined;
 mod joint_count;
 mod joint_dynamics;
 mod paths;
@@ -142,7 +143,7 @@ fn read_sections(
     let Some(mut top) = Section::new(reader, root, "the experiment") else { return (None, None) };
     read_schema(&mut top);
     let libraries = read_libraries(&mut top, registry);
-    top.require("robot", "[robot] with `mdh` (or `urdf`, or `name`) and `gravity_m_s2`");
+    top.require("robot", "[robot] with `mdh` (or `urdf`, `mjcf`, `name`) and `gravity_m_s2`");
     let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
     let dynamics = top.section("joint_dynamics");
     let joint_dynamics = JointDynamics::read(dynamics, reader, registry);

@@ -31,7 +31,18 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
     }
     let topic = section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
     let joint_names = section.take("joint_names").and_then(|node| names(section, node));
-    RecordedAs { angle, time, current, rate_hz, counts_per_revolution, gear_ratio, topic, joint_names }
+    RecordedAs {
+        angle,
+        time,
+        current,
+        rate_hz,
+        counts_per_revolution,
+        gear_ratio,
+        topic,
+        joint_names,
+        take: None,
+        joined: Vec::new(),
+    }
 }
 
 /// One number for all joints, or one for each.

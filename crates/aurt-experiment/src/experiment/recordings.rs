@@ -1,17 +1,22 @@
 use std::path::PathBuf;
 
-use aurt_recording::RecordedAs;
+use aurt_recording::{ColumnRef, ColumnsRef, RecordedAs};
 use aurt_traits::MeasurementUnit;
 
 use super::{
     errors::Complaint,
     geometry::Geometry,
+    joined,
     joint_count::JointCheck,
     recorded_as,
     robot::Robot,
     section::{Reader, Section},
 };
 use crate::{Node, NodeKind};
+
+/// Units of measurements.
+pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
+    [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 
 /// `[recordings]`: what was recorded, by what it is for.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,7 +45,7 @@ pub struct RecordingSource {
     /// `columns`: where to find what, for files without the usual column names.
     pub columns: Option<RecordingColumns>,
     /// What the file does not tell of itself: `angle`, `time`, `current`, `rate_hz`, `counts_per_revolution`,
-    /// `gear_ratio`, `topic`, `joint_names`.
+    /// `gear_ratio`, `topic`, `joint_names`, `take`, `joined`.
     pub recorded: RecordedAs,
 }
 
@@ -78,6 +83,24 @@ pub enum JointColumns {
     },
     /// Names in the header, joint after joint.
     Names(Vec<String>),
+}
+
+impl From<&ColumnName> for ColumnRef {
+    fn from(column: &ColumnName) -> Self {
+        match column {
+            ColumnName::Index(index) => Self::Index(*index),
+            ColumnName::Name(name) => Self::Name(name.clone()),
+        }
+    }
+}
+
+impl From<&JointColumns> for ColumnsRef {
+    fn from(columns: &JointColumns) -> Self {
+        match columns {
+            JointColumns::Range { first, last } => Self::Range { first: *first, last: *last },
+            JointColumns::Names(names) => Self::List(names.iter().cloned().map(ColumnRef::Name).collect()),
+        }
+    }
 }
 
 impl JointColumns {
@@ -118,6 +141,9 @@ impl Recordings {
         let all = [&mut self.calibration, &mut self.validation, &mut self.target, &mut self.simulated];
         for source in all.into_iter().flatten() {
             source.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
+            for other in &mut source.recorded.joined {
+                other.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
+            }
         }
     }
 }
@@ -170,8 +196,10 @@ fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> O
         }
         Some(window)
     });
-    let unit = table.choice("unit", &[("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)]);
-    let recorded = recorded_as::read(&mut table).or(general);
+    let unit = table.choice("unit", &UNITS);
+    let mut recorded = recorded_as::read(&mut table).or(general);
+    recorded.take = joined::take(&mut table, true);
+    recorded.joined = joined::read(&mut table, general);
     let columns_node = table.take("columns");
     let has_clock = recorded.rate_hz.is_none();
     let columns = columns_node
@@ -202,14 +230,14 @@ fn columns(mut table: Section<'_, '_>, has_clock: bool) -> Option<RecordingColum
     Some(RecordingColumns { time, position: position?, velocity, measurement })
 }
 
-fn column(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<ColumnName> {
+pub(super) fn column(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<ColumnName> {
     match node.as_str() {
         Some(name) => Some(ColumnName::Name(name.to_owned())),
         None => table.index_of(key, node, "columns").map(ColumnName::Index),
     }
 }
 
-fn joint_columns(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<JointColumns> {
+pub(super) fn joint_columns(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<JointColumns> {
     let NodeKind::Array(items) = &node.kind else {
         let message = format!("expects [first, last] or one name per joint, found {}", node.kind_name());
         table.complain(key, node, &message, None);

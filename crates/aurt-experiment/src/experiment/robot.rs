@@ -61,31 +61,35 @@ impl Robot {
     }
 }
 
-/// The geometry by the one of `mdh`, `urdf` and `name` that is there.
+/// The geometry by the one of `mdh`, `urdf`, `mjcf` and `name` that is there.
 fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
-    let (urdf, name) = (section.take("urdf"), section.take("name"));
+    let (urdf, mjcf) = (section.take("urdf"), section.take("mjcf"));
+    let name = section.take("name");
     let (base, tip) = (section.take("base"), section.take("tip"));
-    let mdh = if urdf.is_some() || name.is_some() {
+    let mdh = if urdf.is_some() || mjcf.is_some() || name.is_some() {
         section.take("mdh")
     } else {
-        section.require("mdh", "mdh = \"mdh.csv\", urdf = \"robot.urdf\" or name = \"ur10e\"")
+        section.require(
+            "mdh",
+            "mdh = \"mdh.csv\", urdf = \"robot.urdf\", mjcf = \"robot.xml\" or name = \"ur10e\"",
+        )
     };
     let rows = section.choice("mdh_rows", &[("next", MdhRows::Next), ("previous", MdhRows::Previous)]);
-    let given = [("mdh", mdh), ("urdf", urdf), ("name", name)];
+    let given = [("mdh", mdh), ("urdf", urdf), ("mjcf", mjcf), ("name", name)];
     let given: Vec<(&str, &Node)> = given.into_iter().filter_map(|(key, node)| Some((key, node?))).collect();
     if let [(first, _), (second, node), ..] = given[..] {
         section.complain(second, node, &format!("is a second geometry beside `{first}`; remove one"), None);
         return None;
     }
     for (key, node) in [("base", base), ("tip", tip)] {
-        if let Some(node) = node.filter(|_| urdf.is_none()) {
-            section.complain(key, node, "chooses a link of a `urdf`, which is not given", None);
+        if let Some(node) = node.filter(|_| urdf.is_none() && mjcf.is_none()) {
+            section.complain(key, node, "chooses a link of a `urdf` or `mjcf`, which is not given", None);
         }
     }
     match *given.first()? {
         ("mdh", node) => read_mdh(section, node, rows.unwrap_or_default()),
-        ("urdf", node) => {
-            let path = section.file_of("urdf", node)?;
+        (key @ ("urdf" | "mjcf"), node) => {
+            let path = section.file_of(key, node)?;
             let base = base.and_then(|node| section.text_of("base", node));
             let tip = tip.and_then(|node| section.text_of("tip", node));
             let robot = aurt_robots::read(&path, base, tip)
@@ -93,7 +97,7 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
                     for error in errors.0 {
                         section
                             .reader
-                            .complain(Complaint::new(node.span.clone(), format!("`urdf`: {error}")));
+                            .complain(Complaint::new(node.span.clone(), format!("`{key}`: {error}")));
                     }
                 })
                 .ok()?;
@@ -105,8 +109,9 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
             if known.is_none() {
                 let meant = aurt_robots::probably_meant(name);
                 let meant = meant.map(|name| format!("did you mean \"{name}\"? ")).unwrap_or_default();
-                let help =
-                    format!("{meant}`aurt robots` lists those that are known; others need `mdh` or `urdf`");
+                let help = format!(
+                    "{meant}`aurt robots` lists those that are known; others need `mdh`, `urdf` or `mjcf`"
+                );
                 section.complain("name", node, &format!("names no known robot, is \"{name}\""), Some(help));
             }
             Some(Geometry::Known(Box::new(known?.description())))

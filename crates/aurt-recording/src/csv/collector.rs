@@ -69,6 +69,8 @@ pub(super) struct Collected {
     pub(super) dropped: Vec<DroppedRow>,
     pub(super) dropped_rows: usize,
     pub(super) remarks: Vec<String>,
+    /// What was taken off the stamps, in s.
+    pub(super) origin_s: f64,
 }
 
 impl<'a> Collector<'a> {
@@ -183,7 +185,8 @@ impl<'a> Collector<'a> {
             .iter()
             .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
             .collect();
-        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks })
+        let origin_s = self.first_second.unwrap_or(0.0);
+        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks, origin_s })
     }
 
     /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.

@@ -7,7 +7,7 @@ use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
 use crate::recorded_as::Factor;
-use crate::{AngleUnit, CurrentUnit, RecordedAs, RecordingError, TimeUnit};
+use crate::{AngleUnit, CurrentUnit, Quantity, RecordedAs, RecordingError, TimeUnit};
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -105,7 +105,9 @@ impl Search<'_> {
         let families = Families::of(&self.header.names);
         let mut remarks = Vec::new();
         if self.header.names.is_empty()
-            && (selection.time.is_none() && recorded.rate_hz.is_none() || selection.position.is_none())
+            && (selection.time.is_none() && recorded.rate_hz.is_none()
+                || selection.position.is_none()
+                    && (self.options.needs_position || selection.measurement.is_none()))
         {
             return Err(RecordingError::Headerless {
                 path: self.path.to_owned(),
@@ -124,16 +126,11 @@ impl Search<'_> {
             (Some(column), None) => Some(Clock::of(self.column(column, "the time stamps")?)),
             (None, None) => Some(self.find_time(&families)?),
         };
-        let position = match &selection.position {
-            Some(columns) => self.columns(columns, "joint positions", &families)?,
-            None => match self.find(&families, "joint positions", &families::POSITION, &mut remarks)? {
-                Some(columns) => columns,
-                None => return Err(self.missing("joint positions", None, &families::POSITION, "position")),
-            },
-        };
+        let position = self.position(&families, &mut remarks)?;
         let joints = self.options.joints.unwrap_or(position.len());
         let recorded = self.units(time.as_ref(), &position, &mut remarks)?;
         let velocity = match &selection.velocity {
+            _ if !recorded.takes(Quantity::Velocity) => None,
             Some(columns) => Some(self.columns(columns, "joint velocities", &families)?),
             None => {
                 let found = self.find(&families, "joint velocities", &families::VELOCITY, &mut remarks);
@@ -141,7 +138,17 @@ impl Search<'_> {
                 self.in_unit_of_positions(&position, velocity, &mut remarks)
             }
         };
-        let (measurement, unit) = self.measurement(&families, joints, &mut remarks)?;
+        let (measurement, unit) = if recorded.takes(Quantity::Measurement) {
+            self.measurement(&families, joints, &mut remarks)?
+        } else if self.options.needs_measurement {
+            return Err(self.left_out("the measurement", "measurement"));
+        } else {
+            (None, self.options.unit.unwrap_or_default())
+        };
+        if position.is_empty() && velocity.is_none() && measurement.is_none() {
+            let what = "joint positions, velocities or a measurement";
+            return Err(self.missing(what, None, &families::CURRENT, "measurement"));
+        }
         self.remark_on_drive(measurement.as_deref(), &mut remarks);
         let mut selected = Selected {
             time: time.as_ref().map(|clock| clock.column),
@@ -155,7 +162,7 @@ impl Search<'_> {
             remarks,
         };
         let counts = [
-            ("joint positions", Some(&selected.position)),
+            ("joint positions", Some(&selected.position).filter(|p| !p.is_empty())),
             ("joint velocities", selected.velocity.as_ref()),
             ("the measurement", selected.measurement.as_ref()),
         ];
@@ -182,6 +189,29 @@ impl Search<'_> {
             ));
         }
         Ok(selected)
+    }
+
+    /// The columns of positions; none where a joined file has them.
+    fn position(&self, families: &Families, remarks: &mut Vec<String>) -> Result<Vec<usize>, RecordingError> {
+        let needed = self.options.needs_position;
+        if !self.options.recorded.takes(Quantity::Position) {
+            return if needed { Err(self.left_out("joint positions", "position")) } else { Ok(Vec::new()) };
+        }
+        if let Some(columns) = &self.options.columns.position {
+            return self.columns(columns, "joint positions", families);
+        }
+        match self.find(families, "joint positions", &families::POSITION, remarks)? {
+            Some(columns) => Ok(columns),
+            None if !needed => Ok(Vec::new()),
+            None => Err(self.missing("joint positions", None, &families::POSITION, "position")),
+        }
+    }
+
+    fn left_out(&self, what: &str, quantity: &str) -> RecordingError {
+        self.wrong(
+            format!("`take` leaves out {what}, which no other file has"),
+            format!("add \"{quantity}\" to `take`, or name the file that has it under `joined`"),
+        )
     }
 
     /// Columns that nobody asked for: if they are unusable, a remark says so.

@@ -43,6 +43,8 @@ pub struct ReadOptions {
     pub unit: Option<MeasurementUnit>,
     /// What the file does not tell of itself.
     pub recorded: RecordedAs,
+    /// Whether a file without positions is an error.
+    pub needs_position: bool,
     /// Whether a recording without measurement is an error.
     pub needs_measurement: bool,
     /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
@@ -66,6 +68,7 @@ impl Default for ReadOptions {
             columns: ColumnSelection::default(),
             unit: None,
             recorded: RecordedAs::default(),
+            needs_position: true,
             needs_measurement: true,
             max_corrupt_share: 0.01,
             position_limit_rad: 1e4,

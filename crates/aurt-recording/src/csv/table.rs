@@ -111,7 +111,10 @@ pub(super) fn report(
         (Some(time), _) => header.name(time),
         (None, rate) => format!("{} rows per second, as was stated", rate.unwrap_or_default()),
     };
-    let mut columns = vec![format!("time: {time}"), format!("position: {}", header.span(&selected.position))];
+    let mut columns = vec![format!("time: {time}")];
+    if !selected.position.is_empty() {
+        columns.push(format!("position: {}", header.span(&selected.position)));
+    }
     if let Some(velocity) = &selected.velocity {
         columns.push(format!("velocity: {}", header.span(velocity)));
     }
@@ -128,6 +131,7 @@ pub(super) fn report(
         dropped_rows: collected.dropped_rows,
         remarks,
         line_is_row: false,
+        origin_s: collected.origin_s,
     }
 }
 
@@ -138,14 +142,16 @@ pub(super) fn recording(
     series: Vec<Vec<f64>>,
     report: ReadReport,
 ) -> Recording {
-    let joints = selected.position.len();
+    // A file that is joined to another may have no positions.
     let mut series = series.into_iter();
+    let mut family = |columns: &[usize]| series.by_ref().take(columns.len()).collect::<Vec<_>>();
+    let time_s = family(&[0]).pop().unwrap_or_default();
     Recording {
         file: path.to_owned(),
-        time_s: series.next().unwrap_or_default(),
-        position_rad: series.by_ref().take(joints).collect(),
-        velocity_rad_s: selected.velocity.as_ref().map(|_| series.by_ref().take(joints).collect()),
-        measurement: selected.measurement.as_ref().map(|_| series.by_ref().take(joints).collect()),
+        time_s,
+        position_rad: family(&selected.position),
+        velocity_rad_s: selected.velocity.as_deref().map(&mut family),
+        measurement: selected.measurement.as_deref().map(&mut family),
         unit: selected.unit,
         report,
     }

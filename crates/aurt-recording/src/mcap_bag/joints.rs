@@ -20,6 +20,7 @@ pub(super) struct Joints<'a> {
     known: Vec<u8>,
     /// For each wanted joint its place in the message; none if the message lacks one.
     places: Option<Vec<usize>>,
+    position: bool,
     velocity: bool,
     effort: bool,
     /// Messages that were read to find out about the stamps.
@@ -43,6 +44,7 @@ impl<'a> Joints<'a> {
             names: options.recorded.joint_names.clone().unwrap_or_default(),
             known: Vec::new(),
             places: None,
+            position: true,
             velocity: false,
             effort: false,
             ahead: VecDeque::new(),
@@ -89,6 +91,7 @@ impl<'a> Joints<'a> {
             }
         }
         let count = joints.state.names.len();
+        joints.position = options.needs_position || joints.state.position.len() == count;
         joints.velocity = joints.state.velocity.len() == count;
         joints.effort = joints.state.effort.len() == count;
         joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
@@ -105,7 +108,7 @@ impl<'a> Joints<'a> {
     /// Names of the columns.
     pub(super) fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
-        let families = [("position", true), ("velocity", self.velocity), ("effort", self.effort)];
+        let families = [("position", self.position), ("velocity", self.velocity), ("effort", self.effort)];
         for (family, _) in families.iter().filter(|(_, there)| *there) {
             columns.extend((0..self.names.len()).map(|joint| format!("{family}_{joint}")));
         }
@@ -125,6 +128,11 @@ impl<'a> Joints<'a> {
             remarks.push(format!("time counts from {seconds} s, so that stamps keep their nanoseconds"));
         }
         remarks
+    }
+
+    /// Whole seconds that were taken off the stamps.
+    pub(super) const fn origin_s(&self) -> f64 {
+        (self.origin_ns / SECOND_NS) as f64
     }
 
     /// What is to be said once all is read.
@@ -158,14 +166,15 @@ impl<'a> Joints<'a> {
             };
             let stamp_ns = self.stamp_ns(&self.state, log_ns);
             let origin_ns = self.origin_ns;
-            let (velocity, effort) = (self.velocity, self.effort);
+            let (position, velocity, effort) = (self.position, self.velocity, self.effort);
             self.placed();
             let (Some(places), state) = (&self.places, &self.state) else {
                 self.passed_over += 1;
                 continue;
             };
             let count = state.names.len();
-            let families = [(true, &state.position), (velocity, &state.velocity), (effort, &state.effort)];
+            let families =
+                [(position, &state.position), (velocity, &state.velocity), (effort, &state.effort)];
             let read = || families.iter().filter(|(there, _)| *there).map(|(_, values)| *values);
             if read().any(|values| values.len() != count) {
                 self.passed_over += 1;

@@ -67,6 +67,7 @@ impl RecordingFormat for McapBag {
             Ok(true)
         })?;
         recording.report.remarks.extend(joints.closing_remarks());
+        recording.report.origin_s = joints.origin_s();
         Ok(recording)
     }
 }

@@ -135,12 +135,12 @@ impl Reader<'_> {
         let time = table.time().map(|column| places[column].0);
         let mut columns = Vec::new();
         let mut begins = vec![0; leaves.len()];
-        let mut row_width = 0;
+        let (mut row_width, mut origin_s) = (0, 0.0);
         for k in needed {
             let mut leaf = leaves[k].clone();
             let width = places.iter().filter(|(of, _)| *of == k).count();
             if time == Some(k) {
-                self.count_from_first_second(&mut leaf, &mut table)?;
+                origin_s = self.count_from_first_second(&mut leaf, &mut table)?;
             }
             begins[k] = row_width;
             row_width += width;
@@ -154,7 +154,7 @@ impl Reader<'_> {
         }
         let (mut left, mut values) = (self.footer.rows, vec![0.0; row_width]);
         let sources: Vec<usize> = wanted.iter().map(|(leaf, part)| begins[*leaf] + part).collect();
-        table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
+        let mut recording = table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
             if left == 0 {
                 return Ok(false);
             }
@@ -171,7 +171,9 @@ impl Reader<'_> {
                 episodes.place(stamp).map_err(|p| self.failed(EPISODE, p))?;
             }
             Ok(true)
-        })
+        })?;
+        recording.report.origin_s = origin_s;
+        Ok(recording)
     }
 
     fn column(&self, leaf: &Leaf, width: Option<usize>) -> Column<'_> {
@@ -184,9 +186,9 @@ impl Reader<'_> {
         self.column(leaf, None).first_row().map_err(|p| self.failed(&leaf.name, p))
     }
 
-    /// Lets moments count from the first whole second, so that they keep their nanoseconds.
-    fn count_from_first_second(&self, leaf: &mut Leaf, table: &mut Table<'_>) -> Result<(), RecordingError> {
-        let Number::Stamp { per_second, .. } = leaf.number else { return Ok(()) };
+    /// Lets moments count from the first whole second, which is returned, so that they keep their nanoseconds.
+    fn count_from_first_second(&self, leaf: &mut Leaf, table: &mut Table<'_>) -> Result<f64, RecordingError> {
+        let Number::Stamp { per_second, .. } = leaf.number else { return Ok(0.0) };
         if self.options.recorded.time.is_some_and(|unit| unit != TimeUnit::Second) {
             return Err(RecordingError::Columns {
                 path: self.path.to_owned(),
@@ -203,7 +205,7 @@ impl Reader<'_> {
             leaf.number = Number::Stamp { per_second, origin: (second as i64).saturating_mul(per_second) };
             table.remark(format!("time counts from {second} s, so that stamps keep their nanoseconds"));
         }
-        Ok(())
+        Ok(second.unwrap_or(0.0))
     }
 
     fn episodes<'a>(&'a self, leaves: &[Leaf], timed: bool) -> Option<Episodes<'a>> {

@@ -88,6 +88,7 @@ impl KnownRobot {
             joints,
             limits: limits.collect(),
             friction: vec![JointFriction::default(); self.joints.len()],
+            armature_kg_m2: vec![0.0; self.joints.len()],
             standard_parameters: None,
             frames,
             notes: Vec::new(),

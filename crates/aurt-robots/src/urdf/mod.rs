@@ -1,33 +1,25 @@
 //! URDF files: links and joints as <https://wiki.ros.org/urdf/XML> describes them.
 
-mod element;
-
 use std::collections::HashMap;
 use std::path::Path;
 
 use aurt_rbd::Placement;
 use nalgebra::{Matrix3, Vector3};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::Node;
 
 use crate::body::Body;
+use crate::element::{Element, line_of};
 use crate::pose::Pose;
 use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
-use element::{Element, line_of};
-
-/// Nodes of a file that are read; a humanoid has some ten thousand.
-const MOST_NODES: u32 = 1 << 22;
 
 /// Reads links and joints, and hangs them together.
-pub(crate) fn parse(text: &str, path: &Path) -> Result<Tree, RobotErrors> {
-    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options).map_err(|error| not_xml(&error, path))?;
-    let root = document.root_element();
+pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let line = line_of(root);
     if root.tag_name().name() != "robot" {
         let found = root.tag_name().name();
         let reason = format!(
-            "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>"
+            "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>, an MJCF file in <mujoco>"
         );
         return Err(RobotError::Xml { path: path.into(), line, reason }.into());
     }
@@ -53,29 +45,6 @@ pub(crate) fn parse(text: &str, path: &Path) -> Result<Tree, RobotErrors> {
         errors.extend(hang(&mut tree));
     }
     if errors.is_empty() { Ok(tree) } else { Err(RobotErrors(errors)) }
-}
-
-fn not_xml(error: &roxmltree::Error, path: &Path) -> RobotError {
-    let line = error.pos().row;
-    match error {
-        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
-            RobotError::Xacro { path: path.into(), line, text: "xacro:".into() }
-        }
-        roxmltree::Error::DtdDetected => RobotError::Xml {
-            path: path.into(),
-            line,
-            reason:
-                "the file declares a document type (<!DOCTYPE>), which could define entities without bound; \
-                     remove the declaration"
-                    .into(),
-        },
-        roxmltree::Error::NodesLimitReached => RobotError::Xml {
-            path: path.into(),
-            line,
-            reason: format!("the file has more than {MOST_NODES} elements; that is no robot"),
-        },
-        _ => RobotError::Xml { path: path.into(), line, reason: format!("is no well-formed XML: {error}") },
-    }
 }
 
 struct Reader<'a> {
@@ -213,7 +182,18 @@ impl<'a> Reader<'a> {
             friction.coulomb_nm = dynamics.number("friction")?.unwrap_or(0.0);
         }
         let pose = self.origin(element)?;
-        Ok(TreeJoint { name, line: element.line(), parent, child, pose, freedom, mimic, limits, friction })
+        Ok(TreeJoint {
+            name,
+            line: element.line(),
+            parent,
+            child,
+            pose,
+            freedom,
+            mimic,
+            limits,
+            friction,
+            armature: 0.0,
+        })
     }
 
     /// Notes angles that look like rounded multiples of π/4, as tables of modified Denavit–Hartenberg parameters do.

@@ -13,6 +13,7 @@
 mod columns;
 mod correction;
 mod explained;
+mod folds;
 mod mistake;
 mod search;
 mod setup;

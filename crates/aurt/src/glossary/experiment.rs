@@ -14,7 +14,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "base",
         title: "base and tip of the chain",
-        text: "Under [robot], with `urdf`: the links between which the chain of joints lies. Without them it begins at the \
+        text: "Under [robot], with `urdf` or `mjcf`: the links between which the chain of joints lies. Without them it begins at the \
             file's root link and ends where its only moving chain does.",
     },
     Term {
@@ -84,16 +84,23 @@ pub const TERMS: &[Term] = &[
         name: "mdh",
         title: "mdh: the robot's geometry",
         text: "A table of modified Denavit–Hartenberg parameters, one row per joint, columns alpha, a, d and, where a joint \
-            slides, type. Instead of it `urdf` names a robot description file (with `base` and `tip` where it has several \
-            chains), or `name` a robot of `aurt robots`. `mdh_rows` says \
+            slides, type. Instead of it `urdf` or `mjcf` names a robot description file (with `base` and `tip` where it has \
+            several chains), or `name` a robot of `aurt robots`. `mdh_rows` says \
             which joint a row's alpha and a lead to: \"next\" (as manufacturers' tables have it; default) or \"previous\" \
             (Craig, Khalil). Read the wrong way the same file silently describes another robot: compare the number of base \
             parameters with what you expect (36 for a UR10e standing upright).",
     },
     Term {
+        name: "mjcf",
+        title: "mjcf: a MuJoCo model file",
+        text: "Under [robot], instead of `mdh`, `urdf` or `name`: an MJCF file, of which the geometry of one serial chain is \
+            read; `base` and `tip` choose it by the names of bodies, and the base is the world without. Masses of shapes are \
+            not computed; docs/robots.md says what is read.",
+    },
+    Term {
         name: "name",
         title: "name of a known robot",
-        text: "Under [robot], instead of `mdh` or `urdf`: a robot whose geometry is included, such as \"ur10e\". `aurt robots` \
+        text: "Under [robot], instead of `mdh`, `urdf` or `mjcf`: a robot whose geometry is included, such as \"ur10e\". `aurt robots` \
             lists them.",
     },
     Term {
@@ -160,7 +167,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "tip",
         title: "tip of the chain",
-        text: "Under [robot], with `urdf`: the last link of the chain; see base.",
+        text: "Under [robot], with `urdf` or `mjcf`: the last link of the chain; see base.",
     },
     Term {
         name: "trim_rest",
@@ -186,7 +193,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "urdf",
         title: "urdf: a robot description file",
-        text: "Under [robot], instead of `mdh` or `name`: a URDF file, of which the geometry of one serial chain is read; `base` \
+        text: "Under [robot], instead of `mdh`, `mjcf` or `name`: a URDF file, of which the geometry of one serial chain is read; `base` \
             and `tip` choose it. Files of xacro have to be expanded first; docs/robots.md says what is read.",
     },
     Term {

@@ -11,6 +11,12 @@ pub const TERMS: &[Term] = &[
             \"deg\". Velocities are in the same unit per second.",
     },
     Term {
+        name: "clock_offset_s",
+        title: "clock_offset_s",
+        text: "In the table of a file under joined: what is added to its stamps so that they are of the clock of the file it is \
+            joined to. A file whose clock is 0.02 s behind has 0.02.",
+    },
+    Term {
         name: "counts_per_revolution",
         title: "counts_per_revolution",
         text: "Positions are counts of encoders: this many are a turn. One number for all joints or a list with one for each; \
@@ -30,15 +36,29 @@ pub const TERMS: &[Term] = &[
             of motors become those of joints with gains under [instrument], currents with torque_constants_nm_per_a.",
     },
     Term {
+        name: "joined",
+        title: "joined",
+        text: "In the table of a file: the files that hold its measurements or velocities, where positions are here and \
+            currents there; names, or tables with file, unit, columns, take, clock_offset_s and the keys that say how a file \
+            was recorded. Rows are those of the common time. Where stamps are equal they go together as they are; otherwise \
+            the stamps of the slower file hold, and the other is interpolated linearly.",
+    },
+    Term {
         name: "joint_names",
         title: "joint_names",
         text: "The names of the robot's joints in the order of its chain, for files that name joints (joint states in MCAP). \
-            Robots of a URDF file have them; without any, the order of the first message is taken.",
+            Robots of a URDF or MJCF file have them; without any, the order of the first message is taken.",
     },
     Term {
         name: "rate_hz",
         title: "rate_hz",
         text: "Rows per second of a file that has no time stamps. Stamps that there are, are then not read.",
+    },
+    Term {
+        name: "take",
+        title: "take",
+        text: "In the table of a file: what is read of it, of \"position\", \"velocity\" and \"measurement\". Needed where two \
+            joined files both have one of them.",
     },
     Term {
         name: "time",

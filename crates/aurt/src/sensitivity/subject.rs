@@ -43,7 +43,9 @@ impl Subject {
         let all: Vec<&RecordingSource> =
             parts.calibration.iter().chain(&parts.target).chain(&parts.validation).collect();
         // Recordings are numbered as the injection has them: in this order, each once.
-        let same = |a: &RecordingSource, b: &RecordingSource| a.file == b.file && a.window_s == b.window_s;
+        let same = |a: &RecordingSource, b: &RecordingSource| {
+            a.file == b.file && a.window_s == b.window_s && a.recorded == b.recorded
+        };
         let mut known: Vec<&RecordingSource> = Vec::new();
         for source in all {
             if !known.iter().any(|s| same(s, source)) {

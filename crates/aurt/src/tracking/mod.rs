@@ -10,6 +10,7 @@ use aurt_calibration::{
     drift_windows,
 };
 use aurt_experiment::{Experiment, Registry};
+use aurt_recording::RecordedAs;
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 use serde::Serialize;
 use serde_json::json;
@@ -152,9 +153,11 @@ pub fn track(
         let is_running = path.as_path() == Path::new(STANDARD_INPUT);
         let label = if is_running { "standard input".to_owned() } else { path.display().to_string() };
         progress.step(label.clone());
+        // Files that belong to a recording of the experiment do not belong to these.
+        let alone = |recorded: &RecordedAs| RecordedAs { joined: Vec::new(), ..recorded.clone() };
         let (unit, columns, recorded) = template
             .as_ref()
-            .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), t.recorded.clone()));
+            .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), alone(&t.recorded)));
         let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
         if is_running {
             Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;

@@ -1,11 +1,45 @@
+//! Elements of XML files, with messages that say where they stand.
+
 use std::path::Path;
 
-use roxmltree::Node;
+use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::RobotError;
 
+/// Nodes of a file that are read; a humanoid has some ten thousand.
+const MOST_NODES: u32 = 1 << 22;
+
+/// The elements of a file.
+pub(crate) fn document<'t>(text: &'t str, path: &Path) -> Result<Document<'t>, RobotError> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options).map_err(|error| not_xml(&error, path))
+}
+
+fn not_xml(error: &roxmltree::Error, path: &Path) -> RobotError {
+    let line = error.pos().row;
+    match error {
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
+            RobotError::Xacro { path: path.into(), line, text: "xacro:".into() }
+        }
+        roxmltree::Error::DtdDetected => RobotError::Xml {
+            path: path.into(),
+            line,
+            reason:
+                "the file declares a document type (<!DOCTYPE>), which could define entities without bound; \
+                     remove the declaration"
+                    .into(),
+        },
+        roxmltree::Error::NodesLimitReached => RobotError::Xml {
+            path: path.into(),
+            line,
+            reason: format!("the file has more than {MOST_NODES} elements; that is no robot"),
+        },
+        _ => RobotError::Xml { path: path.into(), line, reason: format!("is no well-formed XML: {error}") },
+    }
+}
+
 /// An element with a name for messages, and a list for complaints about it.
-pub(super) struct Element<'a, 'x> {
+pub(crate) struct Element<'a, 'x> {
     pub node: Node<'x, 'x>,
     /// The element as messages call it: `joint elbow`.
     pub what: String,
@@ -64,6 +98,6 @@ impl<'a, 'x> Element<'a, 'x> {
 }
 
 /// The line that an element starts in, from 1.
-pub(super) fn line_of(node: Node<'_, '_>) -> u32 {
+pub(crate) fn line_of(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }

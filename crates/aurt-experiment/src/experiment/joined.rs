@@ -1,0 +1,117 @@
+use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
+
+use super::{
+    recorded_as,
+    recordings::{UNITS, column, joint_columns},
+    section::Section,
+};
+use crate::{Node, NodeKind, suggestion::likely};
+
+const QUANTITIES: [(&str, Quantity); 3] = [
+    ("measurement", Quantity::Measurement),
+    ("position", Quantity::Position),
+    ("velocity", Quantity::Velocity),
+];
+
+/// `take`: what is read of a file. The file with the positions has to give them.
+pub(super) fn take(table: &mut Section<'_, '_>, has_positions: bool) -> Option<Vec<Quantity>> {
+    let key = "take";
+    let node = table.take(key)?;
+    let NodeKind::Array(items) = &node.kind else {
+        let message =
+            format!("expects a list such as [\"position\", \"velocity\"], found {}", node.kind_name());
+        table.complain(key, node, &message, None);
+        return None;
+    };
+    let mut quantities = Vec::new();
+    for item in items {
+        let text = table.text_of(key, item)?;
+        let Some((_, quantity)) = QUANTITIES.iter().find(|(name, _)| *name == text) else {
+            let names = QUANTITIES.map(|(name, _)| name);
+            let meant = likely(text, names.iter().copied());
+            let help = meant.map(|name| format!("did you mean `{name}`?"));
+            table.complain(key, item, "knows \"position\", \"velocity\" and \"measurement\"", help);
+            return None;
+        };
+        quantities.push(*quantity);
+    }
+    if has_positions && !quantities.contains(&Quantity::Position) {
+        let help = "name the file with the positions under `file`, the others under `joined`".to_owned();
+        table.complain(key, node, "leaves out the positions, which `file` has to give", Some(help));
+        return None;
+    }
+    Some(quantities)
+}
+
+/// `joined`: files with other quantities of the same motion, each a name or a table.
+pub(super) fn read(table: &mut Section<'_, '_>, general: &RecordedAs) -> Vec<JoinedFile> {
+    let Some(node) = table.take("joined") else { return Vec::new() };
+    let items = match &node.kind {
+        NodeKind::Array(items) => items.as_slice(),
+        _ => std::slice::from_ref(node),
+    };
+    items.iter().filter_map(|item| joined(table, item, general)).collect()
+}
+
+fn joined(section: &Section<'_, '_>, node: &Node, general: &RecordedAs) -> Option<JoinedFile> {
+    match &node.kind {
+        NodeKind::String(_) => Some(JoinedFile {
+            file: section.file_of("joined", node)?,
+            unit: None,
+            columns: ColumnSelection::default(),
+            recorded: general.clone(),
+            clock_offset_s: 0.0,
+        }),
+        NodeKind::Table(_) => {
+            let mut table = Section::new(section.reader, node, "a file of `joined`")?;
+            let file = table.require("file", "file = \"currents.csv\"");
+            let file = file.and_then(|n| table.file_of("file", n));
+            let unit = table.choice("unit", &UNITS);
+            let mut recorded = recorded_as::read(&mut table).or(general);
+            recorded.take = take(&mut table, false);
+            let offset = table.take("clock_offset_s");
+            let clock_offset_s = match offset {
+                Some(node) => table.number_of("clock_offset_s", node),
+                None => Some(0.0),
+            };
+            let columns = match table.take("columns") {
+                Some(node) => Section::new(section.reader, node, "`columns`").and_then(columns),
+                None => Some(ColumnSelection::default()),
+            };
+            table.finish();
+            Some(JoinedFile {
+                file: file?,
+                unit,
+                columns: columns?,
+                recorded,
+                clock_offset_s: clock_offset_s?,
+            })
+        }
+        _ => {
+            let message = format!(
+                "expects file names or tables such as {{ file = \"…\" }}, found {}",
+                node.kind_name()
+            );
+            section.complain("joined", node, &message, None);
+            None
+        }
+    }
+}
+
+/// `columns` of a joined file, each of which may be missing.
+fn columns(mut table: Section<'_, '_>) -> Option<ColumnSelection> {
+    let time = table.take("time").map(|n| column(&table, "time", n));
+    let mut family = |key: &'static str| table.take(key).map(|n| joint_columns(&table, key, n));
+    let families = [family("position"), family("velocity"), family("measurement")];
+    table.finish();
+    let [position, velocity, measurement] = families.map(|f| match f {
+        None => Some(None),
+        Some(None) => None,
+        Some(Some(columns)) => Some(Some((&columns).into())),
+    });
+    let time = match time {
+        None => None,
+        Some(column) => Some((&column?).into()),
+    };
+    Some(ColumnSelection { time, position: position?, velocity: velocity?, measurement: measurement? })
+}

@@ -1,0 +1,62 @@
+//! `<default>`: attributes that elements of a class have unless they say otherwise.
+
+use std::collections::HashMap;
+
+use roxmltree::Node;
+
+type Attributes<'x> = HashMap<&'x str, &'x str>;
+
+/// The defaults of one class.
+#[derive(Debug, Clone, Default)]
+struct Class<'x> {
+    joint: Attributes<'x>,
+    geom: Attributes<'x>,
+}
+
+/// All classes, each with what it inherits.
+#[derive(Debug, Default)]
+pub(super) struct Classes<'x>(HashMap<&'x str, Class<'x>>);
+
+/// The class of elements that name none.
+const MAIN: &str = "main";
+
+impl<'x> Classes<'x> {
+    /// Reads the `<default>` sections of a file; a class inherits those that it lies in.
+    pub fn read(root: Node<'x, 'x>) -> Self {
+        let mut classes = Self::default();
+        let sections = |node: Node<'x, 'x>| node.children().filter(|c| c.has_tag_name("default"));
+        for section in sections(root) {
+            let main = classes.0.get(MAIN).cloned().unwrap_or_default();
+            let mut open = vec![(section, main)];
+            while let Some((node, mut class)) = open.pop() {
+                for child in node.children().filter(Node::is_element) {
+                    let attributes = match child.tag_name().name() {
+                        "joint" => &mut class.joint,
+                        "geom" => &mut class.geom,
+                        _ => continue,
+                    };
+                    attributes.extend(child.attributes().map(|a| (a.name(), a.value())));
+                }
+                classes.0.insert(node.attribute("class").unwrap_or(MAIN), class.clone());
+                open.extend(sections(node).map(|s| (s, class.clone())));
+            }
+        }
+        classes
+    }
+
+    /// An attribute of a joint or geom: its own, else that of its class, else that of the class around it.
+    pub fn attribute(&self, node: Node<'x, 'x>, around: Option<&str>, name: &str) -> Option<&'x str> {
+        if let Some(own) = node.attribute(name) {
+            return Some(own);
+        }
+        let class = self.0.get(node.attribute("class").or(around).unwrap_or(MAIN))?;
+        let attributes = if node.tag_name().name() == "geom" { &class.geom } else { &class.joint };
+        attributes.get(name).copied()
+    }
+
+    /// The class that an element names but that no `<default>` defines.
+    pub fn unknown(&self, node: Node<'x, 'x>) -> Option<&'x str> {
+        let named = ["class", "childclass"].into_iter().filter_map(|key| node.attribute(key));
+        named.filter(|name| *name != MAIN).find(|name| !self.0.contains_key(name))
+    }
+}

@@ -1,0 +1,321 @@
+//! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
+
+mod classes;
+mod joint;
+mod orientation;
+mod settings;
+
+use std::path::Path;
+
+use nalgebra::{Matrix3, Vector3};
+use roxmltree::Node;
+
+use crate::body::Body;
+use crate::element::{Element, line_of};
+use crate::pose::Pose;
+use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
+use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+use classes::Classes;
+use joint::{MjcfJoint, Reading};
+use settings::{FromShapes, Settings};
+
+/// The outermost element.
+pub(crate) const ROOT: &str = "mujoco";
+/// The link that everything hangs on.
+const WORLD: &str = "world";
+/// Elements that make bodies, joints or masses which are not read.
+const GENERATING: [&str; 5] = ["attach", "composite", "flexcomp", "include", "replicate"];
+/// Sections that act on joints and are not read.
+const ACTING: [&str; 2] = ["equality", "tendon"];
+
+/// Reads bodies and joints.
+pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
+    let name = root.attribute("model").unwrap_or_default().to_owned();
+    let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new() };
+    let tree = Tree { path: path.into(), name, links: vec![world], joints: Vec::new(), notes: Vec::new() };
+    let mut errors = Vec::new();
+    for node in root.descendants().filter(|n| GENERATING.contains(&n.tag_name().name())) {
+        let element = Element { node, what: format!("<{}>", node.tag_name().name()), path };
+        errors.push(element.error(
+            "generates or opens other elements, which is not done here; let MuJoCo write the file out: \
+             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
+        ));
+    }
+    if !errors.is_empty() {
+        return Err(RobotErrors(errors));
+    }
+    let settings = Settings::read(root, path)?;
+    let classes = Classes::read(root);
+    let mut reader = Reader {
+        path,
+        settings,
+        classes: &classes,
+        tree,
+        errors,
+        shapes: Vec::new(),
+        springs: Vec::new(),
+        lifted: Vec::new(),
+    };
+    reader.bodies(root);
+    reader.refuse_shapes();
+    reader.note(root);
+    let Reader { tree, errors, .. } = reader;
+    if tree.joints.is_empty() && errors.is_empty() {
+        let reason = "there is no <body> in <worldbody>".into();
+        return Err(RobotError::NoTree { path: path.into(), reason }.into());
+    }
+    if errors.is_empty() { Ok(tree) } else { Err(RobotErrors(errors)) }
+}
+
+/// An element of a body, out of the `<frame>`s around it.
+struct Own<'x> {
+    node: Node<'x, 'x>,
+    /// The frame that it is given in, in the body's.
+    frame: Pose,
+    /// The class of elements here that name none.
+    class: Option<&'x str>,
+}
+
+struct Reader<'a, 'x> {
+    path: &'a Path,
+    settings: Settings,
+    classes: &'a Classes<'x>,
+    tree: Tree,
+    errors: Vec<RobotError>,
+    /// Links whose mass MuJoCo would take from shapes, with their lines.
+    shapes: Vec<(usize, u32)>,
+    springs: Vec<String>,
+    /// Bodies that MuJoCo holds against gravity.
+    lifted: Vec<String>,
+}
+
+impl<'a, 'x> Reader<'a, 'x> {
+    fn bodies(&mut self, root: Node<'x, 'x>) {
+        // Bodies that are still to be read: the link that each hangs on, and the frame there that it is given in.
+        let mut open: Vec<(Own<'x>, usize)> = Vec::new();
+        let worlds: Vec<_> = root.children().filter(|c| c.has_tag_name("worldbody")).collect();
+        for world in worlds.into_iter().rev() {
+            let class = world.attribute("childclass");
+            self.hang_on(Own { node: world, frame: Pose::identity(), class }, 0, &mut open);
+        }
+        while let Some((own, parent)) = open.pop() {
+            match self.body(&own, parent) {
+                Ok((link, frame)) => {
+                    let class = own.node.attribute("childclass").or(own.class);
+                    self.hang_on(Own { node: own.node, frame, class }, link, &mut open);
+                }
+                Err(error) => self.errors.push(error),
+            }
+        }
+    }
+
+    /// Lets the bodies within `of`, whose frame in `link` it has, be read next, in the order of the file.
+    fn hang_on(&self, of: Own<'x>, link: usize, open: &mut Vec<(Own<'x>, usize)>) {
+        let own = self.own(of);
+        open.extend(own.into_iter().rev().filter(|o| o.node.has_tag_name("body")).map(|o| (o, link)));
+    }
+
+    /// The elements of a body, those within its `<frame>`s among them, in the order of the file.
+    fn own(&self, of: Own<'x>) -> Vec<Own<'x>> {
+        let children = |of: &Own<'x>| -> Vec<Own<'x>> {
+            let elements = of.node.children().filter(Node::is_element);
+            elements.map(|node| Own { node, frame: of.frame, class: of.class }).collect()
+        };
+        let mut found = Vec::new();
+        let mut open = children(&of);
+        open.reverse();
+        while let Some(mut own) = open.pop() {
+            if !own.node.has_tag_name("frame") {
+                found.push(own);
+                continue;
+            }
+            // A frame that cannot be read is complained about by its body.
+            if let Ok(pose) = self.settings.angles.pose(&self.element(own.node, "<frame>".into())) {
+                own.frame = own.frame.then(&pose);
+                own.class = own.node.attribute("childclass").or(own.class);
+                let mut inner = children(&own);
+                inner.reverse();
+                open.extend(inner);
+            }
+        }
+        found
+    }
+
+    fn element(&self, node: Node<'x, 'x>, what: String) -> Element<'a, 'x> {
+        Element { node, what, path: self.path }
+    }
+
+    /// Reads a body with its joints; its link, and its frame in that.
+    fn body(&mut self, own: &Own<'x>, parent: usize) -> Result<(usize, Pose), RobotError> {
+        let node = own.node;
+        let name = self.name(node, "body", self.tree.links.len());
+        let element = self.element(node, format!("body {name}"));
+        if let Some(class) = self.classes.unknown(node) {
+            return Err(element.error(format!("there is no class `{class}` under <default>")));
+        }
+        if let Some(taken) = self.tree.links.iter().find(|l| l.name == name) {
+            return Err(element.error(format!("the name `{}` is taken; rename one of the two", taken.name)));
+        }
+        for frame in node.children().filter(|c| c.has_tag_name("frame")) {
+            self.settings.angles.pose(&self.element(frame, format!("body {name}, <frame>")))?;
+        }
+        let mut before = own.frame.then(&self.settings.angles.pose(&element)?);
+        let class = node.attribute("childclass").or(own.class);
+        let inside = self.own(Own { node, frame: Pose::identity(), class });
+        let is_joint = |o: &&Own<'x>| o.node.has_tag_name("joint") || o.node.has_tag_name("freejoint");
+        let joints: Vec<&Own<'x>> = inside.iter().filter(is_joint).collect();
+        let mut link = parent;
+        for (place, own) in joints.iter().enumerate() {
+            let last = place + 1 == joints.len();
+            let joint_name = self.name(own.node, "joint", self.tree.joints.len());
+            let joint_element = self.element(own.node, format!("body {name}, joint {joint_name}"));
+            let reading = Reading {
+                classes: self.classes,
+                unit_rad: self.settings.angles.unit_rad,
+                autolimits: self.settings.autolimits,
+            };
+            if let Some(class) = self.classes.unknown(own.node) {
+                return Err(joint_element.error(format!("there is no class `{class}` under <default>")));
+            }
+            let MjcfJoint { pose, body, freedom, limits, friction, armature, has_spring } =
+                reading.joint(&joint_element, own.class, &own.frame)?;
+            if has_spring {
+                self.springs.push(joint_name.clone());
+            }
+            // Between several joints of one body there are links without mass.
+            let child = if last { name.clone() } else { format!("{name}, behind {joint_name}") };
+            let pose = before.then(&pose);
+            let joint = (joint_name, line_of(own.node), pose, freedom);
+            link = self.add(link, child, joint, (limits, friction, armature));
+            before = body;
+        }
+        if joints.is_empty() {
+            let joint = (format!("weld of {name}"), line_of(node), before, Freedom::Fixed);
+            link = self.add(link, name.clone(), joint, Default::default());
+            before = Pose::identity();
+        }
+        if node.attribute("gravcomp").is_some_and(|g| g.trim().parse() != Ok(0.0)) {
+            self.lifted.push(name.clone());
+        }
+        let inertial = inside.iter().find(|o| o.node.has_tag_name("inertial"));
+        match inertial {
+            Some(own) => {
+                let element = self.element(own.node, format!("body {name}, <inertial>"));
+                self.tree.links[link].body = Some(self.inertial(&element, &before.then(&own.frame))?);
+            }
+            None if inside.iter().any(|o| self.has_mass(o)) => self.shapes.push((link, line_of(node))),
+            None => {}
+        }
+        Ok((link, before))
+    }
+
+    fn add(
+        &mut self,
+        parent: usize,
+        name: String,
+        (joint_name, line, pose, freedom): (String, u32, Pose, Freedom),
+        (limits, friction, armature): (JointLimits, JointFriction, f64),
+    ) -> usize {
+        let (child, joint) = (self.tree.links.len(), self.tree.joints.len());
+        self.tree.links.push(TreeLink { name, body: None, parent: Some(joint), children: Vec::new() });
+        self.tree.links[parent].children.push(joint);
+        self.tree.joints.push(TreeJoint {
+            name: joint_name,
+            line,
+            parent,
+            child,
+            pose,
+            freedom,
+            mimic: None,
+            limits,
+            friction,
+            armature,
+        });
+        child
+    }
+
+    fn inertial(&self, element: &Element<'_, 'x>, frame: &Pose) -> Result<Body, RobotError> {
+        let mass_kg = element.required("mass")?;
+        let pose = frame.then(&self.settings.angles.pose(element)?);
+        let inertia_kg_m2 = match (element.numbers("diaginertia")?, element.numbers("fullinertia")?) {
+            (Some(diagonal), None) => Matrix3::from_diagonal(&Vector3::from(diagonal)),
+            (None, Some([xx, yy, zz, xy, xz, yz])) => Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            (Some(_), Some(_)) => {
+                return Err(element.error("`diaginertia` and `fullinertia` are two inertias; remove one"));
+            }
+            (None, None) => return Err(element.error("lacks `diaginertia` or `fullinertia`, in kg m^2")),
+        };
+        Ok(Body { mass_kg, pose, inertia_kg_m2 })
+    }
+
+    /// Whether an element is a shape that MuJoCo gives a mass to.
+    fn has_mass(&self, own: &Own<'x>) -> bool {
+        if !own.node.has_tag_name("geom") {
+            return false;
+        }
+        let of = |name| self.classes.attribute(own.node, own.class, name);
+        let number = |name, default: f64| of(name).and_then(|t| t.trim().parse().ok()).unwrap_or(default);
+        let [low, high] = self.settings.mass_groups;
+        let group = number("group", 0.0);
+        let counts = (low..=high).contains(&group) && of("type") != Some("plane");
+        counts
+            && if of("mass").is_some() {
+                number("mass", 0.0) != 0.0
+            } else {
+                number("density", 1000.0) != 0.0
+            }
+    }
+
+    /// Bodies that move and have their mass from shapes are refused: volumes of shapes are not computed here.
+    fn refuse_shapes(&mut self) {
+        const REMEDY: &str = "give it an <inertial>, or let MuJoCo write all of them out: \
+             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))";
+        if self.settings.from_shapes == FromShapes::Never {
+            let names: Vec<&str> =
+                self.shapes.iter().map(|(l, _)| self.tree.links[*l].name.as_str()).collect();
+            if !names.is_empty() {
+                let names = names.join(", ");
+                self.tree.notes.push(format!("no inertia is stated, and so none is assumed, for: {names}"));
+            }
+            return;
+        }
+        for (link, line) in std::mem::take(&mut self.shapes) {
+            let hung = self.tree.path_between(0, link).unwrap_or_default();
+            if hung.iter().all(|j| self.tree.joints[*j].freedom == Freedom::Fixed) {
+                continue;
+            }
+            self.errors.push(RobotError::Element {
+                path: self.path.into(),
+                line,
+                what: format!("body {}", self.tree.links[link].name),
+                reason: format!(
+                    "its mass is that of its shapes, whose volume is not computed here; {REMEDY}"
+                ),
+            });
+        }
+    }
+
+    fn note(&mut self, root: Node<'x, 'x>) {
+        let acting: Vec<&str> = root
+            .children()
+            .filter(|c| ACTING.contains(&c.tag_name().name()) && c.children().any(|n| n.is_element()))
+            .map(|c| c.tag_name().name())
+            .collect();
+        let of = |what: &str, names: &[String]| format!("{what}: {}", names.join(", "));
+        if !acting.is_empty() {
+            self.tree.notes.push(format!("what <{}> does to joints is not read", acting.join("> and <")));
+        }
+        if !self.springs.is_empty() {
+            self.tree
+                .notes
+                .push(of("springs are not read; an arm term `spring` is one; they are in", &self.springs));
+        }
+        if !self.lifted.is_empty() {
+            self.tree.notes.push(of("`gravcomp` is not read; it is in", &self.lifted));
+        }
+    }
+
+    fn name(&self, node: Node<'x, 'x>, kind: &str, number: usize) -> String {
+        node.attribute("name").map_or_else(|| format!("{kind}_{number}"), str::to_owned)
+    }
+}
