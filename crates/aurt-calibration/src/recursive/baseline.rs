@@ -169,8 +169,11 @@ impl Baseline {
             return Drift { value: None, interval_95: None };
         };
         let effect = self.between_motions[parameter].powi(2);
+        // Degrees of freedom of the sum of both variances (Welch 1947).
+        let of_motions = FREEDOM_OF_GROUP + self.motions[parameter].saturating_sub(1) as f64;
+        let own = effect * effect / of_motions + variance * variance / self.freedom_of_windows(parameter);
         let half = (effect + variance + self.variance_of_mean[parameter]).sqrt()
-            * student(NORMAL_95, self.freedom(parameter, effect, variance));
+            * student(NORMAL_95, (effect + variance).powi(2) / own);
         Drift { value: Some(value), interval_95: Some([value - half, value + half]) }
     }
 
@@ -182,11 +185,9 @@ impl Baseline {
         Some((value - self.mean[parameter], within))
     }
 
-    /// Degrees of freedom of a sum of an effect's variance and that within a motion (Welch 1947, Satterthwaite 1946).
-    pub(super) fn freedom(&self, parameter: usize, effect: f64, within: f64) -> f64 {
-        let motions = FREEDOM_OF_GROUP + self.motions[parameter].saturating_sub(1) as f64;
-        let windows = self.windows[parameter].saturating_sub(self.motions[parameter]).max(1) as f64;
-        (effect + within).powi(2) / (effect * effect / motions + within * within / windows)
+    /// Degrees of freedom of the variance within motions, N − R.
+    pub(super) fn freedom_of_windows(&self, parameter: usize) -> f64 {
+        self.windows[parameter].saturating_sub(self.motions[parameter]).max(1) as f64
     }
 
     /// How far m may be off, at two standard deviations.

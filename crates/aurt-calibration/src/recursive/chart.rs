@@ -1,37 +1,41 @@
 use super::{Baseline, ChangePoint, Cusum, MIN_WINDOWS};
 use crate::{Solution, student::normal};
 
-/// A parameter's chart: two CUSUMs over windows that share what the model lacks on their motion.
+/// A parameter's chart: three CUSUMs over windows that share what the model lacks on their motion.
 ///
 /// Window i of a motion shows d_i = u + e_i beside the mean of the unchanged machine, u ~ N(0, τ²), e_i ~ N(0, v_i). A Kalman
 /// filter follows u through the motion; its innovations ε_i = (d_i − û_i)/√S_i, S_i = P_i + v_i, are independent N(0, 1) while
 /// nothing changes, where the windows themselves are not. A shift b that is there from the motion's beginning on moves ε_i by
 /// g_i b; g_i falls from window to window, since the filter takes the shift for the motion.
 ///
-/// *Sudden* sums ε_i with an allowance of ½, for changes within a motion. *Lasting* sums w_i (ε_i − ½ w_i), w_i = g_i b₁ with b₁ the
-/// deviation of a window: the logarithm of the likelihood ratio of the shift b₁, over all motions. Where motions do not
-/// differ both are the same. What the mean may be off by, at two deviations, comes back in every window and is allowed in both.
+/// *Sudden* sums ε_i with an allowance of ½, for changes within a motion. *Lasting* sums w_i (ε_i − ½ w_i), w_i = g_i b₁, the
+/// logarithm of the likelihood ratio of the shift b₁, over all motions, for b₁ of one deviation of a window, where motions do not
+/// differ the same as *sudden*, and of four, for shifts that stand out of the motions at once. What the mean may be off by, at two
+/// deviations, comes back in every window and is allowed in all of them.
 #[derive(Debug, Clone)]
 pub struct Chart {
     /// Which parameter.
     pub parameter: usize,
     sudden: Cusum,
-    lasting: Cusum,
+    lasting: [Cusum; LASTING.len()],
     /// P, û, and what û takes up of a shift of 1.
     effect: [f64; 3],
 }
 
+/// Shifts b₁, in deviations of a window.
+const LASTING: [f64; 2] = [1.0, 4.0];
+
 impl Chart {
     /// CUSUMs per chart.
-    pub const SUMS: f64 = 2.0;
-    /// Shift of a window, in deviations, that charts are made for, halved.
+    pub const SUMS: usize = 1 + LASTING.len();
+    /// k, in deviations of an innovation.
     pub const ALLOWANCE: f64 = 0.5;
 
     /// A chart of a parameter with the threshold h; nothing where the baseline does not determine it.
     #[must_use]
     pub fn new(parameter: usize, baseline: &Baseline, threshold: f64) -> Option<Self> {
         let cusum = Cusum::new(Self::ALLOWANCE, threshold);
-        let mut chart = Self { parameter, sudden: cusum.clone(), lasting: cusum, effect: [0.0; 3] };
+        let mut chart = Self { parameter, sudden: cusum.clone(), lasting: [cusum.clone(), cusum], effect: [0.0; 3] };
         chart.begin_motion(baseline);
         (baseline.windows[parameter] >= MIN_WINDOWS).then_some(chart)
     }
@@ -44,7 +48,7 @@ impl Chart {
     /// Windows before this index can no longer begin a change.
     #[must_use]
     pub fn needed_from(&self) -> usize {
-        self.sudden.needed_from().min(self.lasting.needed_from())
+        self.lasting.iter().fold(self.sudden.needed_from(), |first, c| first.min(c.needed_from()))
     }
 
     /// Takes in the next window, if its rows determine the parameter: whether they do, and the change that it makes certain.
@@ -53,8 +57,7 @@ impl Chart {
         let [variance, effect, taken_up] = self.effect;
         let total = variance + within;
         let (deviation, gain) = (total.sqrt(), variance / total);
-        let innovation =
-            normal((drift - effect) / deviation, baseline.freedom(self.parameter, variance, within));
+        let innovation = normal((drift - effect) / deviation, baseline.freedom_of_windows(self.parameter));
         let response = (1.0 - taken_up) / deviation;
         self.effect = [
             variance * (1.0 - gain),
@@ -62,10 +65,13 @@ impl Chart {
             taken_up + gain * (1.0 - taken_up),
         ];
         let of_mean = response * baseline.mean_error(self.parameter);
-        let shift = 2.0 * Self::ALLOWANCE * response * baseline.deviation(self.parameter);
-        let sudden = self.sudden.push_weighted(innovation, Self::ALLOWANCE + of_mean, 1.0);
-        let lasting = self.lasting.push_weighted(innovation, 0.5 * shift + of_mean, shift);
-        (true, lasting.or(sudden))
+        let mut change = self.sudden.push_weighted(innovation, Self::ALLOWANCE + of_mean, 1.0);
+        for (cusum, deviations) in self.lasting.iter_mut().zip(LASTING) {
+            let shift = deviations * response * baseline.deviation(self.parameter);
+            let found = cusum.push_weighted(innovation, 0.5 * shift + of_mean, shift);
+            change = found.or(change);
+        }
+        (true, change)
     }
 }
 
@@ -107,7 +113,7 @@ mod tests {
             let mut chart = Chart::new(0, &baseline, threshold_for(Chart::ALLOWANCE, 600.0)).unwrap();
             let found: usize =
                 (0..20_000).map(|_| alarms(&mut chart, &baseline, &motion(&mut random, between, 0.0))).sum();
-            let stated = 12.0 * 20_000.0 * Chart::SUMS / 600.0;
+            let stated = 12.0 * 20_000.0 * Chart::SUMS as f64 / 600.0;
             assert!(found > 0 && (found as f64) < stated, "{between}: {found}, {stated}");
         }
     }

@@ -103,7 +103,7 @@ impl Follower {
         let charted: Vec<usize> = (0..self.parameters.len()).filter(is_charted).collect();
         let known = charted.iter().filter(|k| Chart::new(**k, baseline, 0.0).is_some()).count();
         let windows = self.options.false_alarm_h * 3600.0 / self.options.window_s;
-        self.threshold = threshold_for(Chart::ALLOWANCE, windows * known as f64 * Chart::SUMS);
+        self.threshold = threshold_for(Chart::ALLOWANCE, windows * (known * Chart::SUMS) as f64);
         self.run_length = average_run_length(Chart::ALLOWANCE, self.threshold);
         self.charts = charted
             .into_iter()
