@@ -118,8 +118,8 @@ mod tests {
         }
     }
 
-    /// A shift of two deviations between motions is seen over some motions, one of eight windows at once, one within a motion
-    /// as soon as without effects of motions.
+    /// A shift of three deviations between motions is seen over some motions, one of sixteen in the first, one within a motion as
+    /// soon as without effects of motions.
     #[test]
     fn shifts_are_found_beside_motions_that_differ() {
         let mut random = Random::new(5);
@@ -130,7 +130,7 @@ mod tests {
             let mut chart = Chart::new(0, &baseline, threshold).unwrap();
             (1..200).find(|_| alarms(&mut chart, &baseline, &motion(random, 0.5, shift)) > 0)
         };
-        let (small, large) = (delay(1.0, &mut random), delay(8.0, &mut random));
+        let (small, large) = (delay(1.5, &mut random), delay(8.0, &mut random));
         assert!(small.unwrap() < 12 && large == Some(1), "{small:?} {large:?}");
         let mut chart = Chart::new(0, &baseline, threshold).unwrap();
         let quiet: Vec<Solution> = (0..300).map(|_| window(random.normal())).collect();
