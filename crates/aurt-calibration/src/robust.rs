@@ -123,9 +123,10 @@ pub(crate) fn reweight(
                 .map(|(j, pieces)| weighted(model.row_columns(j), pieces, &residuals[j], sigma[j], loss))
                 .collect();
             let next = System::new(n, factors).solve_coefficients(&weights(&sigma))?.0;
-            let moved = next.iter().zip(&step).zip(&deviation).fold(0.0_f64, |most, ((a, b), d)| {
-                if *d > 0.0 { most.max((a - b).abs() / d) } else { most }
-            });
+            let moved =
+                next.iter().zip(&step).zip(&deviation).fold(0.0_f64, |most, ((a, b), d)| {
+                    if *d > 0.0 { most.max((a - b).abs() / d) } else { most }
+                });
             step = next;
             rounds += 1;
             if moved < SETTLED {

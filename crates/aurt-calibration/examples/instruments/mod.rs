@@ -17,7 +17,8 @@ pub fn with_instruments(
     sigma: &[f64],
 ) -> Vec<[f64; 2]> {
     let n = model.parameters().len();
-    let (mut between, mut own, mut right) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n), DVector::zeros(n));
+    let [mut between, mut own] = [(); 2].map(|()| DMatrix::<f64>::zeros(n, n));
+    let mut right = DVector::<f64>::zeros(n);
     let mut bandwidth = 1.0;
     for (recording, instrument) in recordings.iter().zip(instruments) {
         for (seen, other) in recording.data.segments.iter().zip(&instrument.data.segments) {
@@ -49,7 +50,7 @@ pub fn with_instruments(
     }
     let inverse = between.try_inverse().unwrap();
     let coefficients = &inverse * right;
-    let covariance: DMatrix<f64> = &inverse * own * inverse.transpose() * bandwidth;
+    let covariance = &inverse * own * inverse.transpose() * bandwidth;
     (0..n)
         .map(|k| {
             let half = NORMAL_95 * covariance[(k, k)].sqrt();

@@ -8,9 +8,7 @@ use super::{
     clusters::factors,
     rows::{JointRows, rows_of},
 };
-use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss,
-};
+use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss};
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;

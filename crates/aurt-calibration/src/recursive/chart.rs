@@ -35,7 +35,8 @@ impl Chart {
     #[must_use]
     pub fn new(parameter: usize, baseline: &Baseline, threshold: f64) -> Option<Self> {
         let cusum = Cusum::new(Self::ALLOWANCE, threshold);
-        let mut chart = Self { parameter, sudden: cusum.clone(), lasting: [cusum.clone(), cusum], effect: [0.0; 3] };
+        let mut chart =
+            Self { parameter, sudden: cusum.clone(), lasting: [cusum.clone(), cusum], effect: [0.0; 3] };
         chart.begin_motion(baseline);
         (baseline.windows[parameter] >= MIN_WINDOWS).then_some(chart)
     }
@@ -59,11 +60,8 @@ impl Chart {
         let (deviation, gain) = (total.sqrt(), variance / total);
         let innovation = normal((drift - effect) / deviation, baseline.freedom_of_windows(self.parameter));
         let response = (1.0 - taken_up) / deviation;
-        self.effect = [
-            variance * (1.0 - gain),
-            effect + gain * (drift - effect),
-            taken_up + gain * (1.0 - taken_up),
-        ];
+        self.effect =
+            [variance * (1.0 - gain), effect + gain * (drift - effect), taken_up + gain * (1.0 - taken_up)];
         let of_mean = response * baseline.mean_error(self.parameter);
         let mut change = self.sudden.push_weighted(innovation, Self::ALLOWANCE + of_mean, 1.0);
         for (cusum, deviations) in self.lasting.iter_mut().zip(LASTING) {
