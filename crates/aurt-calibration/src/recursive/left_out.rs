@@ -66,7 +66,7 @@ mod tests {
             assert!((others[0] - expected).abs() < 1e-12, "{others:?}");
         }
         let alone = LeftOut::of(&[recording(1.0)], &[1.0], |_| true).unwrap();
-        assert_eq!(alone.others, [alone.all.clone()]);
+        assert_eq!(alone.others, std::slice::from_ref(&alone.all));
         assert!(LeftOut::of(&[], &[1.0], |_| true).is_err());
     }
 }
