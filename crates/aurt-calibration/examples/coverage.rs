@@ -1,18 +1,16 @@
 //! How often 95 % intervals hold the truth: a UR10e whose parameters are known, noise with and without a memory, encoders
-//! of several resolutions, one recording and five; and of instrumental variables with the best instruments that there can be.
+//! of several resolutions, one recording and five.
 //!
 //! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
 //! that of the seeds of each row, a second the only number of recordings.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
-mod instruments;
 mod known_robot;
 
-use aurt_calibration::{CalibrationOptions, Deviations, calibrate};
+use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};
 use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
-use instruments::with_instruments;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
 use rayon::prelude::*;
 
@@ -20,7 +18,7 @@ const DURATION_S: f64 = 20.0;
 const RECORDINGS: usize = 5;
 
 /// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white, and
-/// instrumental variables along the true motion, with rows taken as white.
+/// errors in variables.
 type Counts = [[usize; 4]; 3];
 
 fn main() {
@@ -32,7 +30,7 @@ fn main() {
     );
     println!(
         "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white | \
-         true instruments: all | rigid bodies | friction |"
+         eiv: all | rigid bodies | friction |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
@@ -41,9 +39,7 @@ fn main() {
         ("19 bit", Some(19)),
         ("16 bit", Some(16)),
         ("14 bit", Some(14)),
-        ("13 bit", Some(13)),
         ("12 bit", Some(12)),
-        ("11 bit", Some(11)),
     ];
     let counts = std::env::args().nth(2).map_or(vec![1, RECORDINGS], |text| vec![text.parse().unwrap()]);
     let rows = counts.into_iter().flat_map(|count| {
@@ -82,23 +78,21 @@ fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bit
         .enumerate()
         .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, bits))
         .collect();
-    let unit = MeasurementUnit::NewtonMetre;
-    let [memory, white] = [Deviations::Memory, Deviations::White].map(|deviations| {
-        let options = CalibrationOptions { deviations, ..CalibrationOptions::default() };
-        calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap()
-    });
-    let exact: Vec<_> =
-        clean.iter().map(|c| measured(c, "instruments", seed, Noise::White, 0.0, None)).collect();
-    let instrumental = with_instruments(&robot.model, &recordings, &exact, &white.sigma);
-    let intervals = |found: &aurt_calibration::Calibration| -> Vec<[f64; 2]> {
-        found.parameters.iter().map(|p| p.interval_95.unwrap()).collect()
-    };
     let base = robot.model.base().len();
-    [intervals(&memory), intervals(&white), instrumental].map(|intervals| {
+    let estimates = [
+        (Estimator::Wls, Deviations::Memory),
+        (Estimator::Wls, Deviations::White),
+        (Estimator::Eiv, Deviations::Memory),
+    ];
+    estimates.map(|(estimator, deviations)| {
+        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
+        let unit = MeasurementUnit::NewtonMetre;
+        let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
         let mut counts = [0; 4];
-        for (k, ([low, high], truth)) in intervals.iter().zip(&robot.truth).enumerate() {
+        for (k, (parameter, truth)) in found.parameters.iter().zip(&robot.truth).enumerate() {
             let group = 2 * usize::from(k >= base);
-            counts[group] += usize::from((low..=high).contains(&truth));
+            let [low, high] = parameter.interval_95.unwrap();
+            counts[group] += usize::from((low..=high).contains(truth));
             counts[group + 1] += 1;
         }
         counts

@@ -74,6 +74,17 @@ pub enum CalibrationError {
         /// The one that was fitted.
         calibration: PathBuf,
     },
+    /// Noise of the positions cannot be told from the motion.
+    #[error(
+        "noise of the positions makes up {percent:.0} % of the power of joint {joint}'s accelerations, and what is left determines \
+         no parameters; lower f_dyn, or use `estimator = \"wls\"`"
+    )]
+    NoisyPositions {
+        /// The noisiest joint.
+        joint: usize,
+        /// Its share of noise.
+        percent: f64,
+    },
     /// Too little to hold something out.
     #[error(
         "`estimator = \"essential\"` holds out blocks of at least 2 s, and the recordings make {found}, of which {needed} are \

@@ -22,9 +22,7 @@ mod factor;
 mod long;
 mod metrics;
 mod physical;
-mod random;
 mod recursive;
-mod robust;
 mod row_cache;
 mod scope;
 mod stream;
@@ -54,10 +52,9 @@ pub use factor::JointFactor;
 pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
 pub use recursive::{
-    Baseline, ChangePoint, Chart, Cusum, Cut, Drift, DriftGroup, DriftParameter, DriftReference, DriftWindow,
-    LeftOut, MIN_WINDOWS, Tracker, average_run_length, drift_windows, threshold_for,
+    Baseline, ChangePoint, Cusum, Cut, Drift, DriftGroup, DriftParameter, DriftReference, DriftWindow,
+    MIN_WINDOWS, Tracker, average_run_length, drift_windows, threshold_for,
 };
-pub use robust::RobustReport;
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};

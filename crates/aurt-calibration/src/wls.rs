@@ -3,16 +3,15 @@ use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
     CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
-    PositionBias, RobustReport, System, TermScopes,
+    PositionBias, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
     deviations::{Observed, sandwich},
-    errors_in_positions::Fitted,
+    errors_in_positions::{Corrected, Fitted, correct},
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
-    robust::{Rows, reweight},
     system::Solution,
     uncertainty::{calibrated_parameters, noise_bandwidth_factor},
 };
@@ -149,30 +148,23 @@ pub(crate) fn finished(
         estimate.solution = system.solve(&weights, |k| kept[k])?;
         essential = Some(report);
     }
-    let mut robust = None;
-    if options.estimator == Estimator::Irls {
-        let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "irls" })?;
-        let observed = Rows { model, recordings, scopes, load, options };
-        let reweighted = reweight(&observed, system, &estimate)?;
-        estimate.solution.coefficients = reweighted.coefficients;
-        estimate.sigma = reweighted.sigma;
-        let slopes: Vec<f64> = weights(&estimate.sigma)
-            .iter()
-            .zip(&reweighted.report.slope)
-            .map(|(weight, slope)| weight * slope.sqrt())
-            .collect();
-        estimate.solution.covariance = system.solve(&slopes, |_| true)?.covariance;
-        robust = Some(reweighted.report);
+    let corrected = without_position_noise(setting, system, &estimate, load, recordings)?;
+    let least_squares = estimate.solution.clone();
+    let mut bread = None;
+    if let Some(corrected) = corrected.as_ref().filter(|_| options.estimator == Estimator::Eiv) {
+        estimate.solution.coefficients.clone_from(&corrected.coefficients);
+        estimate.solution.covariance.clone_from(&corrected.bread);
+        bread = Some(corrected.bread.as_slice());
     }
-    let bread = robust.as_ref().map(|_| estimate.solution.covariance.clone());
     if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
         let observed = (recordings, scopes, load);
-        remember(setting, system, &mut estimate, (bandwidth, bread.as_deref()), observed)?;
+        remember(setting, system, &mut estimate, (bandwidth, bread), observed)?;
         bandwidth = 1.0;
     }
     let n = estimate.solution.coefficients.len();
     let deviation = |k: usize| (bandwidth * estimate.solution.covariance[k * n + k]).sqrt();
-    let position_bias = position_bias(setting, system, &estimate, load, recordings, deviation)?;
+    let position_bias =
+        corrected.as_ref().map(|corrected| PositionBias::of(model, &least_squares, corrected, deviation));
     let mut consistent = None;
     if options.estimator == Estimator::Consistent {
         let scale = bandwidth * noise_scale(system, &estimate)?;
@@ -200,8 +192,8 @@ pub(crate) fn finished(
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
-    warnings.extend(position_bias.iter().filter_map(PositionBias::warning));
-    warnings.extend(robust.iter().flat_map(RobustReport::warnings));
+    let is_biased = options.estimator != Estimator::Eiv;
+    warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
@@ -227,30 +219,37 @@ pub(crate) fn finished(
         consistent,
         essential,
         position_bias,
-        robust,
     })
 }
 
-/// What noise of the positions does to least squares, where there are rows to be looked at again.
+/// The estimate without the bias of noise in the positions, where there are rows to be looked at again.
 ///
 /// # Errors
-/// What models report.
-fn position_bias(
+/// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
+/// report.
+fn without_position_noise(
     setting: &Setting<'_>,
     system: &System,
     estimate: &Estimate,
     load: &LoadTorque,
     recordings: Option<(&[&NamedRecording], &TermScopes)>,
-    deviation: impl Fn(usize) -> f64,
-) -> Result<Option<PositionBias>, CalibrationError> {
+) -> Result<Option<Corrected>, CalibrationError> {
     let Setting { model, options, .. } = *setting;
-    let is_told = options.deviations == Deviations::Memory
-        && matches!(options.estimator, Estimator::Wls | Estimator::Ols | Estimator::Consistent);
-    let Some((recordings, scopes)) = recordings.filter(|_| is_told) else { return Ok(None) };
+    let is_used = options.estimator == Estimator::Eiv;
+    let Some((recordings, scopes)) = recordings else {
+        return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
+    };
+    if !is_used && (options.deviations == Deviations::White || options.estimator == Estimator::Essential) {
+        return Ok(None);
+    }
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
     let solution = &estimate.solution;
     let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
-    PositionBias::of(&fitted, deviation)
+    match correct(&fitted, is_used) {
+        Ok(corrected) => Ok(Some(corrected)),
+        Err(CalibrationError::NoisyPositions { .. }) if !is_used => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.
@@ -279,7 +278,6 @@ fn remember(
         coefficients: &estimate.solution.coefficients,
         weights: &weights,
         bread: &plain.covariance,
-        sigma: (options.estimator == Estimator::Irls).then_some(estimate.sigma.as_slice()),
     })?;
     let n = plain.coefficients.len();
     // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.

@@ -18,5 +18,4 @@ mod clusters;
 mod rows;
 mod sandwich;
 
-pub(crate) use rows::{JointRows, rows_of};
 pub(crate) use sandwich::{Observed, sandwich};

@@ -8,7 +8,7 @@ use super::{
     clusters::factors,
     rows::{JointRows, rows_of},
 };
-use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss};
+use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes};
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;
@@ -28,8 +28,6 @@ pub(crate) struct Observed<'a> {
     pub weights: &'a [f64],
     /// (WᵀΩ⁻¹W)⁻¹ with these weights, column-major.
     pub bread: &'a [f64],
-    /// σ_j beyond a multiple of which residuals count less, for estimates with weights by row.
-    pub sigma: Option<&'a [f64]>,
 }
 
 /// A segment with how often it is listed.
@@ -47,15 +45,10 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
     let Observed { model, load, options, coefficients, weights, bread, .. } = *observed;
     let n = coefficients.len();
     let pieces = pieces(observed);
-    let mut rows: Vec<Vec<JointRows>> = pieces
+    let rows: Vec<Vec<JointRows>> = pieces
         .par_iter()
         .map(|p| rows_of(model, p.segment, &p.acting, load, coefficients, options))
         .collect::<Result<_, _>>()?;
-    for (joint, sigma) in observed.sigma.iter().flat_map(|s| s.iter().enumerate()) {
-        for residual in rows.iter_mut().filter_map(|r| r.get_mut(joint)).flat_map(|r| &mut r.residual) {
-            *residual *= Loss::Tukey.weight(*residual / sigma);
-        }
-    }
     let bread = DMatrix::from_column_slice(n, n, bread);
 
     let parts: Vec<DMatrix<f64>> = (0..model.joints())

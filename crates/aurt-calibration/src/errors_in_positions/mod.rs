@@ -7,26 +7,23 @@
 //!
 //! (2A − E A*) ζ = 2c − E c*,
 //!
-//! corrected scores by simulation (Nakamura 1990; Novick and Stefanski 2002). One draw is added and taken away: in the mean of
-//! both, what is odd in the noise is gone, and with it most of the scatter of a draw. Exact where the regressor is linear in the
+//! corrected scores by simulation (Nakamura 1990; Novick and Stefanski 2002). Exact where the regressor is linear in the
 //! noise; to first order in its power elsewhere. Friction turns with the sign of the velocity, where that is not enough: the
-//! bias of the rigid bodies is told, and no estimate is corrected by it.
+//! correction shows that and where noise matters, and intervals around corrected estimates of friction hold less often than
+//! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator.
 
 mod noise;
 
-use std::ops::Range;
-
-use aurt_recording::{PositionNoise, Segment, ZeroPhase};
-use aurt_traits::{LoadTorque, Motion, RobotModel};
+use aurt_recording::{PositionNoise, ZeroPhase};
+use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     CalibrationError, CalibrationOptions, NamedRecording, Solution, System, TermScopes, accumulate_scoped,
-    random::Random,
 };
-use noise::{acceleration_share, noisier};
+use noise::{Random, acceleration_share, noisier};
 
 /// Order of the filter of the positions, one way.
 const FILTER_ORDER: usize = 4;
@@ -36,10 +33,8 @@ const MOTION_SHARE: f64 = 0.25;
 const MOTION_HZ: f64 = 3.0;
 /// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
 const NEGLIGIBLE_SHARE: f64 = 1e-4;
-/// Signs with which the noise is added.
-const SIGNS: [f64; 2] = [1.0, -1.0];
-/// Of longer recordings, pieces of so much together stand for the whole, s.
-const LOOKED_AT_S: f64 = 60.0;
+/// Draws of the noise that a bias is shown from, and that it is corrected by.
+const DRAWS: [u64; 2] = [4, 16];
 /// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
 const OVERWHELMING: f64 = 0.5;
 /// A bias of so many standard deviations makes intervals of 95 % hold less than 93 %.
@@ -90,41 +85,61 @@ pub(crate) struct Fitted<'a> {
     pub solution: &'a Solution,
 }
 
+/// An estimate without the bias.
+pub(crate) struct Corrected {
+    pub coefficients: Vec<f64>,
+    /// The inverse of the corrected WᵀΩ⁻¹W, column-major.
+    pub bread: Vec<f64>,
+    pub joints: Vec<JointPositionNoise>,
+    pub draws: u64,
+}
+
+/// The estimate without what noise of the positions does to it; `thorough` draws often enough for the result to be used.
+///
+/// # Errors
+/// [`CalibrationError::NoisyPositions`] if noise makes up what the motion shows, and what models report.
+pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, CalibrationError> {
+    let joints = joints(fitted)?;
+    let plain = Normal::of(fitted.system, fitted.weights);
+    let is_negligible = joints.iter().all(|j| j.acceleration_share < NEGLIGIBLE_SHARE);
+    let draws = if is_negligible { 0 } else { DRAWS[usize::from(thorough)] };
+    let mut corrected = plain.clone();
+    if draws > 0 {
+        let drawn: Vec<Normal> =
+            (0..draws).into_par_iter().map(|draw| drawn(fitted, draw)).collect::<Result<_, _>>()?;
+        for normal in &drawn {
+            corrected.add(&plain, 1.0 / draws as f64);
+            corrected.add(normal, -1.0 / draws as f64);
+        }
+    }
+    let worst =
+        joints.iter().enumerate().max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
+    let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
+    let (coefficients, bread) = corrected
+        .solve(&fitted.solution.excited)
+        .ok_or(CalibrationError::NoisyPositions { joint, percent: 100.0 * share })?;
+    Ok(Corrected { coefficients, bread, joints, draws })
+}
+
 impl PositionBias {
-    /// The bias of least squares, with the coefficients' deviations; nothing where noise makes up what the motion shows.
-    ///
-    /// # Errors
-    /// What filters and models report.
+    /// The bias of least squares, given the estimate without it.
     pub(crate) fn of(
-        fitted: &Fitted<'_>,
-        deviation: impl Fn(usize) -> f64,
-    ) -> Result<Option<Self>, CalibrationError> {
-        let joints = joints(fitted)?;
-        if joints.iter().all(|j| j.acceleration_share < NEGLIGIBLE_SHARE) {
-            return Ok(Some(Self { joints, draws: 0, parameters: Vec::new() }));
-        }
-        let whole = Normal::of(fitted.system, fitted.weights);
-        let (pieces, times) = pieces(fitted.recordings)?;
-        let plain = if times > 1.0 { normal(fitted, &pieces)? } else { whole.clone() };
-        let draws = SIGNS.par_iter().map(|sign| normal(fitted, &drawn(&pieces, *sign)?));
-        let mut corrected = whole;
-        for drawn in draws.collect::<Result<Vec<Normal>, CalibrationError>>()? {
-            corrected.add(&plain, times / SIGNS.len() as f64);
-            corrected.add(&drawn, -times / SIGNS.len() as f64);
-        }
-        let (model, solution) = (fitted.model, fitted.solution);
-        let Some(corrected) = corrected.solve(&solution.excited) else { return Ok(None) };
+        model: &RobotModel,
+        solution: &Solution,
+        corrected: &Corrected,
+        deviations: impl Fn(usize) -> f64,
+    ) -> Self {
         // Of friction, which turns with the sign of the velocity, first order says too little.
         let parameters = (0..model.base().len())
-            .filter(|k| solution.excited[*k])
+            .filter(|k| solution.excited[*k] && corrected.draws > 0)
             .map(|k| {
-                let bias = solution.coefficients[k] - corrected[k];
-                let deviation = deviation(k);
+                let bias = solution.coefficients[k] - corrected.coefficients[k];
+                let deviation = deviations(k);
                 let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
                 ParameterBias { name: model.parameters()[k].name.clone(), bias, deviations }
             })
             .collect();
-        Ok(Some(Self { joints, draws: SIGNS.len() as u64, parameters }))
+        Self { joints: corrected.joints.clone(), draws: corrected.draws, parameters }
     }
 
     /// The coefficients whose intervals suffer, the worst first.
@@ -136,7 +151,7 @@ impl PositionBias {
         notable
     }
 
-    /// What to know where noise is more than first order tells.
+    /// What to know where noise is more than corrections hold for.
     pub(crate) fn overwhelming(&self) -> Option<String> {
         let worst = self.joints.iter().enumerate();
         let (joint, noise) =
@@ -144,13 +159,13 @@ impl PositionBias {
         (noise.acceleration_share > OVERWHELMING).then(|| {
             format!(
                 "noise of the positions makes up {:.0} % of the power of joint {joint}'s accelerations, more than its effect on \
-                 estimates can be told; lower f_dyn",
+                 estimates can be told or corrected for; lower f_dyn",
                 100.0 * noise.acceleration_share
             )
         })
     }
 
-    /// What to know of least squares.
+    /// What to know of least squares that was not corrected.
     pub(crate) fn warning(&self) -> Option<String> {
         const NAMED: usize = 3;
         let notable = self.notable();
@@ -195,72 +210,26 @@ fn joints(fitted: &Fitted<'_>) -> Result<Vec<JointPositionNoise>, CalibrationErr
     Ok(joints)
 }
 
-/// The middle of each segment, in proportion to its length, and how many times all that the pieces are.
-fn pieces(recordings: &[&NamedRecording]) -> Result<(Vec<NamedRecording>, f64), CalibrationError> {
-    let long_s = |s: &Segment| s.motion.samples() as f64 / s.rate_hz;
-    let total_s: f64 = recordings.iter().flat_map(|r| &r.data.segments).map(long_s).sum();
-    let share = (LOOKED_AT_S / total_s).min(1.0);
-    let mut pieces: Vec<NamedRecording> = recordings.iter().map(|r| (*r).clone()).collect();
-    if share == 1.0 {
-        return Ok((pieces, 1.0));
-    }
-    let (mut all, mut kept) = (0, 0);
-    for segment in pieces.iter_mut().flat_map(|r| &mut r.data.segments) {
-        let rows = segment.rows();
-        let count = ((share * rows as f64).ceil() as usize).min(rows);
-        *segment = piece(segment, (rows - count) / 2..(rows - count) / 2 + count)?;
-        all += rows;
-        kept += count;
-    }
-    Ok((pieces, all as f64 / kept.max(1) as f64))
-}
-
-/// Some rows of a segment, and the motion that they are of.
-fn piece(segment: &Segment, rows: Range<usize>) -> Result<Segment, CalibrationError> {
-    let view = segment.motion.view();
-    let samples =
-        rows.start * segment.decimation..(rows.end * segment.decimation).min(segment.motion.samples());
-    let part = view.slice(samples);
-    let joints = part.joints();
-    let motion = Motion::new(
-        joints,
-        part.time_s().to_vec(),
-        (0..joints).flat_map(|j| part.position_rad(j).to_vec()).collect(),
-        (0..joints).flat_map(|j| part.velocity_rad_s(j).to_vec()).collect(),
-        (0..joints).flat_map(|j| part.acceleration_rad_s2(j).to_vec()).collect(),
-    )?;
-    let measurement =
-        segment.measurement.as_ref().map(|m| m.iter().map(|y| y[rows.clone()].to_vec()).collect());
-    Ok(Segment {
-        motion,
-        measurement,
-        raw_measurement: None,
-        rate_hz: segment.rate_hz,
-        decimation: segment.decimation,
-        parallel_filter: segment.parallel_filter.clone(),
-    })
-}
-
-/// The recordings with the noise added once more; the same noise for either sign.
-fn drawn(recordings: &[NamedRecording], sign: f64) -> Result<Vec<NamedRecording>, CalibrationError> {
-    let mut random = Random::new(0);
-    let mut noisier = |recording: &NamedRecording| {
-        let filter = position_filter(recording)?;
-        let report = &recording.data.report;
-        let motion_hz = (MOTION_SHARE * report.parallel_cutoff_hz).min(MOTION_HZ);
-        let smoother = ZeroPhase::butterworth(FILTER_ORDER, motion_hz, report.rate_hz)?;
-        let mut own = recording.clone();
-        for segment in &mut own.data.segments {
-            *segment = noisier(segment, &own.data.position_noise, [&filter, &smoother], sign, &mut random)?;
-        }
-        Ok(own)
-    };
-    recordings.iter().map(&mut noisier).collect()
-}
-
-fn normal(fitted: &Fitted<'_>, recordings: &[NamedRecording]) -> Result<Normal, CalibrationError> {
+/// The normal equations with the noise added once more.
+fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
+    let mut random = Random::new(draw);
+    let noisier: Vec<NamedRecording> = fitted
+        .recordings
+        .iter()
+        .map(|recording| {
+            let filter = position_filter(recording)?;
+            let report = &recording.data.report;
+            let motion_hz = (MOTION_SHARE * report.parallel_cutoff_hz).min(MOTION_HZ);
+            let smoother = ZeroPhase::butterworth(FILTER_ORDER, motion_hz, report.rate_hz)?;
+            let mut own = (*recording).clone();
+            for segment in &mut own.data.segments {
+                *segment = noisier(segment, &own.data.position_noise, [&filter, &smoother], &mut random)?;
+            }
+            Ok(own)
+        })
+        .collect::<Result<_, CalibrationError>>()?;
     let Fitted { model, options, load, scopes, weights, .. } = *fitted;
-    Ok(Normal::of(&accumulate_scoped(model, recordings, scopes, load, options)?, weights))
+    Ok(Normal::of(&accumulate_scoped(model, &noisier, scopes, load, options)?, weights))
 }
 
 /// A = WᵀΩ⁻¹W and c = WᵀΩ⁻¹y.
@@ -296,8 +265,8 @@ impl Normal {
         self.right += factor * &other.right;
     }
 
-    /// ζ over the excited coefficients; `None` unless A is positive definite.
-    fn solve(&self, excited: &[bool]) -> Option<Vec<f64>> {
+    /// ζ and A⁻¹ over the excited coefficients; `None` unless A is positive definite.
+    fn solve(&self, excited: &[bool]) -> Option<(Vec<f64>, Vec<f64>)> {
         let n = excited.len();
         let kept: Vec<usize> = (0..n).filter(|k| excited[*k]).collect();
         let scale: Vec<f64> = kept.iter().map(|k| self.matrix[(*k, *k)].sqrt()).collect();
@@ -307,12 +276,16 @@ impl Normal {
         let scaled = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
             self.matrix[(kept[a], kept[b])] / (scale[a] * scale[b])
         });
+        let inverse = scaled.cholesky()?.inverse();
         let right = DVector::from_fn(kept.len(), |a, _| self.right[kept[a]] / scale[a]);
-        let found = scaled.cholesky()?.solve(&right);
-        let mut coefficients = vec![0.0; n];
-        for (a, column) in kept.iter().enumerate() {
-            coefficients[*column] = found[a] / scale[a];
+        let found = &inverse * right;
+        let (mut coefficients, mut bread) = (vec![0.0; n], vec![0.0; n * n]);
+        for (a, first) in kept.iter().enumerate() {
+            coefficients[*first] = found[a] / scale[a];
+            for (b, second) in kept.iter().enumerate() {
+                bread[second * n + first] = inverse[(a, b)] / (scale[a] * scale[b]);
+            }
         }
-        Some(coefficients)
+        Some((coefficients, bread))
     }
 }

@@ -3,7 +3,7 @@
 use aurt_recording::{PositionNoise, Segment, ZeroPhase, acceleration_gain};
 use aurt_traits::Motion;
 
-use crate::{CalibrationError, random::Random};
+use crate::CalibrationError;
 
 /// Points of the integral over frequency.
 const POINTS: usize = 512;
@@ -31,7 +31,7 @@ pub(super) fn acceleration_share(
 }
 
 /// The segment with the noise of its positions added once more: the encoder, with its zero anywhere within a step, looks at
-/// the motion again, and what it is off by, times `sign`, passes `filter`, that of the positions. The motion passes `smoother` before: where
+/// the motion again, and what it is off by passes `filter`, that of the positions. The motion passes `smoother` before: where
 /// filters leave steps of the lattice in it, a second look would see them exactly.
 ///
 /// # Errors
@@ -40,7 +40,6 @@ pub(super) fn noisier(
     segment: &Segment,
     noises: &[PositionNoise],
     [filter, smoother]: [&ZeroPhase; 2],
-    sign: f64,
     random: &mut Random,
 ) -> Result<Segment, CalibrationError> {
     let view = segment.motion.view();
@@ -64,7 +63,7 @@ pub(super) fn noisier(
         let error = smooth.iter().map(|q| {
             let seen = q + if white > 0.0 { white * random.normal() } else { 0.0 };
             let shown = noise.step_rad.map_or(seen, |step| ((seen / step + zero).round() - zero) * step);
-            sign * (shown - q)
+            shown - q
         });
         let error: Vec<f64> = error.collect();
         let error = filter.filter(&error)?;
@@ -76,6 +75,28 @@ pub(super) fn noisier(
     }
     let motion = Motion::new(joints, view.time_s().to_vec(), position, velocity, acceleration)?;
     Ok(Segment { motion, ..segment.clone() })
+}
+
+/// Reproducible deviates, by Steele, Lea and Flood's SplitMix64 (2014) and Box and Muller.
+pub(super) struct Random(u64);
+
+impl Random {
+    pub(super) const fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x2545_F491_4F6C_DD1D)
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * libm::log(self.uniform())).sqrt();
+        radius * libm::cos(std::f64::consts::TAU * self.uniform())
+    }
 }
 
 #[cfg(test)]
@@ -117,7 +138,7 @@ mod tests {
             let noise = PositionNoise::of(&time, &shown);
             let said = acceleration_share(std::slice::from_ref(&segment), 0, &noise, &filter);
             let smoother = ZeroPhase::butterworth(4, 3.0, 250.0).unwrap();
-            let drawn = noisier(&segment, &[noise], [&filter, &smoother], 1.0, &mut random).unwrap();
+            let drawn = noisier(&segment, &[noise], [&filter, &smoother], &mut random).unwrap();
             let (a, b) = (segment.motion.view(), drawn.motion.view());
             let pairs = a.acceleration_rad_s2(0).iter().zip(b.acceleration_rad_s2(0));
             let found = pairs.map(|(a, b)| (b - a).powi(2)).sum::<f64>()

@@ -93,7 +93,6 @@ enum EstimatorName {
     Ols,
     Consistent,
     Essential,
-    Irls,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -132,7 +131,6 @@ impl FittingOptions {
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
                 EstimatorName::Essential => Estimator::Essential,
-                EstimatorName::Irls => Estimator::Irls,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

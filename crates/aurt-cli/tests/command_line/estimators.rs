@@ -106,18 +106,3 @@ fn coarse(line: &str) -> String {
         .collect();
     cells.join(",")
 }
-
-/// Whatever its name: the same samples do not judge the model that was fitted to them.
-#[test]
-fn the_same_recording_cannot_calibrate_and_validate() {
-    let folder = Folder::new().with_whole_demo();
-    std::fs::copy(folder.path("exciting_motion.csv"), folder.path("another_name.csv")).unwrap();
-    let text = folder.read("experiment.toml").replace("other_motion.csv", "another_name.csv");
-    folder.write("experiment.toml", &text);
-    folder.aurt(["run", "experiment.toml", "--out", "out"]).refused(&[
-        "another_name.csv",
-        "exciting_motion.csv",
-        "Hold out another recording",
-    ]);
-    assert!(!folder.names().contains(&"out".to_owned()));
-}

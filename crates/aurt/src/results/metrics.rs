@@ -94,9 +94,6 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.essential {
             document["essential"] = json!(report);
         }
-        if let Some(report) = &self.calibration.robust {
-            document["robust"] = json!(report);
-        }
         if let Some(report) = &self.calibration.position_bias {
             document["position_bias"] = json!(report);
         }
@@ -260,7 +257,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Ols => "ols",
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
-        Estimator::Irls => "irls",
+        Estimator::Eiv => "eiv",
     }
 }
 

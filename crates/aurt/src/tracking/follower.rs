@@ -1,12 +1,15 @@
 use std::collections::VecDeque;
 
 use aurt_calibration::{
-    Baseline, CalibrationError, ChangePoint, Chart, DriftParameter, DriftReference, DriftWindow, Solution,
-    System, Tracker, average_run_length, threshold_for,
+    Baseline, CalibrationError, ChangePoint, Cusum, DriftParameter, DriftReference, DriftWindow, MIN_WINDOWS,
+    Solution, System, Tracker, average_run_length, threshold_for,
 };
 use aurt_traits::MeasurementUnit;
 
 use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
+
+/// Shift per window, in deviations, that charts are made for: half of it is the allowance of the CUSUM.
+const ALLOWANCE: f64 = 0.5;
 
 /// Where a window lies.
 #[derive(Debug, Clone, Copy)]
@@ -16,29 +19,23 @@ struct Place {
     end_s: f64,
 }
 
-/// A chart, and where the windows lie that it took in.
-struct Charted {
-    chart: Chart,
+/// A parameter's chart.
+struct Chart {
+    parameter: usize,
+    cusum: Cusum,
     /// Windows in which a change may have begun, and the index of the first of them.
     places: VecDeque<Place>,
     first: usize,
     is_silent: bool,
 }
 
-impl Charted {
+impl Chart {
     /// Takes in the next window; the places of a change that it makes certain.
-    fn push(
-        &mut self,
-        baseline: &Baseline,
-        window: &Solution,
-        place: Place,
-    ) -> Option<(ChangePoint, [Place; 2])> {
-        let (is_taken, change) = self.chart.push(baseline, window);
-        if is_taken {
-            self.places.push_back(place);
-        }
+    fn push(&mut self, z: f64, place: Place) -> Option<(ChangePoint, [Place; 2])> {
+        self.places.push_back(place);
+        let change = self.cusum.push(z);
         let found = change.and_then(|c| Some((c, [*self.places.get(c.since - self.first)?, place])));
-        let needed = self.chart.needed_from();
+        let needed = self.cusum.needed_from();
         while self.first < needed && self.places.pop_front().is_some() {
             self.first += 1;
         }
@@ -55,7 +52,7 @@ pub(super) struct Follower {
     sigma: Vec<f64>,
     columns: Vec<Vec<usize>>,
     tracker: Tracker,
-    charts: Vec<Charted>,
+    charts: Vec<Chart>,
     run_length: f64,
     threshold: f64,
     sources: Vec<String>,
@@ -98,24 +95,24 @@ impl Follower {
     pub(super) fn chart(&mut self, baseline: &Baseline) {
         let is_charted = |k: &usize| {
             let p = &self.parameters[*k];
-            p.joint.is_some() || p.unit == "kg"
+            baseline.windows[*k] >= MIN_WINDOWS && (p.joint.is_some() || p.unit == "kg")
         };
         let charted: Vec<usize> = (0..self.parameters.len()).filter(is_charted).collect();
-        let known = charted.iter().filter(|k| Chart::new(**k, baseline, 0.0).is_some()).count();
         let windows = self.options.false_alarm_h * 3600.0 / self.options.window_s;
-        self.threshold = threshold_for(Chart::ALLOWANCE, windows * (known * Chart::SUMS) as f64);
-        self.run_length = average_run_length(Chart::ALLOWANCE, self.threshold);
+        self.run_length = windows * charted.len() as f64;
+        self.threshold = threshold_for(ALLOWANCE, self.run_length);
+        self.run_length = average_run_length(ALLOWANCE, self.threshold);
         self.charts = charted
             .into_iter()
-            .filter_map(|parameter| Chart::new(parameter, baseline, self.threshold))
-            .map(|chart| Charted { chart, places: VecDeque::new(), first: 0, is_silent: false })
+            .map(|parameter| Chart {
+                parameter,
+                // What the baseline's mean may be off by comes back in every window: it is no change.
+                cusum: Cusum::new(ALLOWANCE + baseline.mean_error(parameter), self.threshold),
+                places: VecDeque::new(),
+                first: 0,
+                is_silent: false,
+            })
             .collect();
-        if baseline.motions.iter().all(|m| *m < 2) {
-            self.notes.push(
-                "the unchanged machine is one recording: by how much another motion differs from it is not known, and may                  show as a change; list recordings of other motions"
-                    .into(),
-            );
-        }
     }
 
     /// The windows that follow are of this recording or stream.
@@ -145,8 +142,12 @@ impl Follower {
         let place = Place { source, start_s: window.start_s, end_s: window.start_s + window.duration_s };
         let before = self.alarms.len();
         for chart in &mut self.charts {
-            if let Some((change, places)) = chart.push(baseline, &solution, place) {
-                let parameter = &self.parameters[chart.chart.parameter];
+            let drift = baseline.drift(&solution, chart.parameter);
+            let Some(z) = drift.standardised.filter(|z| z.is_finite()) else { continue };
+            // Sums of windows that do not err independently grow as those of larger independent ones.
+            let z = z / baseline.memory.sqrt();
+            if let Some((change, places)) = chart.push(z, place) {
+                let parameter = &self.parameters[chart.parameter];
                 let named = |place: Place| self.sources.get(place.source).cloned().unwrap_or_default();
                 self.alarms.push(Alarm {
                     group: parameter.group,
@@ -174,14 +175,13 @@ impl Follower {
         }
         let rows = rows.ok_or(CalibrationError::NothingToCalibrateOn)?;
         let (alone, followed) = (self.solve(&rows)?, self.tracker.estimate()?);
-        self.charts.iter_mut().for_each(|c| c.chart.begin_motion(baseline));
         let all = 0..self.parameters.len();
         self.recordings.push(TrackedRecording {
             recording: name,
             duration_s,
             windows,
-            drift: all.clone().map(|k| baseline.drift(&alone, k)).collect(),
-            tracked: all.map(|k| baseline.drift(&followed, k)).collect(),
+            drift: all.clone().map(|k| baseline.drift_of_many(&alone, k)).collect(),
+            tracked: all.map(|k| baseline.drift_of_many(&followed, k)).collect(),
         });
         Ok(())
     }
