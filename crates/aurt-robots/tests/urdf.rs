@@ -130,7 +130,7 @@ fn every_fault_has_its_place_and_remedy() {
         (String::new(), "is no well-formed XML"),
         ("<robot name=\"r\">".to_owned(), "is no well-formed XML"),
         ("alpha,a,d\n0,0,0\n".to_owned(), "is no well-formed XML"),
-        ("<mujoco/>".to_owned(), "the outermost element is <mujoco>"),
+        ("<sdf/>".to_owned(), "the outermost element is <sdf>"),
         (
             "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:include filename=\"a\"/></robot>"
                 .to_owned(),
