@@ -66,7 +66,7 @@ def compare_chain(model, chain, folder):
         theirs = model.jnt_range[joint] if model.jnt_limited[joint] else None
         same = (limits is None) == (theirs is None) and (limits is None or np.allclose(limits, theirs, rtol=1e-12))
         other += [] if same else [f"range of {model.joint(joint).name}"]
-    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 10 * n * n)
+    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 11 * n * n)
     worst = 0.0
     for row in numbers:
         q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
