@@ -58,7 +58,7 @@ pub use recursive::{
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
-pub use student::student;
+pub use student::{ONE_SIDED_5, in_standard_errors, student};
 pub use system::{Solution, System};
 pub use uncertainty::{noise_bandwidth_factor, with_deviation};
 pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};

@@ -52,8 +52,10 @@ pub fn before_library(library: &Path) {
         say(&format!("{called} crashed{}; nothing that was being written is kept", signal(status)));
         FAILURE
     });
-    if status < FAILURE && fs::read_to_string(note.path()).is_ok_and(|called| called != ENDED) {
-        let called = fs::read_to_string(note.path()).unwrap_or_default();
+    let unfinished = || fs::read_to_string(note.path()).ok().filter(|called| called != ENDED);
+    if status < FAILURE
+        && let Some(called) = unfinished()
+    {
         say(&format!("{called} ended the command with exit status {status}, which a library must not do"));
         drop(note);
         std::process::exit(FAILURE);

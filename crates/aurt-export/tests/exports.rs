@@ -18,11 +18,12 @@ use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gan
 
 fn provenance() -> Provenance {
     Provenance {
-        file: "rd_calibrated.json".into(),
+        file: "rd_\"calibrated\".json".into(),
         schema: 1,
         blake3: "0123".into(),
         aurt_version: Some("0.1.0".into()),
-        recordings: vec!["monday/*.csv".into(), "a -- b??/".into()],
+        // What would end comments and elements, if it were written as it is.
+        recordings: ["monday/*.csv", "a -- b??/", "a & b <c>.csv"].map(str::to_owned).to_vec(),
     }
 }
 
@@ -215,7 +216,7 @@ fn files_state_their_model_and_what_is_lost() {
     let mjcf = mjcf::export(&source).unwrap();
     let urdf = urdf::export(&source).unwrap();
     for (name, text) in c.files.iter().chain(&mjcf.files).chain(&urdf.files) {
-        assert!(text.contains("rd_calibrated.json (schema 1, aurt 0.1.0)"), "{name}");
+        assert!(text.contains("rd_\"calibrated\".json (schema 1, aurt 0.1.0)"), "{name}");
         assert!(text.contains("BLAKE3 of the model: 0123"), "{name}");
     }
     assert!(c.files[1].1.contains("void machine_torque(const double q[6]"), "{}", c.files[1].1);

@@ -123,7 +123,7 @@ fn join(whole: Recording, part: Recording, clock_offset_s: f64) -> Result<Record
     let tolerance_s = SAME_MOMENT_PERIODS * periods[0].min(periods[1]);
     let within = common(&slower.time_s, &faster.time_s, tolerance_s);
     let partners = partners(&slower.time_s, &faster.time_s, tolerance_s);
-    let rates = periods.map(|p| format!("{:.6} Hz", 1.0 / p)).map(|r| shorter(&r));
+    let rates = periods.map(shown_rate);
     let (rows, remark) = if partners.len() as f64 >= COMMON_STAMPS * within.len() as f64 {
         let remark = format!(
             "{name} ({}) and {other} ({}) are joined by equal stamps: {} rows of {} and {}",
@@ -370,10 +370,10 @@ fn shown(recording: &Recording) -> String {
     recording.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// `125.000000 Hz` as `125 Hz`.
-fn shorter(rate: &str) -> String {
-    let number = rate.trim_end_matches(" Hz").trim_end_matches('0').trim_end_matches('.');
-    format!("{number} Hz")
+/// `125 Hz`, to six decimals at most.
+fn shown_rate(period_s: f64) -> String {
+    let number = format!("{:.6}", 1.0 / period_s);
+    format!("{} Hz", number.trim_end_matches('0').trim_end_matches('.'))
 }
 
 #[cfg(test)]

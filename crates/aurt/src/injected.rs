@@ -56,10 +56,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     let parts = &experiment.recordings;
     let mut sources: Vec<&RecordingSource> = Vec::new();
     for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
-        if !sources
-            .iter()
-            .any(|s| s.file == source.file && s.window_s == source.window_s && s.recorded == source.recorded)
-        {
+        if !sources.iter().any(|s| s.is_the_same_as(source)) {
             sources.push(source);
         }
     }

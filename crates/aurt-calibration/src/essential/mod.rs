@@ -17,15 +17,16 @@ use rayon::prelude::*;
 pub(crate) use blocks::Listed;
 pub use report::{EssentialReport, EssentialStep};
 
-use crate::{CalibrationError, CalibrationOptions, JointFactor, System, student::student};
+use crate::{
+    CalibrationError, CalibrationOptions, JointFactor, System,
+    student::{ONE_SIDED_5, student},
+};
 use blocks::blocks_of;
 
 /// Blocks that the recordings are cut into, about.
 const BLOCKS: usize = 12;
 /// Fewer blocks tell nothing of how much errors vary.
 const FEWEST_BLOCKS: usize = 4;
-/// The normal deviate that is exceeded with a probability of 5 %.
-const ONE_SIDED_5: f64 = 1.644_853_626_951_472;
 /// Elimination is shown until the error has grown this much over the best.
 const SHOWN_GROWTH: f64 = 0.5;
 

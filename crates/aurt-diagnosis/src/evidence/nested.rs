@@ -79,10 +79,9 @@ impl Problem {
     /// The same over recordings of both kinds.
     #[must_use]
     pub fn held_out_in_all(&self, fit: &NestedFit, group: &[Switch]) -> Vec<f64> {
-        let own = self.places(group);
         let mut sums = vec![0.0; self.joints()];
-        for (b, fold) in fit.folds.iter().enumerate() {
-            self.add_errors(fit, (fold, self.fold(b)), (group, &own), &mut sums);
+        for block in self.held_out_by_block(fit, group) {
+            sums.iter_mut().zip(block).for_each(|(sum, error)| *sum += error);
         }
         sums
     }

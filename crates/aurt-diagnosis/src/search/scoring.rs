@@ -1,6 +1,6 @@
 //! What a hypothesis brings to a model, on blocks of time that did not fit it.
 
-use aurt_calibration::student;
+use aurt_calibration::{ONE_SIDED_5, in_standard_errors, student};
 use rayon::prelude::*;
 
 use crate::evidence::nested::NestedFit;
@@ -177,7 +177,9 @@ impl Scoring<'_> {
                 own.iter().zip(other).zip(&weights).map(|((own, other), w)| w * (other - own)).sum()
             })
             .collect();
-        !is_positive(&worse)
+        let t = in_standard_errors(&worse);
+        // Two of the same errors give no number.
+        t.is_nan() || t <= student(ONE_SIDED_5, (worse.len() - 1) as f64)
     }
 
     /// Among the best and those as good, the one of fewest coefficients; a law gives way to a simpler one that it does
@@ -295,17 +297,6 @@ pub(crate) struct Loss {
     pub(crate) of_joint: Vec<f64>,
     /// Held-out mean squared error of each joint without it.
     without: Vec<f64>,
-}
-
-/// The normal deviate that 5 % exceed.
-const ONE_SIDED_5: f64 = 1.645;
-
-/// Whether the mean of some values exceeds zero by more than chance.
-fn is_positive(values: &[f64]) -> bool {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean > student(ONE_SIDED_5, n - 1.0) * (variance / n).sqrt()
 }
 
 /// All but the i-th.

@@ -4,6 +4,8 @@
 //! log-likelihood that a prediction gains on rows which had no part in it. Frequency, damping and play are found by variable
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
+use aurt_calibration::in_standard_errors;
+
 use super::against::{Against, Moments, OwnFreed};
 use super::rows::PARTS;
 use super::shape::{Inertia, Shape};
@@ -327,14 +329,6 @@ fn gain([cc, cr]: [f64; 2], amplitude: f64) -> f64 {
 
 fn fitted_gain(moments: [f64; 2]) -> f64 {
     gain(moments, amplitude(moments))
-}
-
-/// The mean over its standard error.
-fn in_standard_errors(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean / (variance / n).sqrt()
 }
 
 #[cfg(test)]

@@ -49,6 +49,14 @@ pub struct RecordingSource {
     pub recorded: RecordedAs,
 }
 
+impl RecordingSource {
+    /// Whether two sources are the same part of the same recording, read in the same way.
+    #[must_use]
+    pub fn is_the_same_as(&self, other: &Self) -> bool {
+        self.file == other.file && self.window_s == other.window_s && self.recorded == other.recorded
+    }
+}
+
 /// `columns`: a mapping of a file's columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingColumns {

@@ -8,7 +8,7 @@ use std::{
 };
 
 use aurt_export::{
-    ExportError, Provenance, Source,
+    ExportError, Source,
     c::Check,
     fmu::{Fmu, Kind, Version, export},
 };
@@ -19,28 +19,7 @@ use super::models::{
     Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
     gantry, half_of_gravity,
 };
-
-fn provenance() -> Provenance {
-    Provenance {
-        file: "rd_\"calibrated\".json".into(),
-        schema: 1,
-        blake3: "0123".into(),
-        aurt_version: Some("0.1.0".into()),
-        recordings: vec!["a & b <c>.csv".into()],
-    }
-}
-
-fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
-    Source {
-        name: "machine",
-        model: &case.model,
-        coefficients: &case.coefficients,
-        load: &case.load,
-        unit: MeasurementUnit::NewtonMetre,
-        standard: Some(&case.standard),
-        provenance,
-    }
-}
+use super::{provenance, source};
 
 fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();

@@ -69,6 +69,19 @@ struct Tried {
     alike: Vec<Mistake>,
 }
 
+impl Tried {
+    /// Whether it is a gain of a joint that another gain of the joint explains alike: the data do not determine it, and what
+    /// gets better is the weight that the joint has among the others.
+    fn has_no_size(&self) -> bool {
+        let of_joint = |m: &Mistake| match m {
+            Mistake::Reading { what: Reading::Gain { joint, .. }, file } => Some((*joint, *file)),
+            _ => None,
+        };
+        let own = self.mistakes.last().and_then(of_joint);
+        own.is_some() && self.alike.iter().any(|other| of_joint(other) == own)
+    }
+}
+
 struct Search<'a> {
     subject: &'a Subject,
     bench: &'a Bench,
@@ -111,7 +124,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         let best = if is_fine { search.glance(&now, &told) } else { search.round(&now, least, &told) };
         let Some(best) = best else { break };
         let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
-        if best.score.total > share * least.min(1.0) {
+        if best.score.total > share * least.min(1.0) || best.has_no_size() {
             break;
         }
         let mut setup = now;

@@ -43,17 +43,14 @@ impl Subject {
         let all: Vec<&RecordingSource> =
             parts.calibration.iter().chain(&parts.target).chain(&parts.validation).collect();
         // Recordings are numbered as the injection has them: in this order, each once.
-        let same = |a: &RecordingSource, b: &RecordingSource| {
-            a.file == b.file && a.window_s == b.window_s && a.recorded == b.recorded
-        };
         let mut known: Vec<&RecordingSource> = Vec::new();
         for source in all {
-            if !known.iter().any(|s| same(s, source)) {
+            if !known.iter().any(|s| s.is_the_same_as(source)) {
                 known.push(source);
             }
         }
         let places = |list: &[RecordingSource]| -> Vec<usize> {
-            list.iter().filter_map(|source| known.iter().position(|s| same(s, source))).collect()
+            list.iter().filter_map(|source| known.iter().position(|s| s.is_the_same_as(source))).collect()
         };
         let (calibration, target) = (places(&parts.calibration), places(&parts.target));
         let validation = places(&parts.validation);

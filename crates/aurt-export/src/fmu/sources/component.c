@@ -2,6 +2,8 @@
 #include "component.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* 0: never set, 1: set at any time, 2: set before initialisation ends. */
 static const unsigned char settable[VARIABLES] = MODEL_SETTABLE;
@@ -94,4 +96,50 @@ const char *component_step(component *c, double time, double step)
         c->value[0] = time + step;
     }
     return problem;
+}
+
+const char *component_save(const component *c, void **state)
+{
+    return component_read(c, sizeof *c, state);
+}
+
+const char *component_restore(component *c, const void *state)
+{
+    if (state == NULL) {
+        return "there is no state to return to";
+    }
+    (void)memcpy(c, state, sizeof *c);
+    return NULL;
+}
+
+void component_forget(void **state)
+{
+    if (state != NULL) {
+        free(*state);
+        *state = NULL;
+    }
+}
+
+const char *component_write(const void *state, void *bytes, size_t size)
+{
+    if (state == NULL || size < sizeof(component)) {
+        return "a state does not fit into the bytes that are given";
+    }
+    (void)memcpy(bytes, state, sizeof(component));
+    return NULL;
+}
+
+const char *component_read(const void *bytes, size_t size, void **state)
+{
+    if (size != sizeof(component)) {
+        return "these bytes are no state of this model";
+    }
+    if (*state == NULL) {
+        *state = malloc(sizeof(component));
+    }
+    if (*state == NULL) {
+        return "there is no memory for a state";
+    }
+    (void)memcpy(*state, bytes, sizeof(component));
+    return NULL;
 }

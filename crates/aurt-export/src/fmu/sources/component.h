@@ -39,6 +39,19 @@ const char *component_set(component *c, size_t reference, double value);
 /* Moves on from time by step seconds. Zero, or why not; the component is then as it was before. */
 const char *component_step(component *c, double time, double step);
 
+/* Copies a component into a state, which is made where there is none. Zero, or why not. */
+const char *component_save(const component *c, void **state);
+
+/* Copies a state back. Zero, or why not. */
+const char *component_restore(component *c, const void *state);
+
+/* Ends a state. */
+void component_forget(void **state);
+
+/* Writes a state as sizeof(component) bytes, and makes one of such bytes. Zero, or why not. */
+const char *component_write(const void *state, void *bytes, size_t size);
+const char *component_read(const void *bytes, size_t size, void **state);
+
 /* What inverse or forward dynamics alone know of. */
 const char *model_begin(component *c);
 const char *model_advance(component *c, double step);

@@ -159,32 +159,18 @@ NO_VALUES(String)
 
 EXPORT fmi2Status NAME(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
-    if (*state == NULL) {
-        *state = malloc(sizeof(component));
-    }
-    if (*state == NULL) {
-        return report((instance *)c, "there is no memory for a state");
-    }
-    *(component *)*state = ((instance *)c)->component;
-    return fmi2OK;
+    return report((instance *)c, component_save(&((instance *)c)->component, state));
 }
 
 EXPORT fmi2Status NAME(fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state)
 {
-    if (state == NULL) {
-        return report((instance *)c, "there is no state to return to");
-    }
-    ((instance *)c)->component = *(component *)state;
-    return fmi2OK;
+    return report((instance *)c, component_restore(&((instance *)c)->component, state));
 }
 
 EXPORT fmi2Status NAME(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
     (void)c;
-    if (state != NULL) {
-        free(*state);
-        *state = NULL;
-    }
+    component_forget(state);
     return fmi2OK;
 }
 
@@ -198,27 +184,13 @@ EXPORT fmi2Status NAME(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate
 
 EXPORT fmi2Status NAME(fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-    if (state == NULL || size < sizeof(component)) {
-        return report((instance *)c, "a state does not fit into the bytes that are given");
-    }
-    (void)memcpy(bytes, state, sizeof(component));
-    return fmi2OK;
+    return report((instance *)c, component_write(state, bytes, size));
 }
 
 EXPORT fmi2Status NAME(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                                 fmi2FMUstate *state)
 {
-    if (size != sizeof(component)) {
-        return report((instance *)c, "these bytes are no state of this model");
-    }
-    if (*state == NULL) {
-        *state = malloc(sizeof(component));
-    }
-    if (*state == NULL) {
-        return report((instance *)c, "there is no memory for a state");
-    }
-    (void)memcpy(*state, bytes, sizeof(component));
-    return fmi2OK;
+    return report((instance *)c, component_read(bytes, size, state));
 }
 
 EXPORT fmi2Status NAME(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[], size_t n,

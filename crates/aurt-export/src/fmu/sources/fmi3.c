@@ -175,32 +175,18 @@ EXPORT fmi3Status NAME(fmi3SetBinary)(fmi3Instance c, const fmi3ValueReference r
 
 EXPORT fmi3Status NAME(fmi3GetFMUState)(fmi3Instance c, fmi3FMUState *state)
 {
-    if (*state == NULL) {
-        *state = malloc(sizeof(component));
-    }
-    if (*state == NULL) {
-        return report((instance *)c, "there is no memory for a state");
-    }
-    *(component *)*state = ((instance *)c)->component;
-    return fmi3OK;
+    return report((instance *)c, component_save(&((instance *)c)->component, state));
 }
 
 EXPORT fmi3Status NAME(fmi3SetFMUState)(fmi3Instance c, fmi3FMUState state)
 {
-    if (state == NULL) {
-        return report((instance *)c, "there is no state to return to");
-    }
-    ((instance *)c)->component = *(component *)state;
-    return fmi3OK;
+    return report((instance *)c, component_restore(&((instance *)c)->component, state));
 }
 
 EXPORT fmi3Status NAME(fmi3FreeFMUState)(fmi3Instance c, fmi3FMUState *state)
 {
     (void)c;
-    if (state != NULL) {
-        free(*state);
-        *state = NULL;
-    }
+    component_forget(state);
     return fmi3OK;
 }
 
@@ -214,27 +200,13 @@ EXPORT fmi3Status NAME(fmi3SerializedFMUStateSize)(fmi3Instance c, fmi3FMUState 
 
 EXPORT fmi3Status NAME(fmi3SerializeFMUState)(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    if (state == NULL || size < sizeof(component)) {
-        return report((instance *)c, "a state does not fit into the bytes that are given");
-    }
-    (void)memcpy(bytes, state, sizeof(component));
-    return fmi3OK;
+    return report((instance *)c, component_write(state, bytes, size));
 }
 
 EXPORT fmi3Status NAME(fmi3DeserializeFMUState)(fmi3Instance c, const fmi3Byte bytes[], size_t size,
                                                 fmi3FMUState *state)
 {
-    if (size != sizeof(component)) {
-        return report((instance *)c, "these bytes are no state of this model");
-    }
-    if (*state == NULL) {
-        *state = malloc(sizeof(component));
-    }
-    if (*state == NULL) {
-        return report((instance *)c, "there is no memory for a state");
-    }
-    (void)memcpy(*state, bytes, sizeof(component));
-    return fmi3OK;
+    return report((instance *)c, component_read(bytes, size, state));
 }
 
 EXPORT fmi3Status NAME(fmi3EnterStepMode)(fmi3Instance c)
