@@ -3,7 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_diagnosis::evidence::baseline::{Baseline, evaluate_all};
@@ -12,8 +12,9 @@ use aurt_diagnosis::noise::spectrum::RecordingNoise;
 use aurt_diagnosis::{Fit, Question, QuestionedRecording, Role, SelectionOptions};
 use aurt_experiment::{Experiment, Registry};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
-use aurt_simulation::{Motion, Robot, robots};
-use aurt_traits::{MeasurementUnit, Motion as Series, RegressorTile, RobotModel};
+use aurt_simulation::{Motion, Robot, Scenario, SimulatedRecording, robots, simulate};
+use aurt_traits::{ArmTerm, MeasurementUnit, Motion as Series, RegressorTile, RobotModel};
+use serde_json::json;
 
 const F_DYN_HZ: f64 = 10.0;
 const VISCOUS_NM_S: f64 = 9.0;
@@ -151,17 +152,21 @@ fn recording(robot: &Robot, model: &RobotModel, motion: &Motion, sight: &Sight, 
 /// recordings.
 fn floors(robot: &Robot, motion: &Motion, sight: &Sight) -> Vec<(f64, f64)> {
     let model = model_of(robot);
+    floors_of(robot, &model, |seed| recording(robot, &model, motion, sight, seed))
+}
+
+fn floors_of(robot: &Robot, model: &RobotModel, recorded: impl Fn(u64) -> Recording) -> Vec<(f64, f64)> {
     let options = PreprocessOptions::new(F_DYN_HZ);
     let recordings: Vec<QuestionedRecording> = (3..5)
         .map(|seed| {
-            let raw = recording(robot, &model, motion, sight, seed);
+            let raw = recorded(seed);
             let data = NamedRecording { name: format!("{seed}"), data: preprocess(&raw, &options).unwrap() };
             let options = options.clone();
             QuestionedRecording { role: Role::Calibration, raw, data, options, simulated: None, spoilt: None }
         })
         .collect();
     let question = Question {
-        model: &model,
+        model,
         frozen: None,
         recordings: &recordings,
         unit: MeasurementUnit::NewtonMetre,
@@ -171,7 +176,7 @@ fn floors(robot: &Robot, motion: &Motion, sight: &Sight) -> Vec<(f64, f64)> {
         without: &[],
     };
     let baseline = Baseline::new(&question).unwrap();
-    let fit = Fit { model: &model, load: &baseline.load, coefficients: &baseline.coefficients };
+    let fit = Fit { model, load: &baseline.load, coefficients: &baseline.coefficients };
     let rows = evaluate_all(&question, &fit).unwrap();
     let mut sums = vec![(0.0, 0.0, 0.0); robot.joints()];
     for (recording, rows) in recordings.iter().zip(&rows) {
@@ -219,6 +224,37 @@ fn joints_that_stand_have_no_steps_of_friction() {
     for (said, left) in &found {
         assert!(*said < 0.04 && *said <= 1.1 * left, "{found:?}");
     }
+}
+
+/// A machine whose servos let its joints stick at reversals, by the simulator of closed loops.
+#[test]
+fn joints_that_stick_at_reversals_leave_what_they_are_said_to_leave() {
+    let robot = robots::tx40();
+    let mut model = model_of(&robot);
+    let rotors =
+        Registry::linked().unwrap().build_from_json::<dyn ArmTerm>(&json!({"model": "rotor_inertia"}));
+    let stacks = model.stacks().to_vec();
+    model =
+        RobotModel::new(Arc::clone(model.rigid_body()), model.base().clone(), stacks, vec![rotors.unwrap()])
+            .unwrap();
+    let found = floors_of(&robot, &model, |seed| {
+        let scenario = Scenario::new(robot.clone(), excitation().plan(&robot, seed).unwrap(), seed);
+        let SimulatedRecording { joints, time_s, position_rad, measurement, .. } =
+            simulate(&scenario).unwrap();
+        let series = |rows: &[f64]| -> Vec<Vec<f64>> {
+            (0..joints).map(|j| rows.iter().skip(j).step_by(joints).copied().collect()).collect()
+        };
+        Recording {
+            file: "simulated.csv".into(),
+            time_s,
+            position_rad: series(&position_rad),
+            velocity_rad_s: None,
+            measurement: Some(series(&measurement)),
+            unit: MeasurementUnit::NewtonMetre,
+            report: ReadReport::default(),
+        }
+    });
+    assert_within(&found, 0.6..1.25, "sticking joints");
 }
 
 #[test]

@@ -107,6 +107,29 @@ fn a_diagnosis_in_memory_gives_the_improved_model_and_its_report() {
     assert!(explanation.report.to_html().contains("spring"));
 }
 
+/// A drive's losses are a share of the load that the final model has: the model without them takes the arm for heavier.
+#[test]
+fn losses_of_a_drive_are_shares_of_the_load_that_it_carries() {
+    let (driving, driven) = (0.05, 0.45);
+    let lossy = |seed| {
+        let losses =
+            effects::DriveEfficiency { joints: vec![1], driving: vec![driving], driven: vec![driven] };
+        recorded(seed, vec![Box::new(losses)])
+    };
+    let recordings = [1, 2, 3].map(lossy);
+    let model = two_link().model().arm_term("rotor_inertia").build().unwrap();
+    let diagnoser = recordings.iter().fold(Diagnoser::new(model), |d, recording| d.calibration(recording));
+    let verdict = diagnoser.diagnose().unwrap();
+    let found = verdict.effects.iter().find(|e| e.effect == "drive_efficiency").unwrap();
+    assert_eq!(found.joints, [1]);
+    // Only the ratio of what both directions pass on is free of the gain.
+    let of = |name: &str| found.parameters[name].value.as_f64().unwrap();
+    let ratio = (1.0 + of("driving")) / (1.0 - of("driven"));
+    let truth = (1.0 + driving) / (1.0 - driven);
+    println!("{ratio} of {truth}: {:?}", found.parameters);
+    assert!((ratio / truth - 1.0).abs() < 0.03, "{ratio} of {truth}: {:?}", found.parameters);
+}
+
 #[test]
 fn predictions_stand_at_the_stamps_and_models_move() {
     let recording = recorded(1, Vec::new());

@@ -120,7 +120,7 @@ pub fn weighted_fit(problem: &Problem, switches: &[Switch], floor: &[f64]) -> (T
 }
 
 /// Whether a column of a model depends on what loads the joints; arm terms do not say.
-fn reads_load(model: &RobotModel) -> bool {
+pub(crate) fn reads_load(model: &RobotModel) -> bool {
     let stack =
         |s: &JointStack| s.coulomb().reads_load() || s.hysteresis().reads_load() || s.viscous().reads_load();
     !model.arm_terms().is_empty() || model.stacks().iter().any(stack)

@@ -84,7 +84,8 @@ pub(crate) fn candidates(
     Ok((model, candidates))
 }
 
-fn build_term(
+/// The term of a proposal.
+pub(crate) fn build_term(
     registry: &Registry,
     effect: &dyn Effect,
     configuration: &Value,

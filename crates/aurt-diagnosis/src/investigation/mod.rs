@@ -9,6 +9,7 @@ mod predicted;
 mod repairs;
 mod reshaped;
 mod selecting;
+mod settled;
 
 pub use earned::Indicated;
 pub(crate) use earned::{WORSE, concerned, earn};
@@ -302,6 +303,15 @@ fn investigate_as_it_is(
         (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
         contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
     }
+    progress("settling what is made of the model's own torque");
+    if parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)? {
+        selected = parts.select(&mut rows, progress);
+    }
+    for chosen in &selected.selection.chosen {
+        let candidate = &parts.candidates[selected.groups[chosen.group].candidate];
+        reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
+    }
+    parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)?;
     let Selected {
         problem,
         groups,
@@ -313,10 +323,6 @@ fn investigate_as_it_is(
     } = selected;
     noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
     floor = mean_floor(&rows, &partition, &floors);
-    for chosen in &selection.chosen {
-        let candidate = &candidates[groups[chosen.group].candidate];
-        reshape(&mut confirm, candidate, question, registry, &layout, &partition)?;
-    }
     let judge = Judge {
         problem: &problem,
         groups: &groups,

@@ -12,4 +12,5 @@ mod residual;
 mod sensitivity;
 mod sign;
 pub mod spectrum;
+mod sticks;
 pub mod whitening;

@@ -1,8 +1,9 @@
-//! Dry friction whose sign noise decides.
+//! Dry friction whose sign noise decides, or that holds its joint.
 
 use aurt_recording::Segment;
 
 use super::spectrum::{SegmentNoise, integral};
+use super::sticks::sticks;
 use crate::error::DiagnosisError;
 
 /// Speed over its noise beyond which the sign is certain: Φ(−6) = 1e-9.
@@ -19,6 +20,8 @@ const CROSSING: f64 = std::f64::consts::FRAC_1_PI;
 /// the share that it passes of the velocity's noise. A fast reversal, through which noise is constant, is a step shifted by
 /// δt = n/q̈, of the energy 4F² ⟨δt²⟩ ∫|H|²df; with D = ∫p(1−p)dt = σ_v/(√π |q̈|) that is 4F² D · π D ∫|H|²df. The less counts.
 ///
+/// Where the joint sticks, friction goes from −F to F while it stands, and the sign that the model takes is off by that.
+///
 /// # Errors
 /// What the filter reports.
 pub(super) fn wrong_sign(
@@ -29,22 +32,30 @@ pub(super) fn wrong_sign(
 ) -> Result<f64, DiagnosisError> {
     let filter = &segment.parallel_filter;
     let (variance, passed) = noise.velocity_noise(joint, filter);
-    if variance <= 0.0 {
-        return Ok(0.0);
+    let motion = segment.motion.view();
+    let recorded = motion.velocity_rad_s(joint);
+    let period_s = 1.0 / segment.rate_hz;
+    let counted = |at: usize| counts.get(at / segment.decimation).copied().unwrap_or(false);
+    let mut mean = vec![0.0; recorded.len()];
+    let mut stuck = vec![false; recorded.len()];
+    let resolution = noise.velocity_resolution(joint);
+    for stick in sticks(recorded, motion.acceleration_rad_s2(joint), resolution, period_s) {
+        for at in (stick.from..stick.to.min(mean.len())).filter(|at| counted(*at)) {
+            mean[at] = noise.sensitivity.step_at(joint, at) * (stick.friction(at) - recorded[at].signum());
+            stuck[at] = true;
+        }
     }
     let scatter = variance.sqrt();
     // Behind the filter the velocity has little of its noise, and stands for the one that it really is.
-    let velocity = filter.filter(segment.motion.view().velocity_rad_s(joint))?;
-    let period_s = 1.0 / segment.rate_hz;
+    let velocity = filter.filter(recorded)?;
     let bandwidth_hz = 2.0 * integral(0.0, 0.5 * segment.rate_hz, |f| filter.gain(f).powi(2));
-    let mut mean = vec![0.0; velocity.len()];
     let mut energy = 0.0;
     let mut k = 0;
     while k < velocity.len() {
         let uncertain = velocity[k..].iter().take_while(|v| v.abs() < CERTAIN * scatter).count();
         let (mut duration_s, mut spread) = (0.0, 0.0);
         for (at, v) in velocity.iter().enumerate().skip(k).take(uncertain) {
-            if !counts.get(at / segment.decimation).copied().unwrap_or(false) {
+            if !counted(at) || stuck[at] {
                 continue;
             }
             let wrong = normal_below(-v.abs() / scatter);

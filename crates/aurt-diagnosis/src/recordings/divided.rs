@@ -66,10 +66,16 @@ impl ConfirmRows {
     /// Replaces a column of a joint's rows by that of a law whose shape was estimated on the rows that fit; rows that do
     /// not count stay zero.
     pub(crate) fn set_column(&mut self, recording: usize, joint: usize, column: usize, values: &[f64]) {
-        let rows = &mut self.0[recording].joints[joint];
-        let length = rows.measurement.len();
-        let place = rows.data[column * length..(column + 1) * length].iter_mut();
-        for ((o, value), counts) in place.zip(values).zip(&rows.counts) {
+        self.0[recording].joints[joint].set_column(column, values);
+    }
+}
+
+impl JointRows {
+    /// Replaces a column; rows that do not count stay zero.
+    pub(crate) fn set_column(&mut self, column: usize, values: &[f64]) {
+        let length = self.measurement.len();
+        let place = self.data[column * length..(column + 1) * length].iter_mut();
+        for ((o, value), counts) in place.zip(values).zip(&self.counts) {
             *o = if *counts { *value } else { 0.0 };
         }
     }

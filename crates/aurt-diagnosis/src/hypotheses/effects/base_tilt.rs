@@ -68,6 +68,10 @@ impl Effect for BaseTilt {
         coefficient < 2
     }
 
+    fn reads_model(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let (columns, values): (Vec<usize>, Vec<f64>) = context.inertial.iter().copied().unzip();
         vec![Proposal {

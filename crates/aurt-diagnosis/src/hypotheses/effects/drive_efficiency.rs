@@ -55,6 +55,10 @@ impl Effect for DriveEfficiency {
         include_str!("drive_efficiency.rs")
     }
 
+    fn reads_model(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
             .map(|j| Proposal::on_joint(j, json!({"model": "drive_efficiency", "joints": [j]}), vec![]))

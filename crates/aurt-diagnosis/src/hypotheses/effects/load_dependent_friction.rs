@@ -68,6 +68,10 @@ impl Effect for LoadDependentFriction {
         include_str!("load_dependent_friction.rs")
     }
 
+    fn reads_model(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         let proposal = |j: usize, (model, power): (&str, f64)| {
             let term = joint_friction(j, json!({"model": model}), json!({"model": "sign"}), &[]);

@@ -223,6 +223,11 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether its columns are made of the model's own coefficients, and change with them.
+    fn reads_model(&self) -> bool {
+        false
+    }
+
     /// Terms that would describe the effect on this robot; none where it is found by other means than columns
     /// of a regressor.
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal>;

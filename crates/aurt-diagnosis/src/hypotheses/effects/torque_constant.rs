@@ -58,6 +58,10 @@ impl Effect for TorqueConstant {
         include_str!("torque_constant.rs")
     }
 
+    fn reads_model(&self) -> bool {
+        true
+    }
+
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints).map(|j| Proposal::instrument(j, Instrument::Gain, false)).collect()
     }

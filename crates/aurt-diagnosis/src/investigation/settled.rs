@@ -1,0 +1,240 @@
+//! Laws that are made of the model's own coefficients, evaluated anew with those of the final model.
+//!
+//! Load-dependent friction, a tilted base and a gain error multiply a torque that the model predicts. Their columns are
+//! of the model in question, whose coefficients take up part of what it lacks: a drive that loses a fifth of its load
+//! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
+//! both are right; a few rounds of evaluation and least squares settle them.
+
+use std::sync::Arc;
+
+use aurt_traits::{ArmTerm, ColumnGroup, LoadTorque, RobotModel};
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::error::DiagnosisError;
+use crate::evidence::baseline::{Baseline, reads_load};
+use crate::hypotheses::candidates::{Candidate, build_term};
+use crate::hypotheses::effects::{self, Addition};
+use crate::hypotheses::group::Group;
+use crate::investigation::fitted::Fitted;
+use crate::investigation::selecting::{Parts, Selected};
+use crate::recordings::divided::{ConfirmRows, FitRows};
+use crate::recordings::rows::{Fit, Instrument, RecordingRows, Role};
+
+/// Rounds at most; each leaves a fraction of the error that is the law's share of the load.
+const ROUNDS: usize = 4;
+
+/// The coefficients of the laws are settled when none moves by more than this share of its deviation.
+const SETTLED: f64 = 0.1;
+
+/// A coefficient that moves by more than this many deviations was of another law.
+const OTHERWISE: f64 = 1.0;
+
+/// A model of the own columns and of the chosen laws alone.
+struct Final {
+    model: RobotModel,
+    /// Columns in it, and in the model of all candidates.
+    columns: Vec<[usize; 2]>,
+    /// Columns of gain errors in the latter, and their joints.
+    gains: Vec<(usize, usize)>,
+}
+
+impl Final {
+    /// The joint whose gain error has a column.
+    fn gain_of(&self, column: usize) -> Option<usize> {
+        self.gains.iter().find(|(own, _)| *own == column).map(|(_, joint)| *joint)
+    }
+}
+
+impl Parts<'_> {
+    /// Evaluates the columns of all laws that are made of the model's coefficients with those of the final fit, in the rows
+    /// that fit and in those that confirm, and fits again, until both agree. Whether a law has changed by more than a
+    /// deviation: others may do better then.
+    ///
+    /// # Errors
+    /// What evaluation reports.
+    pub(super) fn settle(
+        &mut self,
+        baseline: &Baseline,
+        rows: &mut FitRows,
+        confirm: &mut ConfirmRows,
+        selected: &mut Selected,
+    ) -> Result<bool, DiagnosisError> {
+        let groups: Vec<&Group> =
+            selected.selection.chosen.iter().map(|c| &selected.groups[c.group]).collect();
+        let is_made_of_it = |g: &&Group| effects::find(g.effect).is_some_and(|e| e.reads_model());
+        let has_loads = baseline.load != LoadTorque::Literal;
+        let own_columns = has_loads && reads_load(self.question.model);
+        if baseline.frozen || groups.is_empty() || !own_columns && !groups.iter().any(is_made_of_it) {
+            return Ok(false);
+        }
+        let laws = self.laws(&groups);
+        let first = selected.fitted.fit.coefficients.clone();
+        for _ in 0..ROUNDS {
+            let own = selected.fitted.own(self.own, self.base);
+            for law in &laws {
+                settle_inertia(&mut self.candidates[*law], &own);
+            }
+            let law = self.final_model(&laws)?;
+            let evaluated = self.evaluate_final(baseline, &law, &own, selected)?;
+            for (r, whole) in evaluated.iter().enumerate() {
+                self.put(rows, confirm, (r, whole), &law, (own_columns, &own));
+            }
+            for joint in 0..self.layout.rows.len() {
+                let places: Vec<usize> = (0..self.layout.rows[joint].len())
+                    .filter(|place| self.changes(self.layout.rows[joint][*place], &law, own_columns))
+                    .collect();
+                selected.problem.renew(rows, self.partition, joint, &places);
+            }
+            let switches = selected.fitted.switches.clone();
+            let again = Fitted::of(&selected.problem, self.floor, selected.mean_independent_share, switches);
+            let moved = self.moved(&again, &selected.fitted.fit.coefficients);
+            selected.fitted = again;
+            if moved <= SETTLED {
+                break;
+            }
+        }
+        Ok(self.moved(&selected.fitted, &first) > OTHERWISE)
+    }
+
+    /// By how many of its deviations the coefficient of a law has moved, at most.
+    fn moved(&self, fitted: &Fitted, from: &[f64]) -> f64 {
+        let law = |k: &usize| fitted.switches[*k].column >= self.own.len();
+        let by = |k: usize| {
+            (fitted.fit.coefficients[k] - from[k]).abs() / fitted.deviations[k].max(f64::MIN_POSITIVE)
+        };
+        (0..from.len()).filter(law).map(by).fold(0.0, f64::max)
+    }
+
+    /// The candidates of chosen laws, and of all that are made of the model's coefficients.
+    fn laws(&self, chosen: &[&Group]) -> Vec<usize> {
+        let reads = |candidate: &Candidate| effects::find(candidate.effect).is_some_and(|e| e.reads_model());
+        let chosen = |k: usize| chosen.iter().any(|g| g.candidate == k);
+        (0..self.candidates.len()).filter(|k| chosen(*k) || reads(&self.candidates[*k])).collect()
+    }
+
+    fn final_model(&self, laws: &[usize]) -> Result<Final, DiagnosisError> {
+        let own = self.question.model;
+        let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
+        let mut added: Vec<(usize, &Candidate)> = Vec::new();
+        let mut gains = Vec::new();
+        for candidate in laws.iter().map(|law| &self.candidates[*law]) {
+            match (&candidate.proposal.addition, effects::find(candidate.effect)) {
+                // A registered model that is no effect does not read what this is about.
+                (Addition::Term(configuration), Some(effect)) => {
+                    terms.push(build_term(self.registry, effect, configuration)?);
+                    added.push((terms.len() - 1, candidate));
+                }
+                (Addition::Instrument(joint, Instrument::Gain), _) => {
+                    gains.push((candidate.columns[0], *joint));
+                }
+                _ => {}
+            }
+        }
+        let model =
+            RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
+                .map_err(|errors| DiagnosisError::Candidate {
+                effect: "candidates",
+                reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+            })?;
+        let mut columns: Vec<[usize; 2]> = (0..own.parameters().len()).map(|c| [c, c]).collect();
+        for (term, candidate) in added {
+            let here = model.group(ColumnGroup::ArmTerm(term));
+            columns.extend(here.zip(&candidate.columns).map(|(here, there)| [here, *there]));
+        }
+        Ok(Final { model, columns, gains })
+    }
+
+    fn evaluate_final(
+        &self,
+        baseline: &Baseline,
+        law: &Final,
+        own: &[f64],
+        selected: &Selected,
+    ) -> Result<Vec<RecordingRows>, DiagnosisError> {
+        let load = |role: Role| match baseline.load {
+            LoadTorque::Literal => LoadTorque::Literal,
+            LoadTorque::Fitted(_) => {
+                let mut weights = own.to_vec();
+                weights.resize(law.model.parameters().len(), 0.0);
+                for [here, there] in law.columns.iter().filter(|[_, there]| *there >= own.len()) {
+                    let fitted = &selected.fitted;
+                    let value = |target_only| {
+                        fitted.place(*there, target_only).map_or(0.0, |k| fitted.fit.coefficients[k])
+                    };
+                    weights[*here] = value(false) + if role == Role::Calibration { 0.0 } else { value(true) };
+                }
+                LoadTorque::Fitted(weights)
+            }
+        };
+        let loads = [Role::Calibration, Role::Target].map(load);
+        self.question
+            .recordings
+            .par_iter()
+            .map(|recording| {
+                let load = &loads[usize::from(recording.role != Role::Calibration)];
+                let fit = Fit { model: &law.model, load, coefficients: own };
+                RecordingRows::of_model(&recording.data.name, recording.role, &recording.data.data, &fit)
+            })
+            .collect()
+    }
+
+    /// Whether a column of the model of all candidates is evaluated anew.
+    fn changes(&self, column: usize, law: &Final, own_columns: bool) -> bool {
+        if column < self.own.len() {
+            return own_columns && !self.question.model.group(ColumnGroup::RigidBody).contains(&column);
+        }
+        law.columns.iter().any(|[_, there]| *there == column) || law.gain_of(column).is_some()
+    }
+
+    fn put(
+        &self,
+        rows: &mut FitRows,
+        confirm: &mut ConfirmRows,
+        (r, whole): (usize, &RecordingRows),
+        law: &Final,
+        (own_columns, own): (bool, &[f64]),
+    ) {
+        let end_of_fit = rows[r].rows();
+        for (joint, layout) in self.layout.rows.iter().enumerate() {
+            let evaluated = &whole.joints[joint];
+            let here = law.model.row_columns(joint);
+            let of = |column: usize| {
+                let [here_column, _] = law.columns.iter().find(|[_, there]| *there == column)?;
+                here.iter().position(|c| c == here_column)
+            };
+            for (place, column) in layout.iter().enumerate() {
+                if !self.changes(*column, law, own_columns) {
+                    continue;
+                }
+                let values = match law.gain_of(*column) {
+                    Some(of_joint) if of_joint == joint => {
+                        let mut predicted = vec![0.0; whole.rows()];
+                        for (k, c) in here.iter().enumerate().filter(|(_, c)| **c < own.len()) {
+                            predicted
+                                .iter_mut()
+                                .zip(evaluated.column(k))
+                                .for_each(|(p, v)| *p += own[*c] * v);
+                        }
+                        predicted
+                    }
+                    Some(_) => continue,
+                    None => match of(*column) {
+                        Some(k) => evaluated.column(k).to_vec(),
+                        None => continue,
+                    },
+                };
+                rows[r].joints[joint].set_column(place, &values[..end_of_fit]);
+                confirm.set_column(r, joint, place, &values[end_of_fit..]);
+            }
+        }
+    }
+}
+
+/// Gives the term of a tilted base the inertial parameters of the final fit.
+fn settle_inertia(candidate: &mut Candidate, own: &[f64]) {
+    let Addition::Term(configuration) = &mut candidate.proposal.addition else { return };
+    let Some(values) = configuration.get_mut("inertial_values") else { return };
+    let count = values.as_array().map_or(0, Vec::len);
+    *values = json!(own[..count]);
+}
