@@ -27,9 +27,6 @@ const ROUNDS: usize = 4;
 /// The coefficients of the laws are settled when none moves by more than this share of its deviation.
 const SETTLED: f64 = 0.1;
 
-/// A coefficient that moves by more than this many deviations was of another law.
-const OTHERWISE: f64 = 1.0;
-
 /// A model of the own columns and of the chosen laws alone.
 struct Final {
     model: RobotModel,
@@ -48,8 +45,8 @@ impl Final {
 
 impl Parts<'_> {
     /// Evaluates the columns of all laws that are made of the model's coefficients with those of the final fit, in the rows
-    /// that fit and in those that confirm, and fits again, until both agree. Whether a law has changed by more than a
-    /// deviation: others may do better then.
+    /// that fit and in those that confirm, and fits again, until both agree. Whether there was any: with
+    /// these columns other laws may do better.
     ///
     /// # Errors
     /// What evaluation reports.
@@ -69,7 +66,6 @@ impl Parts<'_> {
             return Ok(false);
         }
         let laws = self.laws(&groups);
-        let first = selected.fitted.fit.coefficients.clone();
         for _ in 0..ROUNDS {
             let own = selected.fitted.own(self.own, self.base);
             for law in &laws {
@@ -94,7 +90,7 @@ impl Parts<'_> {
                 break;
             }
         }
-        Ok(self.moved(&selected.fitted, &first) > OTHERWISE)
+        Ok(true)
     }
 
     /// By how many of its deviations the coefficient of a law has moved, at most.

@@ -239,4 +239,11 @@ fn a_truth_in_a_folder_is_found() {
             None => std::fs::remove_file(folder.path().join(name)).unwrap(),
         }
     }
+    // Any experiment in amperes has the key; the identifier is no key.
+    let mut gain = spring();
+    gain.effects[0].effect = "torque_constant".into();
+    for (text, found) in [("torque_constants_nm_per_a = [9.8]\n", 0), ("torque_constant = [9.8]\n", 1)] {
+        write("experiment.toml", text);
+        assert_eq!(leaks(folder.path(), &gain).unwrap().len(), found, "{text}");
+    }
 }
