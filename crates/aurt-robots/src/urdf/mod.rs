@@ -165,6 +165,7 @@ impl<'a> Reader<'a> {
             None => None,
             Some(mimic) => Some(Mimic {
                 joint: mimic.text("joint")?.to_owned(),
+                multiplier: mimic.number("multiplier")?.unwrap_or(1.0),
                 offset: mimic.number("offset")?.unwrap_or(0.0),
             }),
         };

@@ -200,7 +200,7 @@ impl Search<'_> {
         }
         let files = setup.files();
         if files.len() > 1 {
-            let joints = setup.joints.len();
+            let joints = setup.moving_joints();
             let of_files: Vec<Mistake> =
                 files.iter().flat_map(|f| of_file(joints, *f)).filter(open).collect();
             let tried = self.all(setup, &of_files, &[]);
