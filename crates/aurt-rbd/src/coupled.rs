@@ -55,7 +55,8 @@ impl CoupledChain {
         }
         let coordinates = couplings.iter().map(|c| c.coordinate.saturating_add(1)).max().unwrap_or(0);
         let has_all_before = |coordinate: usize| {
-            coordinate < expected && (0..coordinate).all(|before| couplings.iter().any(|c| c.coordinate == before))
+            coordinate < expected
+                && (0..coordinate).all(|before| couplings.iter().any(|c| c.coordinate == before))
         };
         for (joint, coupling) in couplings.iter().enumerate() {
             let size = coupling.multiplier.abs();
@@ -124,7 +125,7 @@ impl CoupledChain {
         motion: MotionView<'_>,
         first: usize,
         wanted: &[u32],
-        scratch: &mut Vec<f64>,
+        scratch: &mut [f64],
         out: &mut RegressorTile<'_>,
     ) {
         let (samples, parameters) = (motion.samples(), out.parameters());

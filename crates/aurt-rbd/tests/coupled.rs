@@ -158,7 +158,10 @@ fn it_is_saved_and_read_and_what_cannot_be_is_refused() {
         CoupledChain::new(chain(), couplings).unwrap_err().to_string()
     };
     for (change, part) in [
-        (&(|c: &mut Vec<Coupling>| c.truncate(4)) as &dyn Fn(&mut Vec<Coupling>), "couplings: expected 5, got 4"),
+        (
+            &(|c: &mut Vec<Coupling>| c.truncate(4)) as &dyn Fn(&mut Vec<Coupling>),
+            "couplings: expected 5, got 4",
+        ),
         (&|c| c[1].multiplier = 0.0, "joint 1: multiplier must not be zero"),
         (&|c| c[3].multiplier = f64::NAN, "joint 3: multiplier"),
         (&|c| c[4].offset = f64::INFINITY, "joint 4: offset must be finite"),

@@ -310,7 +310,8 @@ impl Clock {
             self.shortest_s = distances.min_by(f64::total_cmp);
         }
         let last_s = self.last_s;
-        let shift = *self.shift_s.get_or_insert_with(|| last_s.map_or(0.0, |l| l + BETWEEN_EPISODES_S - first));
+        let shift =
+            *self.shift_s.get_or_insert_with(|| last_s.map_or(0.0, |l| l + BETWEEN_EPISODES_S - first));
         if shift != 0.0 {
             time_s.iter_mut().for_each(|t| *t += shift);
         }

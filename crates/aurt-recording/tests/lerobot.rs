@@ -73,10 +73,10 @@ fn all_episodes_of_all_files_follow_each_other() {
 
 #[test]
 fn joints_are_found_by_name() {
-    let names: &[&dyn Fn(&mut Value)] = &[
-        &|_| (),
-        &|info| info["features"]["observation.state"]["names"] = json!({ "motors": ["main_shoulder_pan", "main_elbow"] }),
-    ];
+    let names: &[&dyn Fn(&mut Value)] = &[&|_| (), &|info| {
+        info["features"]["observation.state"]["names"] =
+            json!({ "motors": ["main_shoulder_pan", "main_elbow"] })
+    }];
     for change in names {
         let folder = data_set(*change);
         let read = read_recording(folder.path(), &options(Some(&["elbow", "shoulder_pan"]))).unwrap();
@@ -104,7 +104,12 @@ fn what_is_wrong_is_said_with_its_cure() {
     assert!(count.contains("has 2 numbers, the robot has 6 joints: shoulder_pan.pos, elbow.pos"), "{count}");
     let nameless = error(&|info| info["features"]["observation.state"]["names"] = Value::Null, &more);
     assert!(nameless.contains("without names") && nameless.contains("`columns`"), "{nameless}");
-    let stateless = error(&|info| { info["features"] = json!({ "action": {} }); }, &options(None));
+    let stateless = error(
+        &|info| {
+            info["features"] = json!({ "action": {} });
+        },
+        &options(None),
+    );
     assert!(stateless.contains("no feature `observation.state`; its features are action"), "{stateless}");
     let other = error(&|info| *info = json!({ "fps": "fast" }), &options(None));
     assert!(other.contains("info.json") && other.contains("does not describe a LeRobot data set"), "{other}");

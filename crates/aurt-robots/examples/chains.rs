@@ -44,7 +44,10 @@ fn dynamics(
     [q, qd, qdd]: [&[f64]; 3],
 ) -> Result<[Vec<f64>; 3], Box<dyn std::error::Error>> {
     let (n, parameters) = (body.joints(), standard.len());
-    let torque_of = |body: &dyn RigidBodyRegressor, qd: &[f64], qdd: &[f64]| -> Result<Vec<f64>, Box<dyn std::error::Error>> {
+    let torque_of = |body: &dyn RigidBodyRegressor,
+                     qd: &[f64],
+                     qdd: &[f64]|
+     -> Result<Vec<f64>, Box<dyn std::error::Error>> {
         let motion = Motion::new(n, vec![0.0], q.into(), qd.into(), qdd.into())?;
         let mut torque = vec![0.0; n];
         body.torque(motion.view(), standard, &mut torque, 1);

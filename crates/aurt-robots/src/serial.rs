@@ -185,8 +185,9 @@ fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]
             followers.join(", ")
         ));
     }
-    let moves_with_chain =
-        |j: &&usize| tree.followed(**j).is_some_and(|f| f.joint != **j && selection.joints.contains(&f.joint));
+    let moves_with_chain = |j: &&usize| {
+        tree.followed(**j).is_some_and(|f| f.joint != **j && selection.joints.contains(&f.joint))
+    };
     let (following, resting): (Vec<&usize>, Vec<&usize>) = carried.iter().partition(moves_with_chain);
     let listed = |joints: &[&usize]| {
         let names: Vec<&str> = joints.iter().map(|j| tree.joints[**j].name.as_str()).collect();

@@ -130,9 +130,17 @@ fn joints_that_follow_another_are_moved_by_it() {
 #[test]
 fn a_joint_that_follows_what_does_not_move_the_chain_is_refused() {
     for (from, to, part) in [
-        ("<mimic joint=\"extension\"/>", "<mimic joint=\"extention\"/>", "follows the joint extention (mimic), which is not there"),
+        (
+            "<mimic joint=\"extension\"/>",
+            "<mimic joint=\"extention\"/>",
+            "follows the joint extention (mimic), which is not there",
+        ),
         ("<mimic joint=\"extension\"/>", "<mimic joint=\"extension_2\"/>", "follows this one in turn"),
-        ("<mimic joint=\"extension\"/>", "<mimic joint=\"extension\" multiplier=\"0\"/>", "with the multiplier 0"),
+        (
+            "<mimic joint=\"extension\"/>",
+            "<mimic joint=\"extension\" multiplier=\"0\"/>",
+            "with the multiplier 0",
+        ),
     ] {
         let text = COUPLED.replace(from, to);
         let error = parse(&text, "coupled.urdf", None, Some("end")).unwrap_err().to_string();

@@ -83,10 +83,15 @@ impl PlannedRobotOptions {
         let asked = self.robot.as_deref().unwrap_or_default();
         let file = Path::new(asked);
         if file.is_file() {
-            return self.of_description(&aurt_robots::read(file, self.base.as_deref(), self.tip.as_deref())?, asked);
+            return self
+                .of_description(&aurt_robots::read(file, self.base.as_deref(), self.tip.as_deref())?, asked);
         }
         if self.base.is_some() || self.tip.is_some() {
-            return Err(refuse("--tip", format!("`{asked}` is no file"), "give the robot's URDF or MJCF file"));
+            return Err(refuse(
+                "--tip",
+                format!("`{asked}` is no file"),
+                "give the robot's URDF or MJCF file",
+            ));
         }
         match (Robot::named(asked), known_robot(asked)) {
             (Ok(mut robot), _) if self.limits.is_none() => {
@@ -148,10 +153,9 @@ impl PlannedRobotOptions {
         described: &DescribedRobot,
         from: &str,
     ) -> Result<(Vec<MotionLimits>, Vec<String>), Failure> {
-        for (option, value) in [
-            ("--velocity-rad-s", self.velocity_rad_s),
-            ("--acceleration-rad-s2", self.acceleration_rad_s2),
-        ] {
+        for (option, value) in
+            [("--velocity-rad-s", self.velocity_rad_s), ("--acceleration-rad-s2", self.acceleration_rad_s2)]
+        {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
                 return Err(refuse(option, format!("{value} is no limit"), "give a positive number"));
             }

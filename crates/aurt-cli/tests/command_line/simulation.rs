@@ -1,5 +1,7 @@
 //! `aurt simulate`, `aurt excite`, `aurt conceal` and the demo's concealed load.
 
+use std::f64::consts::PI;
+
 use serde_json::Value;
 
 use crate::support::{DEMO, Folder, numbers};
@@ -156,10 +158,15 @@ fn limits_of_a_description_are_those_of_the_motion() {
     let run = folder.aurt(format!("{line} --json").split(' ')).succeeded();
     let report: Value = serde_json::from_str(&run.stdout()).unwrap();
     let notes = report["notes"].to_string();
-    for part in ["those of gantry.urdf", "velocity limit of elbow: 2, as given", "no range is stated of elbow", "0.5 s"] {
+    for part in [
+        "those of gantry.urdf",
+        "velocity limit of elbow: 2, as given",
+        "no range is stated of elbow",
+        "0.5 s",
+    ] {
         assert!(notes.contains(part), "{part}\n---\n{notes}");
     }
-    let expected = [[-0.8, 1.2, 0.9], [-2.5, 2.5, 3.0], [-3.141592653589793, 3.141592653589793, 2.0], [0.0, 0.25, 0.4]];
+    let expected = [[-0.8, 1.2, 0.9], [-2.5, 2.5, 3.0], [-PI, PI, 2.0], [0.0, 0.25, 0.4]];
     let limits = report["limits"].as_array().unwrap();
     for (limits, [lower, upper, velocity]) in limits.iter().zip(expected) {
         assert_eq!((limits["lower_rad"].as_f64(), limits["upper_rad"].as_f64()), (Some(lower), Some(upper)));
@@ -172,18 +179,24 @@ fn limits_of_a_description_are_those_of_the_motion() {
             assert!(values[9 + j].abs() <= 2.0 * velocity, "{line}");
         }
     }
-    let run = |line: &str| folder.aurt(format!("{line} --tries 5 --duration-s 8 --seed 1 --out x.csv").split(' '));
+    let run =
+        |line: &str| folder.aurt(format!("{line} --tries 5 --duration-s 8 --seed 1 --out x.csv").split(' '));
     let urdf = "excite --robot gantry.urdf";
     run(urdf).refused(&["several chains start at `world`", "wrist (4 joints)"]);
-    run(&format!("{urdf} --tip wrist")).refused(&["no velocity limit of the joints elbow", "--velocity-rad-s"]);
+    run(&format!("{urdf} --tip wrist"))
+        .refused(&["no velocity limit of the joints elbow", "--velocity-rad-s"]);
     run(&format!("{urdf} --tip wrist --velocity-rad-s -1")).refused(&["--velocity-rad-s", "-1"]);
-    run(&format!("{urdf} --tip wrist --velocity-rad-s 1 --torque-limits")).refused(&["--torque-limits", "masses"]);
+    run(&format!("{urdf} --tip wrist --velocity-rad-s 1 --torque-limits"))
+        .refused(&["--torque-limits", "masses"]);
     run("excite --robot arm.xml --tip nothing").refused(&["arm.xml", "nothing"]);
     run("excite --robot ur10e --tip wrist").refused(&["--tip", "`ur10e` is no file"]);
     // Robots known by name alone, and other limits than the description's.
     let known = run("excite --robot xarm6 --acceleration-rad-s2 5").succeeded().stdout();
     assert!(known.contains("those of xarm6") && known.contains("acceleration limit: 5"), "{known}");
-    folder.write("limits.csv", &format!("lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n{}", "0,0.2,0.3,1\n".repeat(4)));
+    folder.write(
+        "limits.csv",
+        &format!("lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n{}", "0,0.2,0.3,1\n".repeat(4)),
+    );
     let known = run(&format!("{urdf} --tip wrist --limits limits.csv")).succeeded().stdout();
     assert!(known.contains("those of limits.csv"), "{known}");
 }

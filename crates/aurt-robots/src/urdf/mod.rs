@@ -222,10 +222,8 @@ impl<'a> Reader<'a> {
             let quarters = (angle / STEP).round();
             let off = (angle - quarters * STEP).abs();
             if off > 1e-9 && off < 5e-4 {
-                self.rounded.push(format!(
-                    "{}: {name} = {angle} is {off:.1e} rad off {quarters}*pi/4",
-                    element.what
-                ));
+                self.rounded
+                    .push(format!("{}: {name} = {angle} is {off:.1e} rad off {quarters}*pi/4", element.what));
             }
         }
     }
