@@ -185,7 +185,7 @@ fn limits_of_a_description_are_those_of_the_motion() {
     run(urdf).refused(&["several chains start at `world`", "wrist (4 joints)"]);
     run(&format!("{urdf} --tip wrist"))
         .refused(&["no velocity limit of the joints elbow", "--velocity-rad-s"]);
-    run(&format!("{urdf} --tip wrist --velocity-rad-s -1")).refused(&["--velocity-rad-s", "-1"]);
+    run(&format!("{urdf} --tip wrist --velocity-rad-s=0")).refused(&["--velocity-rad-s", "0 is no limit"]);
     run(&format!("{urdf} --tip wrist --velocity-rad-s 1 --torque-limits"))
         .refused(&["--torque-limits", "masses"]);
     run("excite --robot arm.xml --tip nothing").refused(&["arm.xml", "nothing"]);
