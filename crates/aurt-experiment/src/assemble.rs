@@ -57,8 +57,8 @@ impl Experiment {
     /// # Errors
     /// As [`RigidBodyDynamics::from_mdh`].
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
-        let chain = self.robot.geometry.chain(self.robot.gravity_m_s2)?;
-        RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED)
+        let rigid_body = self.robot.geometry.rigid_body(self.robot.gravity_m_s2)?;
+        RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)
     }
 
     /// The robot model of `[robot]`, `[joint_dynamics]` and `[[arm_terms]]`.

@@ -22,6 +22,17 @@ pub enum RbdError {
     /// A chain without joints.
     #[error("a chain needs at least one joint")]
     NoJoints,
+    /// A chain in which joints follow others where one is needed whose joints all move on their own.
+    #[error(
+        "{followers} of the chain's {joints} joints follow another (mimic), which this does not know; models of such chains are \
+         calibrated, validated and predicted, but not diagnosed, simulated or exported"
+    )]
+    Coupled {
+        /// Number of joints.
+        joints: usize,
+        /// Number of those that follow another.
+        followers: usize,
+    },
     /// The gravity vector has an entry that is not finite, or that no robot meets.
     #[error("gravity {reason}")]
     Gravity {

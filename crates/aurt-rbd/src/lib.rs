@@ -4,6 +4,7 @@
 //!   gravity (of a table, or of general placements), with link frames and Jacobians.
 //! - [`SerialChain`] implements [`aurt_traits::RigidBodyRegressor`], τ = Y(q, q̇, q̈) π: many samples a call,
 //!   on the fastest instruction set that the processor has ([`aurt_traits::Dispatch`]).
+//! - [`CoupledChain`] is a chain in which joints follow others, as a regressor in the coordinates that remain.
 //! - [`base_parameters`] finds the minimal set of inertial parameters and what each of them collects.
 //! - [`ChainDynamics`] adds values of the standard parameters: inverse and forward dynamics, mass matrix,
 //!   bias torque, energy, one sample at a time.
@@ -33,6 +34,7 @@
 mod angle;
 mod base_parameters;
 mod chain;
+mod coupled;
 mod description;
 mod dynamics;
 mod energy;
@@ -51,6 +53,7 @@ mod rnea;
 pub use aurt_traits::Dispatch;
 pub use base_parameters::base_parameters;
 pub use chain::{Joint, JointKind, Placement, SerialChain};
+pub use coupled::{CoupledChain, Coupling};
 pub use description::RobotDescription;
 pub use dynamics::ChainDynamics;
 pub use energy::Energy;

@@ -20,7 +20,7 @@ pub enum RecordingError {
         source: std::io::Error,
     },
     /// The path is a directory.
-    #[error("{path} is a directory, not a recording; name a file in it", path = path.display())]
+    #[error("{path} is a directory, not a recording; name a file in it (or the folder of a LeRobot data set, which has meta/info.json)", path = path.display())]
     Directory {
         /// The path.
         path: PathBuf,

@@ -3,7 +3,7 @@ use std::path::Path;
 use crate::RecordingError;
 
 /// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
-const FOREIGN: [(&[u8], &str, &str); 5] = [
+const FOREIGN: [(&[u8], &str, &str); 6] = [
     (
         b"SQLite format 3\0",
         "a rosbag2 in SQLite (.db3)",
@@ -26,6 +26,11 @@ const FOREIGN: [(&[u8], &str, &str); 5] = [
         "write its arrays to .npz: numpy.savez(\"log.npz\", time=…, q=…, current=…), or save from MATLAB with \"-v7\"",
     ),
     (b"PK\x03\x04\x14\0\x06\0", "an Excel workbook", "save it as CSV"),
+    (
+        b"version https://git-lfs",
+        "a pointer of Git LFS in place of the file",
+        "fetch the file itself: `git lfs pull` in its repository",
+    ),
 ];
 
 /// Refuses a file that is known to be of a format that is not read.

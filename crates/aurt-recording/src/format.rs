@@ -8,8 +8,8 @@ use std::{
 };
 
 use crate::{
-    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, joined, matlab::Matlab,
-    mcap_bag::McapBag, numpy::NumPy, parquet::Parquet,
+    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, joined, lerobot::DataSet,
+    matlab::Matlab, mcap_bag::McapBag, numpy::NumPy, parquet::Parquet,
 };
 
 /// Every format, in the order in which their claims to a file are heard.
@@ -60,7 +60,7 @@ pub struct RecordingInput<'a> {
 }
 
 impl<'a> RecordingInput<'a> {
-    fn open(path: &'a Path) -> Result<Self, RecordingError> {
+    pub(crate) fn open(path: &'a Path) -> Result<Self, RecordingError> {
         if path.is_dir() {
             return Err(RecordingError::Directory { path: path.to_owned() });
         }
@@ -95,7 +95,8 @@ impl<'a> RecordingInput<'a> {
     }
 }
 
-/// Reads a recording from a file of any of the [`FORMATS`], together with those that
+/// Reads a recording from a file of any of the [`FORMATS`], or from the folder (or the `meta/info.json`) of a LeRobot data
+/// set, together with those that
 /// [belong to it](crate::RecordedAs::joined): rows of the common time span, joined by their stamps.
 ///
 /// # Errors
@@ -163,6 +164,9 @@ fn read(
     visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
 ) -> Result<Recording, RecordingError> {
     options.validate()?;
+    if let Some(data_set) = DataSet::named(path)? {
+        return data_set.read(options, piece_rows, visit);
+    }
     let input = RecordingInput::open(path)?;
     foreign::refuse(path, &input.beginning)?;
     input.format().read(input, options, piece_rows, visit)

@@ -5,14 +5,16 @@
 //!
 //! For each file one line of JSON goes to the standard output, with the chains' joints, the inertial parameters and the
 //! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ (N each), the
-//! mass matrix (N rows of N) and the regressor (N rows of 10 N), in the computer's byte order.
+//! mass matrix (N rows of N) and the regressor (N rows of 10 M), in the computer's byte order. N joints move on their own, M
+//! with those that follow them.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
+use aurt_rbd::{JointKind, RobotDescription, base_parameters};
 use aurt_robots::{parse, tips};
+use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 use serde_json::{Value, json};
 
 /// Gravity in the frame of the base link.
@@ -34,6 +36,40 @@ impl Numbers {
     }
 }
 
+/// τ, the mass matrix and the regressor of one state. Column c of the mass matrix is the torque of q̈ = e_c at rest without
+/// gravity.
+fn dynamics(
+    body: &dyn RigidBodyRegressor,
+    standard: &[f64],
+    [q, qd, qdd]: [&[f64]; 3],
+) -> Result<[Vec<f64>; 3], Box<dyn std::error::Error>> {
+    let (n, parameters) = (body.joints(), standard.len());
+    let torque_of = |body: &dyn RigidBodyRegressor,
+                     qd: &[f64],
+                     qdd: &[f64]|
+     -> Result<Vec<f64>, Box<dyn std::error::Error>> {
+        let motion = Motion::new(n, vec![0.0], q.into(), qd.into(), qdd.into())?;
+        let mut torque = vec![0.0; n];
+        body.torque(motion.view(), standard, &mut torque, 1);
+        Ok(torque)
+    };
+    let torque = torque_of(body, qd, qdd)?;
+    let weightless = body.with_gravity([0.0; 3]);
+    let mut mass = vec![0.0; n * n];
+    for column in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[column] = 1.0;
+        for (row, value) in torque_of(&*weightless, &vec![0.0; n], &unit)?.into_iter().enumerate() {
+            mass[row * n + column] = value;
+        }
+    }
+    let mut regressor = vec![0.0; n * parameters];
+    let destination: Vec<u32> = (0..n * parameters).map(|d| d as u32).collect();
+    let motion = Motion::new(n, vec![0.0], q.into(), qd.into(), qdd.into())?;
+    body.evaluate(motion.view(), &mut RegressorTile::new(&destination, parameters, 1, 1, &mut regressor));
+    Ok([torque, mass, regressor])
+}
+
 /// The chains of one file; `first` is the number of the first.
 pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(file)?;
@@ -51,21 +87,16 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
                 continue;
             }
         };
-        let chain = robot.chain(GRAVITY_M_S2)?;
+        let body = robot.rigid_body(GRAVITY_M_S2)?;
         let standard =
             robot.standard_parameters.clone().unwrap_or_else(|| vec![0.0; 10 * robot.joints.len()]);
-        let base = base_parameters(&chain, 0);
-        let mut dynamics = ChainDynamics::new(chain.clone(), &standard)?;
-        let n = robot.joints.len();
+        let base = base_parameters(&*body, 0);
+        let n = body.joints();
         let mut numbers = Numbers(number as u64);
         let mut out = BufWriter::new(File::create(folder.join(format!("{number}.f64")))?);
         for _ in 0..STATES {
             let (q, qd, qdd) = (numbers.series(n, 3.0), numbers.series(n, 2.0), numbers.series(n, 8.0));
-            let mut torque = vec![0.0; n];
-            dynamics.inverse_dynamics(&q, &qd, &qdd, &mut torque);
-            let mut mass = vec![0.0; n * n];
-            dynamics.mass_matrix(&q, &mut mass);
-            let regressor = chain.regressor(&q, &qd, &qdd);
+            let [torque, mass, regressor] = dynamics(&*body, &standard, [&q, &qd, &qdd])?;
             for value in q.iter().chain(&qd).chain(&qdd).chain(&torque).chain(&mass).chain(&regressor) {
                 out.write_all(&value.to_ne_bytes())?;
             }

@@ -1,4 +1,7 @@
-use aurt_rbd::{Joint, JointKind, RbdError, RobotDescription, SerialChain};
+use std::sync::Arc;
+
+use aurt_rbd::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
+use aurt_traits::RigidBodyRegressor;
 
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,20 +32,23 @@ pub struct DescribedRobot {
     pub base: String,
     /// The link that it ends at.
     pub tip: String,
-    /// The joints' names, base first.
+    /// The names of the N joints that move on their own, base first.
     pub joint_names: Vec<String>,
-    /// The joints, base first.
+    /// The M joints of the chain, base first: the N and those that follow one of them.
     pub joints: Vec<Joint>,
-    /// The joints' limits.
+    /// How each of the M joints moves; empty where none follows another.
+    pub couplings: Vec<Coupling>,
+    /// The limits of the N joints, narrowed to those of the joints that follow them.
     pub limits: Vec<JointLimits>,
-    /// The joints' friction.
+    /// The friction of the N joints with that of those that follow.
     pub friction: Vec<JointFriction>,
-    /// Of each joint the inertia of its rotor as the joint feels it, in kg m² (kg of a prismatic joint): MuJoCo's `armature`.
+    /// Of each of the N joints the inertia of its rotor as the joint feels it, in kg m² (kg of a prismatic joint): MuJoCo's
+    /// `armature`.
     pub armature_kg_m2: Vec<f64>,
-    /// 10 N standard parameters, link after link {XX XY XZ YY YZ ZZ mX mY mZ m} in the frames of the chain, with those
+    /// 10 M standard parameters, link after link {XX XY XZ YY YZ ZZ mX mY mZ m} in the frames of the chain, with those
     /// of the bodies that a link carries; `None` if the description has no masses.
     pub standard_parameters: Option<Vec<f64>>,
-    /// Of each joint the frame of its link in the description's own frame of that joint, row after row: the chain's
+    /// Of each of the M joints the frame of its link in the description's own frame of that joint, row after row: the chain's
     /// frames have their z axes along the joints.
     pub frames: Vec<[[f64; 3]; 3]>,
     /// What a person should know of how the description was read.
@@ -51,11 +57,23 @@ pub struct DescribedRobot {
 
 impl RobotDescription for DescribedRobot {
     fn joints(&self) -> usize {
-        self.joints.len()
+        self.joint_names.len()
     }
 
     fn chain(&self, gravity_m_s2: [f64; 3]) -> Result<SerialChain, RbdError> {
+        if !self.couplings.is_empty() {
+            let (joints, own) = (self.joints.len(), self.joint_names.len());
+            return Err(RbdError::Coupled { joints, followers: joints - own });
+        }
         SerialChain::new(self.joints.clone(), gravity_m_s2)
+    }
+
+    fn rigid_body(&self, gravity_m_s2: [f64; 3]) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
+        if self.couplings.is_empty() {
+            return Ok(Arc::new(self.chain(gravity_m_s2)?));
+        }
+        let chain = SerialChain::new(self.joints.clone(), gravity_m_s2)?;
+        Ok(Arc::new(CoupledChain::new(chain, self.couplings.clone())?))
     }
 
     fn notes(&self) -> Vec<String> {
@@ -64,7 +82,7 @@ impl RobotDescription for DescribedRobot {
 }
 
 impl DescribedRobot {
-    /// What each joint does.
+    /// What each of the M joints does.
     #[must_use]
     pub fn kinds(&self) -> Vec<JointKind> {
         self.joints.iter().map(|joint| joint.kind).collect()

@@ -29,17 +29,29 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Resu
             "the tip `{tip_name}` does not hang on the base `{base_name}`; choose a base above it"
         ))
     })?;
-    for joint in joints.iter().map(|j| &tree.joints[*j]) {
+    for (index, joint) in joints.iter().map(|j| (*j, &tree.joints[*j])) {
+        let before = &tree.links[joint.parent].name;
         let reason = match (&joint.freedom, &joint.mimic) {
             (Freedom::Other(kind), _) => format!(
                 "is {kind}, which serial chains cannot have; choose a base behind it: `{}`",
                 tree.links[joint.child].name
             ),
-            (_, Some(mimic)) if joint.moves() => format!(
-                "follows the joint {} (mimic) and has no torque of its own, which serial chains cannot have; choose \
-                 the tip before it: `{}`",
-                mimic.joint, tree.links[joint.parent].name
-            ),
+            (_, Some(mimic)) if joint.moves() => match tree.followed(index) {
+                None => format!(
+                    "follows the joint {} (mimic), which is not there, does not move or follows this one in turn; correct \
+                     <mimic>, or choose the tip before it: `{before}`",
+                    mimic.joint
+                ),
+                Some(followed) if !joints.contains(&followed.joint) => format!(
+                    "follows the joint {} (mimic), which is beside the chain, so that nobody knows how it moves; choose \
+                     the tip before it: `{before}`",
+                    tree.joints[followed.joint].name
+                ),
+                Some(followed) if followed.multiplier == 0.0 => {
+                    "follows a joint with the multiplier 0 (mimic), and so does not move; make its type `fixed`".into()
+                }
+                Some(_) => continue,
+            },
             _ => continue,
         };
         let what = format!("joint {}", joint.name);
@@ -89,16 +101,18 @@ fn find(tree: &Tree, which: &'static str, name: &str) -> Result<usize, RobotErro
 }
 
 /// The links at which the moving chains end, in the file's order: the leaves, and the links that carry a joint that
-/// follows another. Chains that differ by fixed joints alone count once.
+/// follows one beside the chain. Chains that differ by fixed joints alone count once.
 pub(crate) fn tips(tree: &Tree, base: usize) -> Vec<usize> {
-    // Of each chain its tip, its last moving joint, and whether it ends before a joint that follows another.
+    // Of each chain its tip, its last moving joint, and whether it ends before a joint that follows one beside it.
     let mut chains: Vec<(usize, usize, bool)> = Vec::new();
     for leaf in (0..tree.links.len()).filter(|l| tree.links[*l].children.is_empty()) {
         let Some(mut path) = tree.path_between(base, leaf) else { continue };
-        let follows = |j: &usize| tree.joints[*j].mimic.is_some() && tree.joints[*j].moves();
-        let cut = path.iter().position(follows);
-        let tip = cut.map_or(leaf, |at| tree.joints[path[at]].parent);
-        path.truncate(cut.unwrap_or(path.len()));
+        let (mut tip, mut cut) = (leaf, None);
+        // A cut can take away what a joint before it follows.
+        while let Some(at) = path.iter().position(|j| follows_another_beside(tree, *j, &path)) {
+            (tip, cut) = (tree.joints[path[at]].parent, Some(at));
+            path.truncate(at);
+        }
         let moving = |j: &usize| tree.joints[*j].freedom != Freedom::Fixed;
         let Some(last) = path.into_iter().rfind(moving) else { continue };
         match chains.iter_mut().find(|(_, other, _)| *other == last) {
@@ -117,6 +131,12 @@ pub(crate) fn tips(tree: &Tree, base: usize) -> Vec<usize> {
     chains.iter().filter(|(_, last, cut)| *cut || !passed(*last)).map(|(tip, ..)| *tip).collect()
 }
 
+/// Whether a joint of a path follows one that is not on it.
+fn follows_another_beside(tree: &Tree, joint: usize, path: &[usize]) -> bool {
+    let follows = tree.joints[joint].mimic.is_some() && tree.joints[joint].moves();
+    follows && tree.followed(joint).is_none_or(|f| !path.contains(&f.joint) || f.multiplier == 0.0)
+}
+
 fn only_tip(tree: &Tree, base: usize) -> Result<usize, RobotError> {
     let base_name = &tree.links[base].name;
     match tips(tree, base)[..] {
@@ -128,7 +148,8 @@ fn only_tip(tree: &Tree, base: usize) -> Result<usize, RobotError> {
         ref several => {
             let moving = |tip: usize| {
                 let path = tree.path_between(base, tip).unwrap_or_default();
-                path.iter().filter(|j| tree.joints[**j].moves()).count()
+                let own = |j: &&usize| tree.joints[**j].moves() && tree.joints[**j].mimic.is_none();
+                path.iter().filter(own).count()
             };
             let mut tips: Vec<String> = several
                 .iter()

@@ -1,12 +1,12 @@
 //! From a chain of a tree to joints, merged bodies and limits.
 
-use aurt_rbd::{INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
+use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::pose::{Pose, along};
 use crate::selection::Selection;
-use crate::tree::{Freedom, Tree};
-use crate::{DescribedRobot, RobotErrors};
+use crate::tree::{Followed, Freedom, Tree};
+use crate::{DescribedRobot, JointFriction, JointLimits, RobotErrors};
 
 /// A link of the chain: everything between one of its moving joints and the next.
 struct ChainLink {
@@ -57,12 +57,25 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
     let standard: Vec<f64> = links.iter().flat_map(|link| link.standard).collect();
     let notes = notes(tree, selection, &carried, &standard);
     let has_masses = standard.iter().any(|v| *v != 0.0);
-    let of_joints = || links.iter().map(|link| &tree.joints[link.joint]);
+    let own: Vec<OwnJoint> = links
+        .iter()
+        .map(|link| link.joint)
+        .filter(|j| tree.joints[*j].mimic.is_none())
+        .map(|j| OwnJoint::of(tree, &links, j))
+        .collect();
+    let couplings: Vec<Coupling> = links
+        .iter()
+        .filter_map(|link| {
+            let followed = tree.followed(link.joint)?;
+            let coordinate = own.iter().position(|own| own.joint == followed.joint)?;
+            Some(Coupling { coordinate, multiplier: followed.multiplier, offset: followed.offset })
+        })
+        .collect();
     Ok(DescribedRobot {
         name: tree.name.clone(),
         base: tree.links[selection.base].name.clone(),
         tip: tree.links[selection.tip].name.clone(),
-        joint_names: of_joints().map(|j| j.name.clone()).collect(),
+        joint_names: own.iter().map(|own| tree.joints[own.joint].name.clone()).collect(),
         joints: links
             .iter()
             .map(|link| Joint {
@@ -72,9 +85,10 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
                 sign: link.sign,
             })
             .collect(),
-        limits: of_joints().map(|j| j.limits).collect(),
-        friction: of_joints().map(|j| j.friction).collect(),
-        armature_kg_m2: of_joints().map(|j| j.armature).collect(),
+        couplings: if own.len() < links.len() { couplings } else { Vec::new() },
+        limits: own.iter().map(|own| own.limits).collect(),
+        friction: own.iter().map(|own| own.friction).collect(),
+        armature_kg_m2: own.iter().map(|own| own.armature).collect(),
         standard_parameters: has_masses.then_some(standard),
         frames: links
             .iter()
@@ -82,6 +96,40 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
             .collect(),
         notes,
     })
+}
+
+/// A joint of the chain that moves on its own, with what the joints that follow it add.
+struct OwnJoint {
+    joint: usize,
+    limits: JointLimits,
+    friction: JointFriction,
+    armature: f64,
+}
+
+impl OwnJoint {
+    /// With a joint k at m q + o, friction and rotor act on q as m² viscous, |m| Coulomb and m² inertia, by the work that
+    /// they do; q stays where both joints are within their limits. The torque limit is that of the joint's own drive.
+    fn of(tree: &Tree, links: &[ChainLink], joint: usize) -> Self {
+        let of = &tree.joints[joint];
+        let mut own = Self { joint, limits: of.limits, friction: of.friction, armature: of.armature };
+        let followers = links.iter().map(|link| link.joint).filter(|j| *j != joint);
+        let followed = followers.filter_map(|j| Some((&tree.joints[j], tree.followed(j)?)));
+        for (follower, Followed { multiplier, offset, .. }) in followed.filter(|(_, f)| f.joint == joint) {
+            own.friction.viscous_nm_s_rad += multiplier.powi(2) * follower.friction.viscous_nm_s_rad;
+            own.friction.coulomb_nm += multiplier.abs() * follower.friction.coulomb_nm;
+            own.armature += multiplier.powi(2) * follower.armature;
+            if let Some(limits) = follower.limits.position_rad {
+                let [a, b] = limits.map(|limit| (limit - offset) / multiplier);
+                let [low, high] = own.limits.position_rad.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+                own.limits.position_rad = Some([low.max(a.min(b)), high.min(a.max(b))]);
+            }
+            if let Some(limit) = follower.limits.velocity_rad_s {
+                let limit = limit / multiplier.abs();
+                own.limits.velocity_rad_s = Some(own.limits.velocity_rad_s.map_or(limit, |v| v.min(limit)));
+            }
+        }
+        own
+    }
 }
 
 /// Adds the body of the tree's link `from`, at `pose` in the chain's link, and of all that hangs on it but for the joint
@@ -106,8 +154,7 @@ fn add_bodies(
             if joint.freedom != Freedom::Fixed {
                 carried.push(joint_index);
             }
-            // A joint that follows another stays at its offset when the other is at zero.
-            let at = joint.mimic.as_ref().map_or(0.0, |mimic| mimic.offset);
+            let at = tree.rest(joint_index);
             let moved = match joint.freedom {
                 Freedom::Turns(axis) if at != 0.0 => {
                     Pose::turned(nalgebra::Rotation3::new(axis.normalize() * at).into_inner())
@@ -122,11 +169,40 @@ fn add_bodies(
 
 fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]) -> Vec<String> {
     let mut notes = tree.notes.clone();
-    if !carried.is_empty() {
-        let names: Vec<&str> = carried.iter().map(|j| tree.joints[*j].name.as_str()).collect();
+    let followers: Vec<String> = selection
+        .joints
+        .iter()
+        .filter(|j| tree.joints[**j].mimic.is_some() && tree.joints[**j].moves())
+        .filter_map(|j| Some((j, tree.followed(*j)?)))
+        .map(|(j, Followed { joint, multiplier, offset })| {
+            let (name, of) = (&tree.joints[*j].name, &tree.joints[joint].name);
+            format!("{name} = {multiplier} {of} + {offset}")
+        })
+        .collect();
+    if !followers.is_empty() {
+        notes.push(format!(
+            "joints that follow another are moved by it and are none of their own; recordings have the others alone: {}",
+            followers.join(", ")
+        ));
+    }
+    let moves_with_chain = |j: &&usize| {
+        tree.followed(**j).is_some_and(|f| f.joint != **j && selection.joints.contains(&f.joint))
+    };
+    let (following, resting): (Vec<&usize>, Vec<&usize>) = carried.iter().partition(moves_with_chain);
+    let listed = |joints: &[&usize]| {
+        let names: Vec<&str> = joints.iter().map(|j| tree.joints[**j].name.as_str()).collect();
+        names.join(", ")
+    };
+    if !resting.is_empty() {
         notes.push(format!(
             "joints beside the chain are carried as fixed at zero (a joint that follows another, at its offset): {}",
-            names.join(", ")
+            listed(&resting)
+        ));
+    }
+    if !following.is_empty() {
+        notes.push(format!(
+            "joints beside the chain that follow one of the chain move in truth, and are carried as fixed at their offset: {}",
+            listed(&following)
         ));
     }
     if tree.links[selection.base].parent.is_some() {

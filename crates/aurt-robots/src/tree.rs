@@ -43,6 +43,15 @@ pub(crate) enum Freedom {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Mimic {
     pub joint: String,
+    pub multiplier: f64,
+    pub offset: f64,
+}
+
+/// What a joint follows in the end: multiplier · q_joint + offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Followed {
+    pub joint: usize,
+    pub multiplier: f64,
     pub offset: f64,
 }
 
@@ -81,5 +90,31 @@ impl Tree {
         }
         joints.reverse();
         Some(joints)
+    }
+
+    /// What a joint follows in the end, through joints that follow others themselves; a joint that follows none is its own.
+    ///
+    /// `None` if a joint that is followed is not there or does not move, or if joints follow each other in a circle.
+    pub fn followed(&self, joint: usize) -> Option<Followed> {
+        let mut found = Followed { joint, multiplier: 1.0, offset: 0.0 };
+        for _ in 0..self.joints.len() {
+            let Some(mimic) = &self.joints[found.joint].mimic else { return Some(found) };
+            let next = self.joints.iter().position(|other| other.name == mimic.joint)?;
+            if !self.joints[next].moves() {
+                return None;
+            }
+            found = Followed {
+                joint: next,
+                multiplier: found.multiplier * mimic.multiplier,
+                offset: found.multiplier * mimic.offset + found.offset,
+            };
+        }
+        None
+    }
+
+    /// Where a joint beside the chain rests, if those that follow none rest at zero.
+    pub fn rest(&self, joint: usize) -> f64 {
+        let own = || self.joints[joint].mimic.as_ref().map_or(0.0, |mimic| mimic.offset);
+        self.followed(joint).map_or_else(own, |followed| followed.offset)
     }
 }

@@ -97,6 +97,59 @@ fn a_chain_is_chosen_by_itself_only_if_there_is_one() {
     );
 }
 
+const COUPLED: &str = include_str!("reference/coupled.urdf");
+
+#[test]
+fn joints_that_follow_another_are_moved_by_it() {
+    let robot = parse(COUPLED, "coupled.urdf", None, None).unwrap();
+    assert_eq!(robot.tip, "end");
+    assert_eq!((robot.joints(), robot.joints.len()), (4, 8));
+    assert_eq!(robot.joint_names, ["turn", "shoulder", "extension", "finger"]);
+    let follows: Vec<(usize, f64)> = robot.couplings.iter().map(|c| (c.coordinate, c.multiplier)).collect();
+    assert_eq!(follows, [(0, 1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, 1.0), (3, 1.0), (3, 1.1), (3, 0.55)]);
+    // The end follows the middle, which follows the knuckle: 0.5 (1.1 q + 0.05) + 0.1.
+    let steps = COUPLED.replace(
+        "<mimic joint=\"finger\" multiplier=\"0.55\" offset=\"0.125\"/>",
+        "<mimic joint=\"finger_2\" multiplier=\"0.5\" offset=\"0.1\"/>",
+    );
+    assert_ne!(steps, COUPLED);
+    assert_eq!(parse(&steps, "coupled.urdf", None, None).unwrap().couplings, robot.couplings);
+    // −1.2 ≤ 0.2 − q ≤ 2 leaves −1.5 … 1.4; what turns at the same speed rubs as well.
+    let limits = &robot.limits[1];
+    let [low, high] = limits.position_rad.unwrap();
+    assert!(low == -1.5 && (high - 1.4).abs() < 1e-15, "{limits:?}");
+    assert_eq!((limits.velocity_rad_s, limits.torque_nm), (Some(1.5), Some(400.0)));
+    assert_eq!((robot.friction[1].viscous_nm_s_rad, robot.friction[1].coulomb_nm), (3.5, 10.0));
+    assert!(robot.notes.iter().any(|n| n.contains("level = -1 shoulder + 0.2")), "{:?}", robot.notes);
+    let body = robot.rigid_body([0.0, 0.0, -9.81]).unwrap();
+    assert_eq!((body.joints(), body.standard_parameters().len()), (4, 80));
+    let error = robot.chain([0.0, 0.0, -9.81]).unwrap_err().to_string();
+    assert!(error.contains("4 of the chain's 8 joints follow another (mimic)"), "{error}");
+}
+
+#[test]
+fn a_joint_that_follows_what_does_not_move_the_chain_is_refused() {
+    for (from, to, part) in [
+        (
+            "<mimic joint=\"extension\"/>",
+            "<mimic joint=\"extention\"/>",
+            "follows the joint extention (mimic), which is not there",
+        ),
+        ("<mimic joint=\"extension\"/>", "<mimic joint=\"extension_2\"/>", "follows this one in turn"),
+        (
+            "<mimic joint=\"extension\"/>",
+            "<mimic joint=\"extension\" multiplier=\"0\"/>",
+            "with the multiplier 0",
+        ),
+    ] {
+        let text = COUPLED.replace(from, to);
+        let error = parse(&text, "coupled.urdf", None, Some("end")).unwrap_err().to_string();
+        assert!(error.contains("joint extension_2:") && error.contains(part), "{part}\n---\n{error}");
+        // By itself the chain ends before it.
+        assert_eq!(parse(&text, "coupled.urdf", None, None).unwrap().tip, "tube");
+    }
+}
+
 #[test]
 fn names_that_are_no_links_and_chains_that_are_none() {
     for (base, tip, part) in [

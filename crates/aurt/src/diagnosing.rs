@@ -7,6 +7,7 @@ use aurt_diagnosis::{
     improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
+use aurt_rbd::RobotDescription;
 use aurt_report::Page;
 use aurt_traits::MeasurementUnit;
 use serde_json::{Map, Value, json};
@@ -122,6 +123,8 @@ pub fn diagnose_experiment(
     options: &DiagnosisOptions,
     progress: &Progress,
 ) -> Result<Diagnosis, Failure> {
+    // Effects are sought joint by joint and link by link, which are not the same where joints follow others.
+    experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?;
     let structure = match &options.frozen {
         Some(calibrated) => calibrated.model.clone(),
         None => experiment.robot_model()?,

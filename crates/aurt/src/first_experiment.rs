@@ -142,7 +142,7 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
         let key = if is_mjcf { "mjcf" } else { "urdf" };
         return Ok(Arm {
             line: format!("{key} = {written}\n{tip}"),
-            joints: described.joints.len(),
+            joints: described.joint_names.len(),
             is_table: false,
         });
     }

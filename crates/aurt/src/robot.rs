@@ -37,8 +37,7 @@ impl Robot {
     /// # Errors
     /// What makes the description no robot.
     pub fn new(description: &dyn RobotDescription, gravity_m_s2: [f64; 3]) -> Result<Self, Failure> {
-        let chain = description.chain(gravity_m_s2)?;
-        let dynamics = RigidBodyDynamics::new(std::sync::Arc::new(chain), BASE_PARAMETER_SEED)?;
+        let dynamics = RigidBodyDynamics::new(description.rigid_body(gravity_m_s2)?, BASE_PARAMETER_SEED)?;
         Ok(Self { dynamics, notes: description.notes(), described: None })
     }
 

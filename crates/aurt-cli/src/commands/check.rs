@@ -6,8 +6,8 @@ use std::{
 };
 
 use aurt_experiment::{BASE_PARAMETER_SEED, Experiment, RigidBodyDynamics};
-use aurt_rbd::{MdhTable, RobotDescription, SerialChain};
-use aurt_traits::MeasurementUnit;
+use aurt_rbd::{MdhTable, RobotDescription};
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -99,12 +99,12 @@ impl Check {
         };
         let fixed = checked_setup::place(self.fixed.as_deref(), experiment.as_ref())?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
-        let chain = match (&experiment, &table) {
-            (Some(e), _) => Some(e.robot.geometry.chain(e.robot.gravity_m_s2).map_err(Failure::from)?),
-            (None, Some(table)) => Some(SerialChain::from_mdh(table, self.gravity.0)?),
+        let rigid_body = match (&experiment, &table) {
+            (Some(e), _) => Some(e.robot.geometry.rigid_body(e.robot.gravity_m_s2).map_err(Failure::from)?),
+            (None, Some(table)) => Some(table.rigid_body(self.gravity.0)?),
             (None, None) => None,
         };
-        let mut joints = chain.as_ref().map(|c| c.joints().len());
+        let mut joints = rigid_body.as_ref().map(|body| body.joints());
         let mut assigned = Vec::new();
         for (source, role) in self.sources(experiment.as_ref()) {
             let loaded = Loaded::read(source, joints, Purpose::Prediction)?;
@@ -131,7 +131,7 @@ impl Check {
             .map(|a| Inspected::new(a.loaded, &preprocessing))
             .collect::<Result<_, _>>()?;
 
-        let excitation = Excitation { session, chain: chain.as_ref(), unit, preprocessing: &preprocessing };
+        let excitation = Excitation { session, rigid_body, unit, preprocessing: &preprocessing };
         let alone: Vec<Seen<'_>> = inspected
             .iter()
             .map(|one| Ok(Seen { one, judged: excitation.of(&[one])? }))
@@ -207,7 +207,7 @@ impl Check {
 /// What recordings excite, where the geometry is known.
 struct Excitation<'a> {
     session: &'a Session<'a>,
-    chain: Option<&'a SerialChain>,
+    rigid_body: Option<Arc<dyn RigidBodyRegressor>>,
     unit: Option<MeasurementUnit>,
     preprocessing: &'a Preprocessing,
 }
@@ -215,9 +215,9 @@ struct Excitation<'a> {
 impl Excitation<'_> {
     /// Which parameters of rigid bodies, Coulomb and viscous friction the motions determine.
     fn of(&self, recordings: &[&Inspected]) -> Result<Option<Judged>, Failure> {
-        let Some(chain) = self.chain else { return Ok(None) };
-        let dynamics = RigidBodyDynamics::new(Arc::new(chain.clone()), BASE_PARAMETER_SEED)?;
-        let stacks = vec![plain_friction(&self.session.registry)?; chain.joints().len()];
+        let Some(rigid_body) = &self.rigid_body else { return Ok(None) };
+        let dynamics = RigidBodyDynamics::new(rigid_body.clone(), BASE_PARAMETER_SEED)?;
+        let stacks = vec![plain_friction(&self.session.registry)?; rigid_body.joints()];
         let model = dynamics.with_joint_dynamics(stacks, Vec::new())?;
         let still = recordings.iter().map(|r| r.still(self.preprocessing)).collect::<Result<Vec<_>, _>>()?;
         let measured = recordings.iter().all(|r| r.loaded.recording.measurement.is_some());

@@ -1,23 +1,19 @@
 //! `aurt excite`: motions that make a robot's parameters visible.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use aurt::table_file::TableFile;
-use aurt_rbd::{MdhRow, MdhRows, MdhTable};
 use aurt_simulation::{
-    Motion, MotionLimits, Robot, Trajectory,
+    Motion, Robot, Trajectory,
     trajectory::{ExcitationOptions, MultiSineOptions, excite},
 };
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::{Session, compile_rbd::Rows};
-use crate::{
-    arguments::{Gravity, parse_gravity},
-    failure::Failure,
-    output::OutputFile,
-    rendering::terminal::Report,
+use super::{
+    Session,
+    planned_robot::{PlannedRobot, PlannedRobotOptions},
 };
+use crate::{failure::Failure, output::OutputFile, rendering::terminal::Report};
 
 /// Plan motions for a robot, within its limits.
 ///
@@ -26,24 +22,11 @@ use crate::{
 /// reversals, sweeps have constant velocities, point-to-point motions are what robots mostly do.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt excite --robot ur10e --duration-s 20 --seed 1 --out motion.csv\n  \
+    aurt excite --robot robot.urdf --seed 1 --out motion.csv\n  \
     aurt excite --mdh mdh.csv --gravity 0 0 -9.81 --limits limits.csv --seed 1 --out motion.csv")]
-#[command(group(clap::ArgGroup::new("which").required(true).args(["robot", "mdh"])))]
 pub struct Excite {
-    /// One of the included robots
-    #[arg(long, value_name = "NAME")]
-    robot: Option<String>,
-    /// Table of modified Denavit–Hartenberg parameters of yours
-    #[arg(long, value_name = "CSV", requires = "limits")]
-    mdh: Option<PathBuf>,
-    /// Gravitational acceleration in the base frame, m/s²
-    #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
-    gravity: Option<Gravity>,
-    /// Which joint a row's alpha and a lead to
-    #[arg(long, value_enum, default_value_t)]
-    mdh_rows: Rows,
-    /// Limits of your joints, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2
-    #[arg(long, value_name = "CSV", conflicts_with = "robot")]
-    limits: Option<PathBuf>,
+    #[command(flatten)]
+    which: PlannedRobotOptions,
     /// What kind of motion
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
@@ -74,7 +57,7 @@ pub struct Excite {
     /// Number of multi-sines that the optimisation tries
     #[arg(long, value_name = "N", default_value = "600")]
     tries: usize,
-    /// Keep the torques of the included robot within its drives' limits too
+    /// Keep the torques of a simulated robot within its drives' limits too
     #[arg(long, conflicts_with = "mdh")]
     torque_limits: bool,
     /// Seed of everything that is drawn
@@ -104,10 +87,15 @@ pub enum Kind {
 impl Excite {
     /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
-        let inputs: Vec<&Path> =
-            [&self.mdh, &self.limits].into_iter().flatten().map(PathBuf::as_path).collect();
-        let out = OutputFile::new("--out", &self.out, &inputs)?;
-        let robot = self.the_robot()?;
+        let out = OutputFile::new("--out", &self.out, &self.which.inputs())?;
+        let PlannedRobot { robot, notes, knows_torques } = self.which.planned()?;
+        if self.torque_limits && !knows_torques {
+            return Err(Failure::Argument {
+                option: "--torque-limits",
+                reason: "needs the masses of the links, and these are known of simulated robots alone".into(),
+                remedy: "leave it out; check the planned motion in the robot's own simulator".into(),
+            });
+        }
         let (trajectory, condition) = self.trajectory(&robot, session)?;
         if self.torque_limits {
             trajectory.check_torque(&robot)?;
@@ -121,7 +109,23 @@ impl Excite {
                 "condition number of the base regressor: {best:.1}, {first:.1} of the first draw\n"
             ));
         }
+        for note in &notes {
+            text.push_str(note);
+            text.push('\n');
+        }
         text.push_str(&format!("written: {}\n", out.path().display()));
+        let limits: Vec<_> = robot
+            .drives
+            .iter()
+            .map(|drive| {
+                json!({
+                    "lower_rad": drive.position_limit_rad[0],
+                    "upper_rad": drive.position_limit_rad[1],
+                    "velocity_rad_s": drive.velocity_limit_rad_s,
+                    "acceleration_rad_s2": drive.acceleration_limit_rad_s2,
+                })
+            })
+            .collect();
         Ok(Report {
             text,
             json: json!({
@@ -132,6 +136,8 @@ impl Excite {
                 "condition_number": condition.map(|[_, best]| best),
                 "first_condition_number": condition.map(|[first, _]| first),
                 "seed": self.seed,
+                "notes": notes,
+                "limits": limits,
                 "outputs": [out.path()],
             }),
             findings: false,
@@ -170,91 +176,5 @@ impl Excite {
             Kind::Sweeps => Motion::Sweeps { duration_s, share },
         };
         Ok((motion.plan(robot, self.seed)?, None))
-    }
-
-    fn the_robot(&self) -> Result<Robot, Failure> {
-        let (Some(mdh), Some(limits)) = (&self.mdh, &self.limits) else {
-            let mut robot = Robot::named(self.robot.as_deref().unwrap_or_default())?;
-            if let Some(Gravity(gravity)) = self.gravity {
-                robot.gravity_m_s2 = gravity;
-            }
-            return Ok(robot);
-        };
-        let table = MdhTable::from_path(mdh, self.mdh_rows.into())?;
-        let mut gravity = self.gravity.map_or([0.0, 0.0, -9.81], |g| g.0);
-        if let (MdhRows::Previous, Some(first)) = (table.reading, table.rows.first()) {
-            // What leads to the first joint only turns gravity.
-            let (sin, cos) = first.alpha_rad.sin_cos();
-            gravity = [gravity[0], cos * gravity[1] + sin * gravity[2], cos * gravity[2] - sin * gravity[1]];
-        }
-        let rows = in_next_reading(table);
-        let limits = read_limits(limits, rows.len())?;
-        Ok(Robot::of_geometry("your robot", rows, gravity, &limits))
-    }
-}
-
-/// The rows as simulations read them, with the alpha and a that lead on to the next joint.
-fn in_next_reading(table: MdhTable) -> Vec<MdhRow> {
-    let mut rows = table.rows;
-    if table.reading == MdhRows::Previous {
-        for j in 0..rows.len() {
-            let (alpha_rad, a_m) = rows.get(j + 1).map_or((0.0, 0.0), |next| (next.alpha_rad, next.a_m));
-            (rows[j].alpha_rad, rows[j].a_m) = (alpha_rad, a_m);
-        }
-    }
-    rows
-}
-
-/// The columns of a table of limits.
-const COLUMNS: [&str; 4] = ["lower_rad", "upper_rad", "velocity_rad_s", "acceleration_rad_s2"];
-
-/// Largest angle of a joint's limits, rad: two turns. Half a turn in degrees is beyond it.
-const LARGEST_ANGLE_RAD: f64 = aurt_rbd::LARGEST_ANGLE_RAD;
-/// Highest velocity of a joint, rad/s.
-const HIGHEST_VELOCITY_RAD_S: f64 = 100.0;
-/// Highest acceleration of a joint, rad/s².
-const HIGHEST_ACCELERATION_RAD_S2: f64 = 1e4;
-
-/// Reads limits: a header with [`COLUMNS`] in any order, and a row for each joint.
-fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure> {
-    let table = TableFile::read(
-        path,
-        "write the columns lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2 and a row for each joint",
-    )?;
-    let mut places = [0; 4];
-    for (place, column) in places.iter_mut().zip(COLUMNS) {
-        *place = table
-            .column(column)
-            .ok_or_else(|| table.refuse(None, None, format!("has no column `{column}`")))?;
-    }
-    let mut limits = Vec::new();
-    for row in table.rows() {
-        let row = row?;
-        let mut values = [0.0; 4];
-        for (value, place) in values.iter_mut().zip(places) {
-            *value = row.number(place)?;
-        }
-        let [lower, upper, velocity_rad_s, acceleration_rad_s2] = values;
-        let highest =
-            [LARGEST_ANGLE_RAD, LARGEST_ANGLE_RAD, HIGHEST_VELOCITY_RAD_S, HIGHEST_ACCELERATION_RAD_S2];
-        if let Some(k) = (0..values.len()).find(|k| values[*k].abs() > highest[*k]) {
-            let reason = format!(
-                "column `{}`: {} is beyond what a joint has ({:.4}); angles are in radians, half a turn is 3.1416",
-                COLUMNS[k], values[k], highest[k]
-            );
-            return Err(table.refuse(Some(row.line), Some(places[k]), reason));
-        }
-        if lower >= upper || velocity_rad_s <= 0.0 || acceleration_rad_s2 <= 0.0 {
-            let reason = "there is no room between these limits; lower_rad must be below upper_rad, velocity and \
-                          acceleration above 0";
-            return Err(table.refuse(Some(row.line), None, reason.to_owned()));
-        }
-        limits.push(MotionLimits { position_rad: [lower, upper], velocity_rad_s, acceleration_rad_s2 });
-    }
-    if limits.len() == joints {
-        Ok(limits)
-    } else {
-        let reason = format!("has limits of {} joints, the geometry has {joints}", limits.len());
-        Err(table.refuse(None, None, reason))
     }
 }

@@ -18,6 +18,7 @@ mod init;
 mod man;
 mod models;
 mod new_plugin;
+mod planned_robot;
 pub mod plots;
 mod predict;
 mod prove;

@@ -1,5 +1,7 @@
 //! `aurt simulate`, `aurt excite`, `aurt conceal` and the demo's concealed load.
 
+use std::f64::consts::PI;
+
 use serde_json::Value;
 
 use crate::support::{DEMO, Folder, numbers};
@@ -144,6 +146,59 @@ fn excitation_is_optimised_within_limits() {
         folder.aurt(line.split(' ')).succeeded();
         assert_eq!(folder.read(&format!("{kind}.csv")).lines().count(), 2002);
     }
+}
+
+/// The motion of a robot description within the limits that it states, with those that it does not told.
+#[test]
+fn limits_of_a_description_are_those_of_the_motion() {
+    let folder = Folder::new();
+    folder.write("gantry.urdf", include_str!("../../../aurt-robots/tests/reference/gantry.urdf"));
+    folder.write("arm.xml", include_str!("../../../aurt-robots/tests/reference/arm.xml"));
+    let line = "excite --robot gantry.urdf --tip wrist --velocity-rad-s 2 --duration-s 8 --tries 20 --seed 1 --out m.csv";
+    let run = folder.aurt(format!("{line} --json").split(' ')).succeeded();
+    let report: Value = serde_json::from_str(&run.stdout()).unwrap();
+    let notes = report["notes"].to_string();
+    for part in [
+        "those of gantry.urdf",
+        "velocity limit of elbow: 2, as given",
+        "no range is stated of elbow",
+        "0.5 s",
+    ] {
+        assert!(notes.contains(part), "{part}\n---\n{notes}");
+    }
+    let expected = [[-0.8, 1.2, 0.9], [-2.5, 2.5, 3.0], [-PI, PI, 2.0], [0.0, 0.25, 0.4]];
+    let limits = report["limits"].as_array().unwrap();
+    for (limits, [lower, upper, velocity]) in limits.iter().zip(expected) {
+        assert_eq!((limits["lower_rad"].as_f64(), limits["upper_rad"].as_f64()), (Some(lower), Some(upper)));
+        assert_eq!(limits["acceleration_rad_s2"].as_f64(), Some(2.0 * velocity));
+    }
+    for line in folder.read("m.csv").lines().skip(1) {
+        let values: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        for (j, [lower, upper, velocity]) in expected.into_iter().enumerate() {
+            assert!((lower..=upper).contains(&values[1 + j]) && values[5 + j].abs() <= velocity, "{line}");
+            assert!(values[9 + j].abs() <= 2.0 * velocity, "{line}");
+        }
+    }
+    let run =
+        |line: &str| folder.aurt(format!("{line} --tries 5 --duration-s 8 --seed 1 --out x.csv").split(' '));
+    let urdf = "excite --robot gantry.urdf";
+    run(urdf).refused(&["several chains start at `world`", "wrist (4 joints)"]);
+    run(&format!("{urdf} --tip wrist"))
+        .refused(&["no velocity limit of the joints elbow", "--velocity-rad-s"]);
+    run(&format!("{urdf} --tip wrist --velocity-rad-s=0")).refused(&["--velocity-rad-s", "0 is no limit"]);
+    run(&format!("{urdf} --tip wrist --velocity-rad-s 1 --torque-limits"))
+        .refused(&["--torque-limits", "masses"]);
+    run("excite --robot arm.xml --tip nothing").refused(&["arm.xml", "nothing"]);
+    run("excite --robot ur10e --tip wrist").refused(&["--tip", "`ur10e` is no file"]);
+    // Robots known by name alone, and other limits than the description's.
+    let known = run("excite --robot xarm6 --acceleration-rad-s2 5").succeeded().stdout();
+    assert!(known.contains("those of xarm6") && known.contains("acceleration limit: 5"), "{known}");
+    folder.write(
+        "limits.csv",
+        &format!("lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n{}", "0,0.2,0.3,1\n".repeat(4)),
+    );
+    let known = run(&format!("{urdf} --tip wrist --limits limits.csv")).succeeded().stdout();
+    assert!(known.contains("those of limits.csv"), "{known}");
 }
 
 #[test]

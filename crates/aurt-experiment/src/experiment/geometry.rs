@@ -1,7 +1,9 @@
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use aurt_rbd::{MdhTable, RbdError, RobotDescription, SerialChain};
 use aurt_robots::DescribedRobot;
+use aurt_traits::RigidBodyRegressor;
 
 /// Where the geometry of an experiment's robot is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,10 @@ impl RobotDescription for Geometry {
 
     fn chain(&self, gravity_m_s2: [f64; 3]) -> Result<SerialChain, RbdError> {
         self.description().chain(gravity_m_s2)
+    }
+
+    fn rigid_body(&self, gravity_m_s2: [f64; 3]) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
+        self.description().rigid_body(gravity_m_s2)
     }
 
     fn notes(&self) -> Vec<String> {

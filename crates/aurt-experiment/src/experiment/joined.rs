@@ -56,7 +56,7 @@ pub(super) fn read(table: &mut Section<'_, '_>, general: &RecordedAs) -> Vec<Joi
 fn joined(section: &Section<'_, '_>, node: &Node, general: &RecordedAs) -> Option<JoinedFile> {
     match &node.kind {
         NodeKind::String(_) => Some(JoinedFile {
-            file: section.file_of("joined", node)?,
+            file: section.recording_of("joined", node)?,
             unit: None,
             columns: ColumnSelection::default(),
             recorded: general.clone(),
@@ -65,7 +65,7 @@ fn joined(section: &Section<'_, '_>, node: &Node, general: &RecordedAs) -> Optio
         NodeKind::Table(_) => {
             let mut table = Section::new(section.reader, node, "a file of `joined`")?;
             let file = table.require("file", "file = \"currents.csv\"");
-            let file = file.and_then(|n| table.file_of("file", n));
+            let file = file.and_then(|n| table.recording_of("file", n));
             let unit = table.choice("unit", &UNITS);
             let mut recorded = recorded_as::read(&mut table).or(general);
             recorded.take = take(&mut table, false);

@@ -173,7 +173,7 @@ fn source(
 ) -> Option<RecordingSource> {
     match &node.kind {
         NodeKind::String(written) => Some(RecordingSource {
-            file: section.file_of(key, node)?,
+            file: section.recording_of(key, node)?,
             written: written.clone(),
             window_s: None,
             unit: None,
@@ -195,7 +195,7 @@ fn source(
 fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> Option<RecordingSource> {
     let mut table = Section::new(reader, node, format!("a recording of `{key}`"))?;
     let file_node = table.require("file", "file = \"recording.csv\"");
-    let file = file_node.and_then(|n| table.file_of("file", n));
+    let file = file_node.and_then(|n| table.recording_of("file", n));
     let window_s = table.take("window_s").and_then(|n| {
         let window: [f64; 2] = table.numbers_exactly("window_s", n, "begin and end in s")?;
         if window[0] >= window[1] {

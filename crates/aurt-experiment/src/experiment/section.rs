@@ -1,8 +1,12 @@
 //! Reading the tables of an experiment: typed, with every complaint collected at its place.
 
-use std::{cell::RefCell, path::PathBuf};
+use std::{
+    cell::RefCell,
+    path::{Path, PathBuf},
+};
 
 use aurt_files::clipped;
+use aurt_recording::is_lerobot;
 
 use super::{errors::Complaint, joint_count::JointCheck, paths};
 use crate::{Node, NodeKind, Span, suggestion};
@@ -221,6 +225,22 @@ impl<'n, 'r> Section<'n, 'r> {
 
     /// A path of an existing file: environment variables expanded, relative to the experiment's folder.
     pub(super) fn file_of(&self, key: &str, node: &Node) -> Option<PathBuf> {
+        self.path_of(key, node, "a file", &|_| false)
+    }
+
+    /// The file of a recording, or the folder of a LeRobot data set.
+    pub(super) fn recording_of(&self, key: &str, node: &Node) -> Option<PathBuf> {
+        self.path_of(key, node, "a file or a LeRobot data set (with meta/info.json)", &is_lerobot)
+    }
+
+    /// A file, or a folder that is `accepted`.
+    fn path_of(
+        &self,
+        key: &str,
+        node: &Node,
+        expected: &str,
+        accepted: &dyn Fn(&Path) -> bool,
+    ) -> Option<PathBuf> {
         let path = match paths::resolve(self.text_of(key, node)?, &self.reader.folder) {
             Ok(path) => path,
             Err(unset) => {
@@ -229,7 +249,7 @@ impl<'n, 'r> Section<'n, 'r> {
             }
         };
         let problem = match std::fs::metadata(&path) {
-            Ok(entry) if entry.is_dir() => "is a folder, a file is expected".to_owned(),
+            Ok(entry) if entry.is_dir() && !accepted(&path) => format!("is a folder, {expected} is expected"),
             Ok(_) => return Some(path),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => "does not exist".to_owned(),
             Err(e) => format!("cannot be read: {e}"),

@@ -174,25 +174,26 @@ impl ArmTerm for Payload {
         out: &mut Columns<'_>,
     ) -> Result<(), ModelError> {
         let joints = series.motion.joints();
-        let standard = Inertial::ALL.len() * joints;
-        if state[0] != standard as f64 {
+        let (standard, each) = (state[0] as usize, Inertial::ALL.len());
+        let links = standard / each;
+        // Where joints follow others there are more links than joints that move on their own: the last is still the last.
+        let link = if links == joints { self.link(joints) } else { links.saturating_sub(1) };
+        if standard != each * links || links < joints || (links != joints && self.link.is_some()) {
             return Err(ModelError::Evaluation {
                 model: "payload".into(),
                 reason: format!(
-                    "it needs a rigid body with {} inertial parameters per link, {standard} in all, but this one \
-                     has {}",
-                    Inertial::ALL.len(),
-                    state[0]
+                    "it needs a rigid body with {each} inertial parameters per link, {} in all, but this one has \
+                     {standard}; where joints follow others, leave `link` out: the last link carries the body",
+                    each * joints
                 ),
             });
         }
-        let link = self.link(joints);
         let parameters = self.parameters();
         let mut destination = vec![RegressorTile::UNWANTED; joints * standard];
         for column in 0..out.columns() {
             out.column_mut(column).fill(0.0);
         }
-        for joint in 0..=link {
+        for joint in 0..joints.min(link + 1) {
             for (k, p) in parameters.iter().enumerate() {
                 let index = Inertial::ALL.len() * link + *p as usize;
                 if series.rigid_body.loads(index, joint) {

@@ -257,12 +257,15 @@ impl<'a> Collector<'a> {
         } else {
             self.series.iter_mut().map(|s| s.drain(..ready).collect()).collect()
         };
+        // In another unit every motion is a jump: that would hide the reason.
+        let degrees = plausibility::remark_on_degrees(&series[1..=joints]);
+        let tells_jumps = degrees.is_none();
+        self.remarks.extend(degrees);
         let (time, values) = series.split_at_mut(1);
         for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
-            let remark = plausibility::unwrap(joint, &time[0], position, &lines, turns);
+            let remark = plausibility::unwrap(joint, tells_jumps, &time[0], position, &lines, turns);
             self.remarks.extend(remark);
         }
-        self.remarks.extend(plausibility::remark_on_degrees(&series[1..=joints]));
         // Of many pieces every one may have the same to say.
         self.remarks.truncate(REMARKS);
         series

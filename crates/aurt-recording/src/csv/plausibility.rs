@@ -102,9 +102,11 @@ pub(super) struct Turns {
     before: Option<[f64; 2]>,
 }
 
-/// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or stay.
+/// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or, with `tells_jumps`,
+/// stay.
 pub(super) fn unwrap(
     joint: usize,
+    tells_jumps: bool,
     time: &[f64],
     position: &mut [f64],
     lines: &[u32],
@@ -132,7 +134,7 @@ pub(super) fn unwrap(
     let turned = first_turn.map(|line| {
         format!("the position of joint {joint} jumps by whole turns {turns} times (first in line {line}); it was unwrapped")
     });
-    let jumped = other.map(|(line, step)| {
+    let jumped = other.filter(|_| tells_jumps).map(|(line, step)| {
         format!(
             "the position of joint {joint} jumps by {step:.3} rad in line {line}, faster than joints turn"
         )

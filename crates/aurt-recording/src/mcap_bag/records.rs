@@ -1,15 +1,15 @@
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, BufReader, Read};
+use std::ops::Range;
 
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
 const MAGIC_BYTES: usize = 8;
-/// A longer record is an error: it would be held in memory.
+/// A longer record, or a chunk of more when unpacked, is an error: it would be held in memory.
 const RECORD_LIMIT: u64 = 1 << 28;
-
-/// Bytes that are unpacked at once.
-const UNPACKED_BYTES: usize = 1 << 16;
+/// Room that is made for the records of a chunk before they have arrived, at most.
+const CHUNK_ROOM: u64 = 1 << 22;
 
 const FOOTER: u8 = 0x02;
 const SCHEMA: u8 = 0x03;
@@ -43,56 +43,26 @@ impl From<io::Error> for Ending {
     }
 }
 
-/// The records of a file, one after the other; of chunks one is held in memory, as it is in the file.
+/// The records of a file, one after the other; of chunks one is held in memory, unpacked.
 pub(super) struct Records<'a> {
     file: BufReader<&'a File>,
-    chunk: Option<Chunk>,
+    /// The records of the present chunk, and how far they are read.
+    chunk: Vec<u8>,
+    at: usize,
+    /// Why the present chunk has no more than that.
+    chunk_ending: Option<Ending>,
     chunks_closed: bool,
     begun: bool,
     ended: bool,
     body: Vec<u8>,
 }
 
-/// A chunk that is being read.
-struct Chunk {
-    source: Box<dyn Read>,
-    /// Bytes of records that are still to come.
-    left: u64,
-    checksum: u32,
-    hasher: crc32fast::Hasher,
-    /// Whether the file ends within it.
-    cut: bool,
-}
-
-impl Chunk {
-    fn fill(&mut self, count: u64, body: &mut Vec<u8>) -> Result<(), Ending> {
-        let cut = self.cut;
-        let failed = |error: io::Error| {
-            if cut {
-                Ending::BreaksOff
-            } else {
-                Ending::Wrong(format!("a chunk cannot be unpacked: {error}"))
-            }
-        };
-        if count > self.left {
-            return Err(Ending::Wrong("a record is longer than its chunk".to_owned()));
-        }
-        body.clear();
-        self.source.by_ref().take(count).read_to_end(body).map_err(failed)?;
-        if body.len() as u64 != count {
-            return Err(failed(io::ErrorKind::UnexpectedEof.into()));
-        }
-        self.hasher.update(body);
-        self.left -= count;
-        Ok(())
-    }
-}
-
 impl<'a> Records<'a> {
     /// All records, those in chunks among them; with `chunks_closed` those in chunks are passed over.
     pub(super) fn new(file: &'a File, chunks_closed: bool) -> Self {
         let file = BufReader::with_capacity(1 << 16, file);
-        Self { file, chunk: None, chunks_closed, begun: false, ended: false, body: Vec::new() }
+        let (chunk, body) = (Vec::new(), Vec::new());
+        Self { file, chunk, at: 0, chunk_ending: None, chunks_closed, begun: false, ended: false, body }
     }
 
     /// Hands the next record to `take`; false at the end.
@@ -101,8 +71,8 @@ impl<'a> Records<'a> {
             self.file.read_exact(&mut [0; MAGIC_BYTES])?;
         }
         while !self.ended {
-            if let Some(kind) = self.next_in_chunk()? {
-                take(parse(kind, &self.body)?);
+            if let Some((kind, bytes)) = self.next_in_chunk()? {
+                take(parse(kind, &self.chunk[bytes])?);
                 return Ok(true);
             }
             let mut head = [0; 9];
@@ -131,23 +101,26 @@ impl<'a> Records<'a> {
         Ok(false)
     }
 
-    /// Reads the next record of the open chunk into `body` and gives its kind.
-    fn next_in_chunk(&mut self) -> Result<Option<u8>, Ending> {
-        let Some(chunk) = &mut self.chunk else { return Ok(None) };
-        if chunk.left == 0 {
-            let (sum, found) = (chunk.checksum, chunk.hasher.clone().finalize());
-            self.chunk = None;
-            if sum != 0 && sum != found {
-                return Err(Ending::Wrong("the checksum of a chunk is wrong".to_owned()));
+    /// The next record of the open chunk: its kind, and where it is in it.
+    fn next_in_chunk(&mut self) -> Result<Option<(u8, Range<usize>)>, Ending> {
+        let rest = &self.chunk[self.at..];
+        let head = rest.split_first_chunk::<9>().map(|(head, rest)| (head[0], &head[1..], rest));
+        if let Some((kind, length, rest)) = head {
+            let length = Fields(length).u64()?;
+            limited(length)?;
+            if length <= rest.len() as u64 {
+                let begin = self.at + 9;
+                self.at = begin + length as usize;
+                return Ok(Some((kind, begin..self.at)));
             }
-            return Ok(None);
         }
-        chunk.fill(9, &mut self.body)?;
-        let kind = self.body[0];
-        let length = Fields(&self.body[1..]).u64()?;
-        limited(length)?;
-        chunk.fill(length, &mut self.body)?;
-        Ok(Some(kind))
+        if let Some(ending) = self.chunk_ending.take() {
+            return Err(ending);
+        }
+        if !rest.is_empty() {
+            return Err(Ending::Wrong("a record is longer than its chunk".to_owned()));
+        }
+        Ok(None)
     }
 
     fn open(&mut self, length: u64) -> Result<(), Ending> {
@@ -169,28 +142,50 @@ impl<'a> Records<'a> {
         let Some(padding) = padding.and_then(|p| i64::try_from(p).ok()) else {
             return Err(Ending::Wrong("a chunk is longer than its record".to_owned()));
         };
-        let mut packed = Vec::new();
-        self.file.by_ref().take(packed_bytes).read_to_end(&mut packed)?;
-        let cut = packed.len() as u64 != packed_bytes;
-        self.file.seek_relative(padding).map_err(|_| Ending::BreaksOff)?;
-        let packed = Cursor::new(packed);
-        let source: Box<dyn Read> = match name.as_slice() {
-            b"" => Box::new(packed),
-            // Decoders are slow at handing out a message at a time.
-            b"lz4" => Box::new(BufReader::with_capacity(UNPACKED_BYTES, FrameDecoder::new(packed))),
-            b"zstd" => match StreamingDecoder::new(packed) {
-                Ok(decoder) => Box::new(BufReader::with_capacity(UNPACKED_BYTES, decoder)),
-                Err(_) if cut => return Err(Ending::BreaksOff),
-                Err(error) => return Err(Ending::Wrong(format!("a chunk cannot be unpacked: {error}"))),
-            },
-            other => {
-                let name = String::from_utf8_lossy(other);
-                return Err(Ending::Wrong(format!("chunks are packed with `{name}`; lz4 and zstd are read")));
-            }
+        limited(size)?;
+        self.chunk.clear();
+        self.at = 0;
+        let cut;
+        let unpacked = if name.is_empty() {
+            let read = self.file.by_ref().take(packed_bytes).read_to_end(&mut self.chunk);
+            cut = self.chunk.len() as u64 != packed_bytes;
+            read
+        } else {
+            self.body.clear();
+            self.file.by_ref().take(packed_bytes).read_to_end(&mut self.body)?;
+            cut = self.body.len() as u64 != packed_bytes;
+            self.chunk.reserve(size.min(CHUNK_ROOM) as usize);
+            unpack(&name, &self.body, size, &mut self.chunk)?
         };
-        self.chunk = Some(Chunk { source, left: size, checksum, hasher: crc32fast::Hasher::new(), cut });
-        Ok(())
+        let failed = |reason: String| Ending::Wrong(format!("a chunk cannot be unpacked: {reason}"));
+        self.chunk_ending = match unpacked {
+            _ if cut => Some(Ending::BreaksOff),
+            Err(error) => Some(failed(error.to_string())),
+            Ok(_) if self.chunk.len() as u64 != size => {
+                Some(failed(format!("it has {} bytes in place of {size}", self.chunk.len())))
+            }
+            Ok(_) if checksum != 0 && checksum != crc32fast::hash(&self.chunk) => {
+                Some(Ending::Wrong("the checksum of a chunk is wrong".to_owned()))
+            }
+            Ok(_) => None,
+        };
+        self.file.seek_relative(padding).map_err(|_| Ending::BreaksOff)
     }
+}
+
+/// Unpacks a chunk as far as that goes, into `size` bytes at most; why no further is within the result.
+fn unpack(name: &[u8], packed: &[u8], size: u64, chunk: &mut Vec<u8>) -> Result<io::Result<usize>, Ending> {
+    Ok(match name {
+        b"lz4" => FrameDecoder::new(packed).take(size).read_to_end(chunk),
+        b"zstd" => match StreamingDecoder::new(packed) {
+            Ok(decoder) => decoder.take(size).read_to_end(chunk),
+            Err(error) => Err(io::Error::other(error.to_string())),
+        },
+        other => {
+            let name = String::from_utf8_lossy(other);
+            return Err(Ending::Wrong(format!("chunks are packed with `{name}`; lz4 and zstd are read")));
+        }
+    })
 }
 
 fn limited(length: u64) -> Result<(), Ending> {

@@ -26,7 +26,7 @@ const LONGEST_LIST: usize = 4096;
 /// The column that LeRobot counts its episodes in.
 const EPISODE: &str = "episode_index";
 /// Time between two episodes; no filter reaches across it.
-const BETWEEN_EPISODES_S: f64 = 10.0;
+pub(crate) const BETWEEN_EPISODES_S: f64 = 10.0;
 
 /// Parquet files: columns of numbers, one row per sample, or columns of lists with a number for each joint.
 ///

@@ -86,6 +86,7 @@ impl KnownRobot {
             tip: "flange".into(),
             joint_names: (0..self.joints.len()).map(|j| format!("joint_{j}")).collect(),
             joints,
+            couplings: Vec::new(),
             limits: limits.collect(),
             friction: vec![JointFriction::default(); self.joints.len()],
             armature_kg_m2: vec![0.0; self.joints.len()],

@@ -28,12 +28,26 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         let (line, text) = (line_of(node), format!("<xacro:{}>", node.tag_name().name()));
         return Err(RobotError::Xacro { path: path.into(), line, text }.into());
     }
-    let mut reader = Reader { path, errors: Vec::new(), notes: Vec::new(), without_inertia: Vec::new() };
+    let mut reader = Reader {
+        path,
+        errors: Vec::new(),
+        notes: Vec::new(),
+        rounded: Vec::new(),
+        without_inertia: Vec::new(),
+    };
     let links = reader.links(root);
     let names: HashMap<&str, usize> = links.iter().enumerate().map(|(k, l)| (l.name.as_str(), k)).collect();
     let joints = reader.joints(root, &names);
     let name = root.attribute("name").unwrap_or_default().to_owned();
-    let Reader { mut errors, mut notes, without_inertia, .. } = reader;
+    let Reader { mut errors, mut notes, rounded, without_inertia, .. } = reader;
+    if !rounded.is_empty() {
+        notes.push(format!(
+            "{}; axes that are meant to be parallel or perpendicular are slightly not so, which adds base parameters that \
+             no recording can determine; write all digits of the angle{}",
+            rounded.join(", "),
+            if rounded.len() > 1 { "s" } else { "" }
+        ));
+    }
     if !without_inertia.is_empty() {
         notes.push(format!(
             "no inertia is stated, and so none is assumed, for: {}",
@@ -51,6 +65,8 @@ struct Reader<'a> {
     path: &'a Path,
     errors: Vec<RobotError>,
     notes: Vec<String>,
+    /// Angles that look rounded, with how far they are off.
+    rounded: Vec<String>,
     /// Links that have visible or touchable parts but no inertia.
     without_inertia: Vec<String>,
 }
@@ -165,6 +181,7 @@ impl<'a> Reader<'a> {
             None => None,
             Some(mimic) => Some(Mimic {
                 joint: mimic.text("joint")?.to_owned(),
+                multiplier: mimic.number("multiplier")?.unwrap_or(1.0),
                 offset: mimic.number("offset")?.unwrap_or(0.0),
             }),
         };
@@ -205,12 +222,8 @@ impl<'a> Reader<'a> {
             let quarters = (angle / STEP).round();
             let off = (angle - quarters * STEP).abs();
             if off > 1e-9 && off < 5e-4 {
-                self.notes.push(format!(
-                    "{}: {name} = {angle} is {off:.1e} rad off {quarters}*pi/4; axes that are meant to be parallel or \
-                     perpendicular are slightly not so, which adds base parameters that no recording can determine; \
-                     write all digits of the angle",
-                    element.what
-                ));
+                self.rounded
+                    .push(format!("{}: {name} = {angle} is {off:.1e} rad off {quarters}*pi/4", element.what));
             }
         }
     }

@@ -39,7 +39,7 @@ pub fn corrected(
 
 /// Undoes one mistake if a key can.
 fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> bool {
-    let joints = subject.joints.len();
+    let joints = subject.moving_joints();
     let mut put = |section: &str, key: &str, value: Value| -> bool {
         let table = document.entry(section).or_insert_with(|| Item::Table(TomlTable::new()));
         let Some(table) = table.as_table_like_mut() else { return false };
@@ -153,7 +153,7 @@ fn recorded(
     key: &str,
     value: impl Fn(&mut dyn Iterator<Item = f64>) -> Value,
 ) -> bool {
-    let joints = subject.joints.len();
+    let joints = subject.moving_joints();
     let Some(recordings) = document.get_mut("recordings").and_then(Item::as_table_like_mut) else {
         return false;
     };

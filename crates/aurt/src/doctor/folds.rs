@@ -40,7 +40,7 @@ pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne>
     let tried: Vec<Vec<InOne>> = folds(setup)
         .into_iter()
         .map(|(file, fold)| {
-            let mistakes = of_file(fold.joints.len(), file);
+            let mistakes = of_file(fold.moving_joints(), file);
             *trials += mistakes.len() + 1;
             let Some(before) = bench.score(&fold).map(|s| s.total) else { return Vec::new() };
             mistakes

@@ -142,6 +142,11 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         now = setup;
         score = Some(best.score);
     }
+    if found.steps.len() > 1
+        && let Some(last) = score.take()
+    {
+        score = Some(search.reconsidered(setup, &mut found.steps, last));
+    }
     if found.steps.is_empty() && !matches!(thorough, Thorough::AllJoints) {
         let step = search.in_one(&now).or_else(|| search.likelier(&now));
         if let Some(step) = step {
@@ -200,7 +205,7 @@ impl Search<'_> {
         }
         let files = setup.files();
         if files.len() > 1 {
-            let joints = setup.joints.len();
+            let joints = setup.moving_joints();
             let of_files: Vec<Mistake> =
                 files.iter().flat_map(|f| of_file(joints, *f)).filter(open).collect();
             let tried = self.all(setup, &of_files, &[]);
@@ -221,6 +226,41 @@ impl Search<'_> {
         let single = best.as_ref().map_or(f64::INFINITY, |b| b.score.total);
         let pair = self.likeliest(&pairs).filter(|p| p.score.total < FURTHER * single);
         pair.or(best).map(|b| self.refined(setup, b))
+    }
+
+    /// Weighs each of several steps once more against the other mistakes about the same thing, now that all the others are
+    /// undone: what was the best guess beside a turned sign need not be without it. Of those that explain the data alike the
+    /// likeliest is told. Returns the error in the end.
+    fn reconsidered(&mut self, setup: &Setup, steps: &mut [Step], mut score: Score) -> Score {
+        for at in 0..steps.len() {
+            let own = steps[at].mistake.clone();
+            if matches!(own, Mistake::Reading { file: Some(_), .. }) {
+                continue;
+            }
+            let others = steps.iter().enumerate().filter(|(k, _)| *k != at);
+            let without = others.fold(setup.clone(), |s, (_, step)| step.mistake.undone(&s));
+            let mut rivals: Vec<Mistake> =
+                usual(self.subject, &without).into_iter().filter(|m| m.is_about_what(&own)).collect();
+            if rivals.iter().all(|m| *m == own) {
+                continue;
+            }
+            if !rivals.contains(&own) {
+                rivals.push(own.clone());
+            }
+            let tried = self.all(&without, &rivals, &[]);
+            let Some(best) = self.likeliest(&tried) else { continue };
+            if let Some(mistake) = best.mistakes.into_iter().next().filter(|m| *m != own) {
+                steps[at].mistake = mistake;
+                steps[at].alike = best.alike;
+                score = best.score;
+            }
+        }
+        let mut now = setup.clone();
+        for step in steps {
+            now = step.mistake.undone(&now);
+            step.after = self.bench.score(&now).unwrap_or_else(|| score.clone());
+        }
+        score
     }
 
     fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {

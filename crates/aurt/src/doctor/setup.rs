@@ -1,10 +1,11 @@
 //! What is tried: a robot's geometry under gravity with recordings of it, small enough to be fitted many times.
 
+use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_experiment::{Experiment, experiment::Geometry};
-use aurt_rbd::{Joint, MdhTable, RobotDescription, SerialChain};
+use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription};
 use aurt_recording::{Recording, preprocess};
 use aurt_traits::{ArmTerm, RobotModel};
 
@@ -31,6 +32,8 @@ const HIGHEST_F_DYN_HZ: f64 = 5.0;
 pub struct Subject {
     /// Links and joints, as they are used.
     pub joints: Vec<Joint>,
+    /// How each of them moves; empty where none follows another.
+    pub couplings: Vec<Coupling>,
     /// The table that they are from, if they are from one.
     pub table: Option<MdhTable>,
     /// The name of the robot, if it is known by name.
@@ -59,6 +62,7 @@ impl Subject {
     ) -> Self {
         Self {
             joints: table.joints(),
+            couplings: Vec::new(),
             table: Some(table.clone()),
             name: None,
             gravity_m_s2,
@@ -76,9 +80,15 @@ impl Subject {
     /// If the geometry gives no chain.
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
         let geometry = &experiment.robot.geometry;
-        let chain: SerialChain = geometry.chain(experiment.robot.gravity_m_s2)?;
+        let rigid_body = geometry.rigid_body(experiment.robot.gravity_m_s2)?;
+        let any: &dyn Any = &*rigid_body;
+        let (joints, couplings) = match any.downcast_ref::<CoupledChain>() {
+            Some(coupled) => (coupled.chain().joints().to_vec(), coupled.couplings().to_vec()),
+            None => (geometry.chain(experiment.robot.gravity_m_s2)?.joints().to_vec(), Vec::new()),
+        };
         Ok(Self {
-            joints: chain.joints().to_vec(),
+            joints,
+            couplings,
             table: match geometry {
                 Geometry::Mdh { table, .. } => Some(table.clone()),
                 Geometry::Urdf { .. } | Geometry::Known(_) => None,
@@ -95,6 +105,15 @@ impl Subject {
             scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
         })
     }
+
+    /// Number of joints that move on their own.
+    pub(super) fn moving_joints(&self) -> usize {
+        moving_joints(&self.joints, &self.couplings)
+    }
+}
+
+fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
+    couplings.iter().map(|c| c.coordinate + 1).max().unwrap_or(joints.len())
 }
 
 /// Reads what an experiment calibrates and validates on.
@@ -119,6 +138,8 @@ pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> 
 pub struct Setup {
     /// Links and joints.
     pub joints: Vec<Joint>,
+    /// How each of them moves; empty where none follows another.
+    pub couplings: Vec<Coupling>,
     /// Gravitational acceleration in the base frame.
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
@@ -177,7 +198,7 @@ impl Setup {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
         let pipeline = Pipeline {
-            joints: subject.joints.len(),
+            joints: subject.moving_joints(),
             preprocessing: &subject.preprocessing,
             instrument: &subject.instrument,
         };
@@ -213,10 +234,16 @@ impl Setup {
         }
         Ok(Self {
             joints: subject.joints.clone(),
+            couplings: subject.couplings.clone(),
             gravity_m_s2: subject.gravity_m_s2,
             parts,
             model: OnceLock::new(),
         })
+    }
+
+    /// Number of joints that move on their own.
+    pub fn moving_joints(&self) -> usize {
+        moving_joints(&self.joints, &self.couplings)
     }
 
     /// Number of recordings that are looked at.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, System, TermScopes, accumulate_scoped};
 use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
-use aurt_rbd::SerialChain;
-use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RobotModel};
+use aurt_rbd::{CoupledChain, SerialChain};
+use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
 
 use super::setup::{Part, Setup};
 
@@ -63,7 +63,7 @@ impl Bench {
             measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
         let (coefficients, _) = system.solve_coefficients(&weights).ok()?;
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
-        let joints = setup.joints.len();
+        let joints = setup.moving_joints();
         let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
         let mut files = Vec::new();
         let mut moving = vec![false; joints];
@@ -89,8 +89,13 @@ impl Bench {
 
     fn model(&self, setup: &Setup) -> Option<RobotModel> {
         let chain = SerialChain::new(setup.joints.clone(), setup.gravity_m_s2).ok()?;
-        let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED).ok()?;
-        let stacks = vec![self.friction.clone(); setup.joints.len()];
+        let rigid_body: Arc<dyn RigidBodyRegressor> = if setup.couplings.is_empty() {
+            Arc::new(chain)
+        } else {
+            Arc::new(CoupledChain::new(chain, setup.couplings.clone()).ok()?)
+        };
+        let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED).ok()?;
+        let stacks = vec![self.friction.clone(); setup.moving_joints()];
         dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
     }
 

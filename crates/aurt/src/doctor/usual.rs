@@ -27,9 +27,12 @@ const GAINS: [f64; 6] = [1e-3, 1e3, 0.1, 10.0, 0.01, 100.0];
 pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
     let mut mistakes = directions(setup.gravity_m_s2);
     mistakes.extend(tables(subject, &setup.joints));
-    mistakes
-        .extend(readings(setup.joints.len()).into_iter().map(|what| Mistake::Reading { what, file: None }));
-    mistakes.extend(zeros(&setup.joints));
+    let readings = readings(setup.moving_joints());
+    mistakes.extend(readings.into_iter().map(|what| Mistake::Reading { what, file: None }));
+    // The zero of a joint that others follow is theirs too.
+    if setup.couplings.is_empty() {
+        mistakes.extend(zeros(&setup.joints));
+    }
     mistakes
 }
 
