@@ -2,7 +2,7 @@
 //! of several resolutions, one recording and five.
 //!
 //! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
-//! that of the seeds of each row, a second the only number of recordings.
+//! that of the seeds of each row; a second is the only number of recordings, and adds errors in variables.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
@@ -19,7 +19,7 @@ const RECORDINGS: usize = 5;
 
 /// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white, and
 /// errors in variables.
-type Counts = [[usize; 4]; 3];
+type Counts = Vec<[usize; 4]>;
 
 fn main() {
     let seeds: u64 = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
@@ -28,11 +28,12 @@ fn main() {
     println!(
         "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
     );
+    let only: Option<usize> = std::env::args().nth(2).map(|text| text.parse().unwrap());
+    let of_eiv = if only.is_some() { " eiv: all | rigid bodies | friction |" } else { "" };
     println!(
-        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white | \
-         eiv: all | rigid bodies | friction |"
+        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |{of_eiv}"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|{}", if only.is_some() { "---|---|---|" } else { "" });
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
     let encoders = [
         ("exact", None),
@@ -41,7 +42,7 @@ fn main() {
         ("14 bit", Some(14)),
         ("12 bit", Some(12)),
     ];
-    let counts = std::env::args().nth(2).map_or(vec![1, RECORDINGS], |text| vec![text.parse().unwrap()]);
+    let counts = only.map_or(vec![1, RECORDINGS], |only| vec![only]);
     let rows = counts.into_iter().flat_map(|count| {
         noises
             .into_iter()
@@ -50,7 +51,7 @@ fn main() {
     for (count, (noise_name, noise), (encoder, bits)) in rows {
         let found: Vec<Counts> = (1..=seeds)
             .into_par_iter()
-            .map(|seed| covered(&robot, &clean[..count], seed, noise, bits))
+            .map(|seed| covered(&robot, &clean[..count], seed, noise, bits, only.is_some()))
             .collect();
         let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
         let share = |k: usize, groups: &[usize]| {
@@ -58,21 +59,24 @@ fn main() {
                 groups.iter().fold((0.0, 0.0), |(h, a), g| (h + sum(k, 2 * g), a + sum(k, 2 * g + 1)));
             100.0 * held / all
         };
-        println!(
-            "| {count} | {noise_name} | {encoder} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |",
-            share(0, &[0, 1]),
-            share(0, &[0]),
-            share(0, &[1]),
-            share(1, &[0, 1]),
-            share(2, &[0, 1]),
-            share(2, &[0]),
-            share(2, &[1])
-        );
+        let mut shares = vec![share(0, &[0, 1]), share(0, &[0]), share(0, &[1]), share(1, &[0, 1])];
+        if only.is_some() {
+            shares.extend([share(2, &[0, 1]), share(2, &[0]), share(2, &[1])]);
+        }
+        let shares: String = shares.iter().map(|s| format!(" {s:.1} |")).collect();
+        println!("| {count} | {noise_name} | {encoder} |{shares}");
     }
 }
 
 /// Intervals of one fit.
-fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bits: Option<u32>) -> Counts {
+fn covered(
+    robot: &KnownRobot,
+    clean: &[Recording],
+    seed: u64,
+    noise: Noise,
+    bits: Option<u32>,
+    with_eiv: bool,
+) -> Counts {
     let recordings: Vec<_> = clean
         .iter()
         .enumerate()
@@ -84,7 +88,9 @@ fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bit
         (Estimator::Wls, Deviations::White),
         (Estimator::Eiv, Deviations::Memory),
     ];
-    estimates.map(|(estimator, deviations)| {
+    let estimates = &estimates[..if with_eiv { 3 } else { 2 }];
+    let of = |(estimator, deviations): &(Estimator, Deviations)| {
+        let (estimator, deviations) = (*estimator, *deviations);
         let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
         let unit = MeasurementUnit::NewtonMetre;
         let found = calibrate(&robot.model, &recordings, unit, F_DYN_HZ, &options).unwrap();
@@ -96,5 +102,6 @@ fn covered(robot: &KnownRobot, clean: &[Recording], seed: u64, noise: Noise, bit
             counts[group + 1] += 1;
         }
         counts
-    })
+    };
+    estimates.iter().map(of).collect()
 }

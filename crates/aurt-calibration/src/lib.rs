@@ -22,6 +22,7 @@ mod factor;
 mod long;
 mod metrics;
 mod physical;
+mod random;
 mod recursive;
 mod row_cache;
 mod scope;
@@ -52,8 +53,9 @@ pub use factor::JointFactor;
 pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
 pub use recursive::{
-    Baseline, ChangePoint, Cusum, Cut, Drift, DriftGroup, DriftParameter, DriftReference, DriftWindow,
-    MIN_WINDOWS, Tracker, average_run_length, drift_windows, threshold_for,
+    Baseline, ChangePoint, Chart, Cusum, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter,
+    DriftReference, DriftWindow, LeftOut, MIN_WINDOWS, Tracker, average_run_length, drift_windows,
+    own_residuals, threshold_for,
 };
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;

@@ -29,6 +29,13 @@ pub fn student(z: f64, freedom: f64) -> f64 {
     t.copysign(z)
 }
 
+/// What χ² of some degrees of freedom exceeds with 90 % probability (Wilson and Hilferty 1931).
+pub(crate) fn low_chi_squared(freedom: f64) -> f64 {
+    const NORMAL_10: f64 = -1.281_551_565_545;
+    let part = 2.0 / (9.0 * freedom);
+    freedom * (1.0 - part + NORMAL_10 * part.sqrt()).powi(3)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -41,6 +48,14 @@ mod tests {
             assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 5e-3);
             assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 5e-3);
             assert_eq!(student(-1.0, freedom), -student(1.0, freedom));
+        }
+    }
+
+    /// Quantiles of χ² from tables: 10 % with 4, 10 and 30 degrees of freedom.
+    #[test]
+    fn quantiles_of_chi_squared_are_those_of_tables() {
+        for (freedom, expected) in [(4.0, 1.0636), (10.0, 4.8652), (30.0, 20.599)] {
+            assert!((low_chi_squared(freedom) / expected - 1.0).abs() < 2e-2, "{}", low_chi_squared(freedom));
         }
     }
 }

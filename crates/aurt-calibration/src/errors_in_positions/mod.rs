@@ -22,8 +22,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     CalibrationError, CalibrationOptions, NamedRecording, Solution, System, TermScopes, accumulate_scoped,
+    random::Random,
 };
-use noise::{Random, acceleration_share, noisier};
+use noise::{acceleration_share, noisier};
 
 /// Order of the filter of the positions, one way.
 const FILTER_ORDER: usize = 4;

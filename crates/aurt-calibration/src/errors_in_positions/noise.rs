@@ -3,7 +3,7 @@
 use aurt_recording::{PositionNoise, Segment, ZeroPhase, acceleration_gain};
 use aurt_traits::Motion;
 
-use crate::CalibrationError;
+use crate::{CalibrationError, random::Random};
 
 /// Points of the integral over frequency.
 const POINTS: usize = 512;
@@ -75,28 +75,6 @@ pub(super) fn noisier(
     }
     let motion = Motion::new(joints, view.time_s().to_vec(), position, velocity, acceleration)?;
     Ok(Segment { motion, ..segment.clone() })
-}
-
-/// Reproducible deviates, by Steele, Lea and Flood's SplitMix64 (2014) and Box and Muller.
-pub(super) struct Random(u64);
-
-impl Random {
-    pub(super) const fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x2545_F491_4F6C_DD1D)
-    }
-
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * libm::log(self.uniform())).sqrt();
-        radius * libm::cos(std::f64::consts::TAU * self.uniform())
-    }
 }
 
 #[cfg(test)]

@@ -38,13 +38,19 @@ impl Cusum {
 
     /// Takes in the next value; after an alarm both sums start again.
     pub fn push(&mut self, z: f64) -> Option<ChangePoint> {
+        self.push_weighted(z, self.allowance, 1.0)
+    }
+
+    /// As [`Self::push`] with an allowance of its own, and a weight for what exceeds it: with the shift w of z that a
+    /// change makes as weight and ½ w as allowance, sums are logarithms of likelihood ratios.
+    pub fn push_weighted(&mut self, z: f64, allowance: f64, weight: f64) -> Option<ChangePoint> {
         let at = self.taken;
         self.taken += 1;
         for (side, value) in [z, -z].into_iter().enumerate() {
             if self.sums[side] == 0.0 {
                 self.started[side] = at;
             }
-            self.sums[side] = (self.sums[side] + value - self.allowance).max(0.0);
+            self.sums[side] = (self.sums[side] + weight * (value - allowance)).max(0.0);
         }
         let side = usize::from(self.sums[1] > self.sums[0]);
         if self.sums[side] <= self.threshold {

@@ -41,6 +41,23 @@ fn a_load_is_noticed_and_an_unchanged_machine_is_not() {
     assert!(page.contains("the load on the last link rose") && page.contains("<svg"));
 }
 
+/// Of two unchanged motions a single parameter says little of how much motions differ; all together say enough for 2 kg.
+#[test]
+fn two_unchanged_recordings_are_enough_to_notice_a_load() {
+    let folder = Folder::new().with_whole_demo().with_demo(&LATER);
+    let text = folder.read("experiment.toml");
+    let two = text.replace(r#"["other_motion.csv", "point_to_point.csv"]"#, r#"["other_motion.csv"]"#);
+    assert_ne!(text, two);
+    folder.write("experiment.toml", &two);
+    folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    let (status, found) = track(&folder, &["other_motion.csv", "point_to_point.csv"], "unchanged");
+    assert_eq!((status, found["alarms"].as_array().map(Vec::len)), (0, Some(0)), "{found}");
+    let (status, found) = track(&folder, &["other_motion.csv", LATER[0]], "loaded");
+    assert_eq!(status, 1);
+    let alarm = &found["alarms"][0];
+    assert_eq!((&alarm["group"], &alarm["since_recording"]), (&"load".into(), &LATER[0].into()), "{alarm}");
+}
+
 #[test]
 fn what_cannot_be_tracked_is_refused() {
     let folder = calibrated();

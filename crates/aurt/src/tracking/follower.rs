@@ -1,15 +1,12 @@
 use std::collections::VecDeque;
 
 use aurt_calibration::{
-    Baseline, CalibrationError, ChangePoint, Cusum, DriftParameter, DriftReference, DriftWindow, MIN_WINDOWS,
-    Solution, System, Tracker, average_run_length, threshold_for,
+    Baseline, CalibrationError, ChangePoint, Chart, DriftEstimate, DriftParameter, DriftReference,
+    DriftWindow, Solution, System, Tracker, average_run_length, own_residuals, threshold_for,
 };
 use aurt_traits::MeasurementUnit;
 
 use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
-
-/// Shift per window, in deviations, that charts are made for: half of it is the allowance of the CUSUM.
-const ALLOWANCE: f64 = 0.5;
 
 /// Where a window lies.
 #[derive(Debug, Clone, Copy)]
@@ -19,23 +16,29 @@ struct Place {
     end_s: f64,
 }
 
-/// A parameter's chart.
-struct Chart {
-    parameter: usize,
-    cusum: Cusum,
+/// A chart, and where the windows lie that it took in.
+struct Charted {
+    chart: Chart,
     /// Windows in which a change may have begun, and the index of the first of them.
     places: VecDeque<Place>,
     first: usize,
     is_silent: bool,
 }
 
-impl Chart {
+impl Charted {
     /// Takes in the next window; the places of a change that it makes certain.
-    fn push(&mut self, z: f64, place: Place) -> Option<(ChangePoint, [Place; 2])> {
-        self.places.push_back(place);
-        let change = self.cusum.push(z);
+    fn push(
+        &mut self,
+        baseline: &Baseline,
+        window: &Solution,
+        place: Place,
+    ) -> Option<(ChangePoint, [Place; 2])> {
+        let (is_taken, change) = self.chart.push(baseline, window);
+        if is_taken {
+            self.places.push_back(place);
+        }
         let found = change.and_then(|c| Some((c, [*self.places.get(c.since - self.first)?, place])));
-        let needed = self.cusum.needed_from();
+        let needed = self.chart.needed_from();
         while self.first < needed && self.places.pop_front().is_some() {
             self.first += 1;
         }
@@ -52,7 +55,7 @@ pub(super) struct Follower {
     sigma: Vec<f64>,
     columns: Vec<Vec<usize>>,
     tracker: Tracker,
-    charts: Vec<Chart>,
+    charts: Vec<Charted>,
     run_length: f64,
     threshold: f64,
     sources: Vec<String>,
@@ -83,36 +86,30 @@ impl Follower {
         }
     }
 
-    /// The drift that rows alone show.
-    pub(super) fn solve(&self, rows: &System) -> Result<Solution, CalibrationError> {
-        let mut alone = Tracker::new(self.parameters.len(), self.columns.clone(), &self.sigma);
-        alone.add(rows)?;
-        alone.estimate()
-    }
-
     /// A chart for every joint's friction and gain and for the mass of the load, where the baseline determines it; their
     /// false alarms together come as seldom as asked for.
     pub(super) fn chart(&mut self, baseline: &Baseline) {
         let is_charted = |k: &usize| {
             let p = &self.parameters[*k];
-            baseline.windows[*k] >= MIN_WINDOWS && (p.joint.is_some() || p.unit == "kg")
+            p.joint.is_some() || p.unit == "kg"
         };
         let charted: Vec<usize> = (0..self.parameters.len()).filter(is_charted).collect();
+        let known = charted.iter().filter(|k| Chart::new(**k, baseline, 0.0).is_some()).count();
         let windows = self.options.false_alarm_h * 3600.0 / self.options.window_s;
-        self.run_length = windows * charted.len() as f64;
-        self.threshold = threshold_for(ALLOWANCE, self.run_length);
-        self.run_length = average_run_length(ALLOWANCE, self.threshold);
+        self.threshold = threshold_for(Chart::ALLOWANCE, windows * (known * Chart::SUMS) as f64);
+        self.run_length = average_run_length(Chart::ALLOWANCE, self.threshold);
         self.charts = charted
             .into_iter()
-            .map(|parameter| Chart {
-                parameter,
-                // What the baseline's mean may be off by comes back in every window: it is no change.
-                cusum: Cusum::new(ALLOWANCE + baseline.mean_error(parameter), self.threshold),
-                places: VecDeque::new(),
-                first: 0,
-                is_silent: false,
-            })
+            .filter_map(|parameter| Chart::new(parameter, baseline, self.threshold))
+            .map(|chart| Charted { chart, places: VecDeque::new(), first: 0, is_silent: false })
             .collect();
+        if baseline.motions.iter().all(|m| *m < 2) {
+            self.notes.push(
+                "the unchanged machine is one recording: by how much another motion differs from it is not known, and may \
+                 show as a change; list recordings of other motions"
+                    .into(),
+            );
+        }
     }
 
     /// The windows that follow are of this recording or stream.
@@ -126,28 +123,24 @@ impl Follower {
         window: &DriftWindow,
         baseline: &Baseline,
     ) -> Result<Option<Alarm>, CalibrationError> {
-        match &mut self.current.0 {
-            None => self.current.0 = Some(window.system.clone()),
-            Some(sum) => sum.merge(&window.system)?,
-        }
+        let DriftEstimate { solution, rows } = DriftEstimate::of(&window.system, &self.sigma)?;
         self.current.1 += window.duration_s;
         self.tracker.forget(&self.kept(window.duration_s))?;
-        self.tracker.add(&window.system)?;
+        self.tracker.add(&rows)?;
+        match &mut self.current.0 {
+            None => self.current.0 = Some(rows),
+            Some(sum) => sum.merge(&rows)?,
+        }
         if !window.whole {
             return Ok(None);
         }
         self.current.2 += 1;
-        let solution = self.solve(&window.system)?;
         let source = self.sources.len().saturating_sub(1);
         let place = Place { source, start_s: window.start_s, end_s: window.start_s + window.duration_s };
         let before = self.alarms.len();
         for chart in &mut self.charts {
-            let drift = baseline.drift(&solution, chart.parameter);
-            let Some(z) = drift.standardised.filter(|z| z.is_finite()) else { continue };
-            // Sums of windows that do not err independently grow as those of larger independent ones.
-            let z = z / baseline.memory.sqrt();
-            if let Some((change, places)) = chart.push(z, place) {
-                let parameter = &self.parameters[chart.parameter];
+            if let Some((change, places)) = chart.push(baseline, &solution, place) {
+                let parameter = &self.parameters[chart.chart.parameter];
                 let named = |place: Place| self.sources.get(place.source).cloned().unwrap_or_default();
                 self.alarms.push(Alarm {
                     group: parameter.group,
@@ -174,14 +167,24 @@ impl Follower {
             ));
         }
         let rows = rows.ok_or(CalibrationError::NothingToCalibrateOn)?;
-        let (alone, followed) = (self.solve(&rows)?, self.tracker.estimate()?);
-        let all = 0..self.parameters.len();
+        let mut alone = Tracker::new(self.parameters.len(), self.columns.clone(), &self.sigma);
+        alone.add(&rows)?;
+        let (mut alone, mut followed) = (alone.estimate()?, self.tracker.estimate()?);
+        self.charts.iter_mut().for_each(|c| c.chart.begin_motion());
+        let n = self.parameters.len();
+        for (k, wider) in own_residuals(&rows, &alone, &self.sigma).into_iter().enumerate() {
+            alone.covariance[k * n + k] *= wider;
+            followed.covariance[k * n + k] *= wider;
+        }
+        let window_variances: Vec<f64> =
+            (0..n).map(|k| alone.covariance[k * n + k] * windows.max(1) as f64).collect();
+        let drift = |of: &Solution| (0..n).map(|k| baseline.drift(of, k, window_variances[k])).collect();
         self.recordings.push(TrackedRecording {
             recording: name,
             duration_s,
             windows,
-            drift: all.clone().map(|k| baseline.drift_of_many(&alone, k)).collect(),
-            tracked: all.map(|k| baseline.drift_of_many(&followed, k)).collect(),
+            drift: drift(&alone),
+            tracked: drift(&followed),
         });
         Ok(())
     }

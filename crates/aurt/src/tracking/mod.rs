@@ -6,8 +6,8 @@ mod running;
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::{
-    Baseline, CalibrationError, Cut, Drift, DriftGroup, DriftParameter, DriftReference, NamedRecording,
-    drift_windows,
+    Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
+    DriftWindow, LeftOut, NamedRecording, accumulate, drift_windows,
 };
 use aurt_experiment::{Experiment, Registry};
 use aurt_recording::RecordedAs;
@@ -121,32 +121,33 @@ pub fn track(
         });
     }
     let calibration = &calibrated.calibration;
-    let coefficients = calibration.coefficients();
     let model = with_load(calibrated, registry)?;
     let mut load = calibration.load.clone();
     if let LoadTorque::Fitted(weights) = &mut load {
         weights.resize(model.parameters().len(), 0.0);
     }
-    let reference = DriftReference {
-        model: &model,
-        coefficients: &coefficients,
-        load: &load,
-        options: &calibration.options,
-    };
-    let mut follower = Follower::new(&reference, &calibration.sigma, options);
     let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
     let sources: Vec<Source> = sources.map(Source::from).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
     let mut unchanged = Vec::new();
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
-        let recording = prepared(calibrated, source)?;
-        let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
-        for window in windows.iter().filter(|w| w.whole) {
-            unchanged.push(follower.solve(&window.system)?);
-        }
+        unchanged.push(prepared(calibrated, source)?);
     }
-    let baseline = Baseline::learn(&unchanged)?;
+    let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
+    let reference =
+        DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
+    let mut follower = Follower::new(&reference, &calibration.sigma, options);
+    let mut motions = Vec::new();
+    for (recording, coefficients) in unchanged.iter().zip(&others) {
+        let reference = DriftReference { coefficients, ..reference };
+        let windows = drift_windows(&reference, recording, Cut::whole(options.window_s))?;
+        let whole = windows.iter().filter(|w| w.whole);
+        let estimate = |w: &DriftWindow| Ok(DriftEstimate::of(&w.system, &calibration.sigma)?.solution);
+        motions.push(whole.map(estimate).collect::<Result<Vec<_>, CalibrationError>>()?);
+    }
+    drop(unchanged);
+    let baseline = Baseline::learn(&motions)?;
     follower.chart(&baseline);
     // Files of one machine are alike: what the experiment says of columns and units holds for these.
     for path in recordings {
@@ -218,6 +219,16 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 
 fn prepared(calibrated: &CalibratedModel, source: Source) -> Result<NamedRecording, Failure> {
     prepared_of(calibrated, &calibrated.pipeline().read(source, Purpose::Calibration)?)
+}
+
+/// The coefficients of all recordings of the unchanged machine, and of all but each of them.
+fn left_out(calibrated: &CalibratedModel, unchanged: &[NamedRecording]) -> Result<LeftOut, CalibrationError> {
+    let (model, calibration) = (&calibrated.model, &calibrated.calibration);
+    let of = |recording: &NamedRecording| {
+        accumulate(model, std::slice::from_ref(recording), &calibration.load, &calibration.options)
+    };
+    let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
 }
 
 fn prepared_of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<NamedRecording, Failure> {
