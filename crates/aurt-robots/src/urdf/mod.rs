@@ -93,7 +93,7 @@ impl<'a> Reader<'a> {
                 self.errors.push(error);
                 None
             });
-            links.push(TreeLink { name, body, parent: None, children: Vec::new() });
+            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: None });
         }
         links
     }
@@ -185,6 +185,7 @@ impl<'a> Reader<'a> {
         Ok(TreeJoint {
             name,
             line: element.line(),
+            start: element.node.range().start,
             parent,
             child,
             pose,
