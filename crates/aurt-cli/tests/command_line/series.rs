@@ -15,10 +15,16 @@ fn a_model_is_as_good_on_what_it_predicted() {
     folder.aurt(["run", "experiment.toml", "--out", "results", "--series", "parquet"]).succeeded();
     folder.aurt(["run", "experiment.toml", "--out", "bags", "--series", "mcap"]).succeeded();
     let model = "results/rd_calibrated.json";
-    for (ending, options) in [
-        ("parquet", "columns = { position = \"q\", measurement = \"predicted_torque\" }, unit = \"Nm\""),
-        ("mcap", "topic = \"/predicted\""),
-    ] {
+    let names = |quantity: &str| -> String {
+        let list: Vec<String> = (0..6).map(|j| format!("\"{quantity}_{j}\"")).collect();
+        format!("[{}]", list.join(", "))
+    };
+    let columns = format!(
+        "columns = {{ time = \"timestamp\", position = {}, measurement = {} }}, unit = \"Nm\"",
+        names("q"),
+        names("predicted_torque")
+    );
+    for (ending, options) in [("parquet", columns.as_str()), ("mcap", "topic = \"/predicted\"")] {
         // `predict` by the ending of its output, and `run` with `--series`, write the same series.
         let out = format!("predicted.{ending}");
         folder.aurt(["predict", "--model", model, "--data", "other_motion.csv", "--out", &out]).succeeded();
