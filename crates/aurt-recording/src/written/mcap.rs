@@ -109,8 +109,8 @@ fn close(file: &mut Vec<u8>, kinds: Vec<u8>, indices: &[ChunkIndex], topics: usi
     let begin = file.len();
     file.extend(kinds);
     let statistics = file.len();
-    let first = indices.iter().map(|i| i.times.start).min().unwrap_or(0);
-    let last = indices.iter().map(|i| i.times.end).max().unwrap_or(0);
+    let first = indices.iter().map(|i| i.times[0]).min().unwrap_or(0);
+    let last = indices.iter().map(|i| i.times[1]).max().unwrap_or(0);
     let counts: Vec<u64> = (0..topics).map(|t| indices.iter().map(|i| i.counts[t]).sum()).collect();
     record(file, STATISTICS, |out| {
         out.extend(counts.iter().sum::<u64>().to_le_bytes());
@@ -186,14 +186,15 @@ fn describe(out: &mut Vec<u8>, topics: &[JointTopic<'_>], facts: &[(&str, String
 /// Messages that are written together.
 struct Chunk {
     bytes: Vec<u8>,
-    times: Range<u64>,
+    /// Of the first and of the last message, ns.
+    times: [u64; 2],
     /// For each channel the times of its messages and where they are in the chunk.
     places: Vec<Vec<(u64, u64)>>,
 }
 
 /// Where a chunk is.
 struct ChunkIndex {
-    times: Range<u64>,
+    times: [u64; 2],
     chunk: Range<usize>,
     indices: Vec<(u16, u64)>,
     indices_bytes: usize,
@@ -203,7 +204,7 @@ struct ChunkIndex {
 
 impl Chunk {
     fn new(kinds: Vec<u8>, topics: usize) -> Self {
-        Self { bytes: kinds, times: u64::MAX..0, places: vec![Vec::new(); topics] }
+        Self { bytes: kinds, times: [u64::MAX, 0], places: vec![Vec::new(); topics] }
     }
 
     fn messages(&self) -> usize {
@@ -211,7 +212,8 @@ impl Chunk {
     }
 
     fn add(&mut self, channel: usize, sequence: usize, time_ns: u64, message: &[u8]) {
-        self.times = self.times.start.min(time_ns)..self.times.end.max(time_ns);
+        let [first, last] = self.times;
+        self.times = [first.min(time_ns), last.max(time_ns)];
         self.places[channel].push((time_ns, self.bytes.len() as u64));
         record(&mut self.bytes, MESSAGE, |out| {
             out.extend((channel as u16).to_le_bytes());
@@ -225,8 +227,7 @@ impl Chunk {
     fn close(self, file: &mut Vec<u8>) -> ChunkIndex {
         let begin = file.len();
         record(file, CHUNK, |out| {
-            out.extend(self.times.start.to_le_bytes());
-            out.extend(self.times.end.to_le_bytes());
+            out.extend(self.times.iter().flat_map(|time| time.to_le_bytes()));
             out.extend((self.bytes.len() as u64).to_le_bytes());
             out.extend(crc32fast::hash(&self.bytes).to_le_bytes());
             text(out, "");
@@ -260,8 +261,7 @@ impl Chunk {
 impl ChunkIndex {
     fn write(&self, file: &mut Vec<u8>) {
         record(file, CHUNK_INDEX, |out| {
-            out.extend(self.times.start.to_le_bytes());
-            out.extend(self.times.end.to_le_bytes());
+            out.extend(self.times.iter().flat_map(|time| time.to_le_bytes()));
             out.extend((self.chunk.start as u64).to_le_bytes());
             out.extend((self.chunk.len() as u64).to_le_bytes());
             pairs(out, self.indices.iter().copied());

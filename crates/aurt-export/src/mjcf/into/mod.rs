@@ -107,12 +107,12 @@ fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportE
     if expected != found {
         return other(format!("it has {found} joints, and the model has {expected}"));
     }
-    for (j, (ours, theirs_)) in chain.joints().iter().zip(theirs.joints()).enumerate() {
+    for (j, (ours, other_joint)) in chain.joints().iter().zip(theirs.joints()).enumerate() {
         let name = &robot.joint_names[j];
-        if ours.kind != theirs_.kind {
+        if ours.kind != other_joint.kind {
             return other(format!("its joint {name} does not move as joint {j} of the model does"));
         }
-        if ours.sign != theirs_.sign {
+        if ours.sign != other_joint.sign {
             return other(format!("its joint {name} has the opposite sense of joint {j} of the model"));
         }
     }
@@ -227,7 +227,7 @@ fn joint_attributes(
 /// What a person should know where gravity in the file is not that of the calibration.
 fn gravity(root: Node<'_, '_>, chain: &SerialChain, robot: &DescribedRobot) -> Option<String> {
     let option = root.children().filter(|c| c.has_tag_name("option"));
-    let stated = option.filter_map(|o| o.attribute("gravity")).last();
+    let stated = option.filter_map(|o| o.attribute("gravity")).next_back();
     let ours = chain.gravity_m_s2();
     if robot.base != "world" {
         let base = &robot.base;
