@@ -114,7 +114,7 @@ fn saved_models_are_what_the_schema_describes_and_damaged_ones_are_not() {
         folder.write("again.toml", &format!("{with}\n[calibration]\nestimator = \"{estimator}\"\n"));
         folder.aurt(["run", "again.toml", "--out", "results"]).succeeded();
         let model = folder.json("results/rd_calibrated.json");
-        assert_eq!(judged(&model), [String::new(); 0], "{estimator}");
+        assert_eq!(judged(&model), Vec::<String>::new(), "{estimator}");
     }
     folder.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
     let model = folder.json("results/rd_calibrated.json");

@@ -10,7 +10,10 @@ use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_robots::DescribedRobot;
 use roxmltree::Document;
 
-use super::{models::Case, models::case, models::checks, provenance, source};
+use super::{
+    models::{Case, case},
+    provenance, source,
+};
 
 const OWN: &str = include_str!("own.xml");
 
