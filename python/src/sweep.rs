@@ -128,6 +128,9 @@ impl Swept {
 
     fn __repr__(&self) -> String {
         let (judged, failed) = (self.ranking.ranked.len(), self.ranking.failed.len());
-        format!("aurt.Sweep({judged} points judged, {failed} failed, best: {:?})", self.best().unwrap_or("none"))
+        format!(
+            "aurt.Sweep({judged} points judged, {failed} failed, best: {:?})",
+            self.best().unwrap_or("none")
+        )
     }
 }
