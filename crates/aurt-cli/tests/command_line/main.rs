@@ -9,6 +9,7 @@ mod checks;
 mod damage;
 mod diagnosis;
 mod estimators;
+mod exports;
 mod injection;
 mod instruction_sets;
 mod isolation;
