@@ -9,6 +9,7 @@
 //! | `model` | `calibrate`, `Model` |
 //! | `diagnosis` | `diagnose`, `Verdict` |
 //! | `simulation` | `simulate`, `excite` |
+//! | `sweep` | `sweep`, `Sweep` |
 //! | `friction` | friction models that are Python classes |
 //! | `settings` | keyword arguments of calibration and diagnosis |
 //! | `report` | `Report` |
@@ -26,6 +27,7 @@ mod robot;
 mod rows;
 mod settings;
 mod simulation;
+mod sweep;
 mod work;
 
 /// The compiled part of the package `aurt`.
@@ -40,6 +42,7 @@ mod _aurt {
         report::Report,
         robot::{Robot, Structure},
         simulation::{excite, robots, simulate},
+        sweep::{Swept, sweep},
     };
 
     #[pymodule_export]

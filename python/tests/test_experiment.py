@@ -62,3 +62,34 @@ def test_mistakes_are_told_with_their_places(experiment):
         with pytest.raises(aurt.Error, match="none.toml"):
             call(experiment.with_name("none.toml"))
     wrong.unlink()
+
+
+def test_variants_are_ranked_and_kept(experiment, tmp_path):
+    path = experiment.with_name("sweep.toml")
+    path.write_text(EXPERIMENT + """
+[sweep.grid]
+"joint_dynamics.viscous.powers" = [[1], [1, 3]]
+
+[[sweep.variant]]
+name = "links alone"
+
+[[sweep.variant]]
+name = "with rotors"
+set = { arm_terms = [{ model = "rotor_inertia" }] }
+""")
+    steps = []
+    sweep = aurt.sweep(path, tmp_path / "sweep", progress=steps.append)
+    assert len(sweep) == 4 and len(sweep.failed) == 0
+    assert list(sweep.table["rank"]) == [1, 2, 3, 4] and sweep.best == sweep.table["name"][0]
+    # The simulated machine has rotors.
+    assert "with rotors" in sweep.best, str(sweep)
+    assert sweep.table["score"][0] < 0.9 and len(sweep.table["nrmse_percent"][0]) == 2
+    assert steps.count("a point is done") == 4
+    # What has a result is not computed again.
+    steps.clear()
+    again = aurt.sweep(path, tmp_path / "sweep", rows="moving", progress=steps.append)
+    assert steps == ["4 points, 4 of them have their result"] and again.document["rows"] == "moving"
+    with pytest.raises(aurt.Error, match="all"):
+        aurt.sweep(path, tmp_path / "sweep", rows="some")
+    with pytest.raises(aurt.Error, match="sweep"):
+        aurt.sweep(experiment, tmp_path / "none")

@@ -17,7 +17,8 @@ use std::process::ExitCode;
 
 use aurt::{
     calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary,
-    injected, inspection, output, proof, reports, results, sensitivity, streaming, sweeping, tracking,
+    injected, inspection, origins, output, proof, reports, results, sensitivity, streaming, sweeping,
+    tracking,
 };
 use aurt_plugins::{Registry, Worker};
 use aurt_traits::Dispatch;

@@ -88,6 +88,43 @@ pub enum ExportError {
     /// An archive cannot be made.
     #[error("the archive of the FMU cannot be made: {0}")]
     Archive(#[from] zip::result::ZipError),
+    /// A file to be corrected cannot be read as a robot.
+    #[error(transparent)]
+    Robot(aurt_robots::RobotErrors),
+    /// A file to be corrected is no XML.
+    #[error("the file is no well-formed XML: {0}")]
+    Xml(roxmltree::Error),
+    /// A file to be corrected describes another chain than the model.
+    #[error(
+        "the chain of the file is not that of the model: {reason}; calibrate with `mjcf` in the table `robot` naming this file, \
+         or choose the chain with `--base` and `--tip`"
+    )]
+    OtherChain {
+        /// What differs.
+        reason: String,
+    },
+    /// A link between two joints of one body has no place for its mass.
+    #[error(
+        "behind joint {joint} its body has another joint, so the mass between them has no place in the file; give each joint a \
+         body of its own"
+    )]
+    Between {
+        /// The first of the two joints.
+        joint: String,
+    },
+    /// What bodies beside the chain leave of a link is no body.
+    #[error(
+        "link {link}: without what the file states of {carried}, nothing is left that a body could be for `{body}`; correct their \
+         `inertial`, or remove them for the calibration"
+    )]
+    Remainder {
+        /// The link, from 0.
+        link: usize,
+        /// The body of its joint.
+        body: String,
+        /// The bodies beside the chain.
+        carried: String,
+    },
     /// The rigid bodies.
     #[error(transparent)]
     RigidBody(#[from] RbdError),

@@ -5,6 +5,8 @@
 //! | [`c::export`] | a C99 header and source: inverse dynamics, friction with its state, gravity, mass matrix; a program that checks them |
 //! | [`fmu::export`] | a functional mock-up unit: FMI 2.0 or 3.0 co-simulation of inverse or forward dynamics |
 //! | [`mjcf::export`] | a MuJoCo model: geometry, inertias, armature, damping, friction loss |
+//! | [`mjcf::into::correct`] | the user's own MuJoCo file with its dynamics corrected, all else as it is |
+//! | [`sdf::export`] | an SDF file for Gazebo: geometry, inertias, damping, friction, springs |
 //! | [`urdf::export`] | a URDF file: geometry, inertias, damping, friction |
 //!
 //! Each takes a [`Source`] and gives an [`Export`]: files by their names, and what the target has no word for. What cannot
@@ -15,6 +17,7 @@ mod error;
 pub mod fmu;
 pub mod mjcf;
 mod naming;
+pub mod sdf;
 mod source;
 pub mod urdf;
 

@@ -1,15 +1,17 @@
 //! Exports against what the model itself predicts, run by the programs that they are made for.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
+mod corrected;
 mod models;
 mod units;
 
 use std::{
+    ffi::OsString,
     path::Path,
     process::{Command, Output},
 };
 
-use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, urdf};
+use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, temperature::Temperature};
 use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
@@ -125,41 +127,55 @@ fn the_check_of_the_c_fails_where_values_differ() {
     assert!(String::from_utf8_lossy(&run.stdout).contains("torque[2]: differs"));
 }
 
-#[test]
-fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
+/// A Python with MuJoCo, if the environment names one.
+fn python_with_mujoco() -> Option<OsString> {
     let Some(python) = std::env::var_os("AURT_PYTHON") else {
         println!("skipped: AURT_PYTHON names no Python with MuJoCo");
-        return;
+        return None;
     };
     if !Command::new(&python).args(["-c", "import mujoco"]).status().is_ok_and(|s| s.success()) {
         println!("skipped: {} has no MuJoCo", python.display());
-        return;
+        return None;
     }
+    Some(python)
+}
+
+fn rotors(case: &Case) -> Vec<f64> {
+    (0..case.model.joints())
+        .map(|j| {
+            let name = format!("rotor_inertia.I_a_{j}");
+            let place = case.model.parameters().iter().position(|p| p.name == name);
+            place.map_or(0.0, |k| case.coefficients[k])
+        })
+        .collect()
+}
+
+/// States with the torques that bodies need there.
+fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
+    checks(case, 32)
+        .into_iter()
+        .map(|check| {
+            let mut torque = vec![0.0; case.model.joints()];
+            bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut torque);
+            [check.q_rad, check.qd_rad_s, check.qdd_rad_s2, torque]
+        })
+        .collect()
+}
+
+#[test]
+fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
+    let Some(python) = python_with_mujoco() else { return };
     let provenance = provenance();
     for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
         let case = case(chain, true);
         let export = mjcf::export(&source(&case, &provenance)).unwrap();
         let folder = tempfile::tempdir().unwrap();
         write(&export, folder.path());
-        let rotors: Vec<f64> = (0..case.model.joints())
-            .map(|j| {
-                let name = format!("rotor_inertia.I_a_{j}");
-                let place = case.model.parameters().iter().position(|p| p.name == name);
-                place.map_or(0.0, |k| case.coefficients[k])
-            })
-            .collect();
         let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard)
             .unwrap()
-            .with_rotor_inertia(&rotors)
+            .with_rotor_inertia(&rotors(&case))
             .unwrap();
-        let states: Vec<_> = checks(&case, 32)
-            .into_iter()
-            .map(|check| {
-                let mut torque = vec![0.0; case.model.joints()];
-                bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut torque);
-                [check.q_rad, check.qd_rad_s, check.qdd_rad_s2, torque]
-            })
-            .collect();
+        let states = states(&case, &mut bodies);
         std::fs::write(folder.path().join("states.json"), serde_json::to_vec(&states).unwrap()).unwrap();
         let run = Command::new(&python)
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_inverse.py"))
@@ -205,6 +221,66 @@ fn the_bodies_of_a_urdf_file_need_the_torques_of_the_model() {
         let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
         assert!(damped >= 2, "{:?}", read.friction);
         assert!(export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1")), "{:?}", export.lost);
+    }
+}
+
+#[test]
+fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
+    let provenance = provenance();
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+        let case = case(chain, true);
+        let source = source(&case, &provenance);
+        let (sdf, urdf) = (sdf::export(&source).unwrap(), urdf::export(&source).unwrap());
+        let (sdf_text, urdf_text) = (&sdf.files[0].1, &urdf.files[0].1);
+        let (ours, theirs) =
+            (roxmltree::Document::parse(sdf_text).unwrap(), roxmltree::Document::parse(urdf_text).unwrap());
+        let model = ours.root_element().children().find(|n| n.has_tag_name("model")).unwrap();
+        let robot = theirs.root_element();
+        let child = |node: roxmltree::Node<'_, '_>, path: &str| -> String {
+            let mut at = node;
+            for step in path.split('/') {
+                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
+            }
+            at.text().unwrap().to_owned()
+        };
+        let attribute = |node: roxmltree::Node<'_, '_>, path: &str, name: &str| -> String {
+            let mut at = node;
+            for step in path.split('/') {
+                at = at.children().find(|c| c.has_tag_name(step)).unwrap_or_else(|| panic!("{path}"));
+            }
+            at.attribute(name).unwrap().to_owned()
+        };
+        let named = |root: roxmltree::Node<'_, '_>, kind: &str, name: &str| {
+            let found = root.children().find(|n| n.has_tag_name(kind) && n.attribute("name") == Some(name));
+            found.unwrap_or_else(|| panic!("no {kind} {name}")).id()
+        };
+        for j in 0..case.model.joints() {
+            let (joint, link) = (format!("joint_{j}"), format!("machine_link_{j}"));
+            let s = ours.get_node(named(model, "joint", &joint)).unwrap();
+            let u = theirs.get_node(named(robot, "joint", &joint)).unwrap();
+            let pose = format!("{} {}", attribute(u, "origin", "xyz"), attribute(u, "origin", "rpy"));
+            assert_eq!(child(s, "pose"), pose, "{name}");
+            assert_eq!(child(s, "parent"), attribute(u, "parent", "link"));
+            assert_eq!(attribute(s, "pose", "relative_to"), child(s, "parent"));
+            assert_eq!(child(s, "child"), link);
+            assert_eq!(child(s, "axis/xyz"), attribute(u, "axis", "xyz"));
+            assert_eq!(child(s, "axis/dynamics/damping"), attribute(u, "dynamics", "damping"));
+            assert_eq!(child(s, "axis/dynamics/friction"), attribute(u, "dynamics", "friction"));
+            assert_eq!(s.attribute("type") == Some("prismatic"), u.attribute("type") == Some("prismatic"));
+            let s = ours.get_node(named(model, "link", &link)).unwrap();
+            let u = theirs.get_node(named(robot, "link", &link)).unwrap();
+            assert_eq!(attribute(s, "pose", "relative_to"), joint);
+            assert_eq!(child(s, "inertial/mass"), attribute(u, "inertial/mass", "value"));
+            let at = format!("{} 0 0 0", attribute(u, "inertial/origin", "xyz"));
+            assert_eq!(child(s, "inertial/pose"), at);
+            for entry in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"] {
+                let value = attribute(u, "inertial/inertia", entry);
+                assert_eq!(child(s, &format!("inertial/inertia/{entry}")), value, "{name}");
+            }
+        }
+        assert!(sdf_text.contains("<spring_stiffness>"), "{sdf_text}");
+        assert!(sdf.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1")), "{:?}", sdf.lost);
+        assert!(!sdf.lost.iter().any(|l| l.starts_with("spring")), "{:?}", sdf.lost);
     }
 }
 

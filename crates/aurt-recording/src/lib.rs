@@ -51,6 +51,7 @@ mod parquet;
 mod preprocess;
 mod recorded_as;
 mod recording;
+mod written;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
 pub use error::RecordingError;
@@ -72,3 +73,4 @@ pub use preprocess::{
 };
 pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};
+pub use written::{JointTopic, mcap, parquet};

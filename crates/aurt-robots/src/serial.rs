@@ -9,19 +9,41 @@ use crate::tree::{Followed, Freedom, Tree};
 use crate::{DescribedRobot, JointFriction, JointLimits, RobotErrors};
 
 /// A link of the chain: everything between one of its moving joints and the next.
-struct ChainLink {
-    joint: usize,
+pub(crate) struct ChainLink {
+    pub joint: usize,
     kind: JointKind,
     sign: f64,
     /// The link's frame in the frame of its joint.
     turn: Matrix3<f64>,
     /// The link's frame in that of the link before.
     pose: Pose,
-    standard: [f64; INERTIAL_PARAMETERS],
+    /// The tree's links that it consists of; the first is that of its joint.
+    pub parts: Vec<Part>,
 }
 
-/// The serial chain of a selection.
-pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot, RobotErrors> {
+/// A link of the tree in a link of the chain.
+pub(crate) struct Part {
+    pub link: usize,
+    /// Its frame in that of the chain's link.
+    pub pose: Pose,
+    /// Whether fixed joints alone lead to it.
+    pub welded: bool,
+    /// Its standard parameters in the frame of the chain's link.
+    pub standard: [f64; INERTIAL_PARAMETERS],
+}
+
+impl ChainLink {
+    fn standard(&self) -> [f64; INERTIAL_PARAMETERS] {
+        let mut sum = [0.0; INERTIAL_PARAMETERS];
+        for part in &self.parts {
+            sum.iter_mut().zip(part.standard).for_each(|(sum, value)| *sum += value);
+        }
+        sum
+    }
+}
+
+/// The links of a selection, and the joints beside the chain that they carry.
+pub(crate) fn links(tree: &Tree, selection: &Selection) -> (Vec<ChainLink>, Vec<usize>) {
     let mut links: Vec<ChainLink> = Vec::new();
     // The frame of the next joint's parent in the frame of the chain's last link (or the base).
     let mut here = Pose::identity();
@@ -44,17 +66,23 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
                     sign,
                     turn,
                     pose: at_joint.then(&Pose::turned(turn)),
-                    standard: [0.0; INERTIAL_PARAMETERS],
+                    parts: Vec::new(),
                 });
                 here = Pose::turned(turn.transpose());
             }
             None => here = at_joint,
         }
         if let Some(link) = links.last_mut() {
-            add_bodies(tree, joint.child, next, &here, &mut link.standard, &mut carried);
+            add_bodies(tree, joint.child, next, &here, &mut link.parts, &mut carried);
         }
     }
-    let standard: Vec<f64> = links.iter().flat_map(|link| link.standard).collect();
+    (links, carried)
+}
+
+/// The serial chain of a selection.
+pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot, RobotErrors> {
+    let (links, carried) = links(tree, selection);
+    let standard: Vec<f64> = links.iter().flat_map(ChainLink::standard).collect();
     let notes = notes(tree, selection, &carried, &standard);
     let has_masses = standard.iter().any(|v| *v != 0.0);
     let own: Vec<OwnJoint> = links
@@ -139,16 +167,14 @@ fn add_bodies(
     from: usize,
     next: Option<usize>,
     pose: &Pose,
-    standard: &mut [f64; INERTIAL_PARAMETERS],
+    parts: &mut Vec<Part>,
     carried: &mut Vec<usize>,
 ) {
-    let mut open = vec![(from, *pose)];
-    while let Some((link, pose)) = open.pop() {
-        if let Some(body) = tree.links[link].body {
-            for (sum, value) in standard.iter_mut().zip(body.standard_parameters(&pose)) {
-                *sum += value;
-            }
-        }
+    let mut open = vec![(from, *pose, true)];
+    while let Some((link, pose, welded)) = open.pop() {
+        let body = tree.links[link].body;
+        let standard = body.map_or([0.0; INERTIAL_PARAMETERS], |b| b.standard_parameters(&pose));
+        parts.push(Part { link, pose, welded, standard });
         for joint_index in tree.links[link].children.iter().copied().filter(|j| Some(*j) != next) {
             let joint = &tree.joints[joint_index];
             if joint.freedom != Freedom::Fixed {
@@ -162,7 +188,8 @@ fn add_bodies(
                 Freedom::Slides(axis) => Pose { origin_m: axis.normalize() * at, ..Pose::identity() },
                 _ => Pose { origin_m: Vector3::zeros(), ..Pose::identity() },
             };
-            open.push((joint.child, pose.then(&joint.pose).then(&moved)));
+            let welded = welded && joint.freedom == Freedom::Fixed;
+            open.push((joint.child, pose.then(&joint.pose).then(&moved), welded));
         }
     }
 }

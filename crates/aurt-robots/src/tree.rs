@@ -25,6 +25,19 @@ pub(crate) struct TreeLink {
     pub parent: Option<usize>,
     /// The joints that hang on this link.
     pub children: Vec<usize>,
+    /// Where an MJCF file has its body; none of links between joints of one body, and of other files.
+    pub place: Option<BodyPlace>,
+}
+
+/// Where an MJCF file has a body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BodyPlace {
+    /// Byte at which the element `body` begins.
+    pub body: usize,
+    /// Byte at which its element `inertial` begins, if it has one.
+    pub inertial: Option<usize>,
+    /// The frame, in the link's, in which that element is or would be given.
+    pub frame: Pose,
 }
 
 /// What a joint lets its child do.
@@ -59,6 +72,8 @@ pub(crate) struct Followed {
 pub(crate) struct TreeJoint {
     pub name: String,
     pub line: u32,
+    /// Byte at which its element begins.
+    pub start: usize,
     pub parent: usize,
     pub child: usize,
     /// The joint's frame in the parent link at coordinate zero.

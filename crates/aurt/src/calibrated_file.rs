@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 use crate::{
     data::{Instrument, Preprocessing},
     failure::Failure,
+    origins::Origins,
     rendering::json::pretty,
 };
 
@@ -32,6 +33,8 @@ pub struct CalibratedModel {
     pub preprocessing: Preprocessing,
     /// What is undone in their measurements.
     pub instrument: Instrument,
+    /// The files that it comes from, as far as they are known.
+    pub origins: Origins,
 }
 
 impl CalibratedModel {
@@ -47,6 +50,7 @@ impl CalibratedModel {
             "calibration": self.calibration,
             "preprocess": self.preprocessing,
             "instrument": self.instrument,
+            "provenance": self.origins,
         })))
     }
 
@@ -85,8 +89,13 @@ impl CalibratedModel {
             serde_json::from_value(entry("preprocess")?.clone()).map_err(|e| unreadable("preprocess", &e))?;
         let instrument =
             serde_json::from_value(entry("instrument")?.clone()).map_err(|e| unreadable("instrument", &e))?;
+        // Files of earlier versions have none.
+        let origins = value.get("provenance").map_or_else(
+            || Ok(Origins::default()),
+            |found| serde_json::from_value(found.clone()).map_err(|e| unreadable("provenance", &e)),
+        )?;
         check(&model, &calibration).map_err(|reason| refuse(reason, "calibrate again"))?;
-        Ok(Self { model, calibration, preprocessing, instrument })
+        Ok(Self { model, calibration, preprocessing, instrument, origins })
     }
 }
 

@@ -7,8 +7,13 @@ pub use aurt_export::fmu::{Kind, Version};
 use aurt_export::{
     Export, Provenance, Source, c,
     fmu::{self, Fmu},
-    mjcf, urdf,
+    mjcf::{
+        self,
+        into::{Corrected, Original, correct},
+    },
+    sdf, urdf,
 };
+use aurt_robots::RobotError;
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
@@ -24,6 +29,8 @@ pub enum Target {
     Mjcf,
     /// A URDF file.
     Urdf,
+    /// An SDF file.
+    Sdf,
     /// A functional mock-up unit.
     Fmu(Kind, Version),
 }
@@ -33,6 +40,8 @@ pub enum Target {
 pub struct Exported {
     /// Their names and contents.
     pub files: Vec<(String, Vec<u8>)>,
+    /// What was changed in a file of the user.
+    pub changed: Vec<String>,
     /// What of the model the target has no word for.
     pub lost: Vec<String>,
     /// What a person should know of the files.
@@ -42,13 +51,13 @@ pub struct Exported {
 impl From<Export> for Exported {
     fn from(Export { files, lost, notes }: Export) -> Self {
         let files = files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
-        Self { files, lost, notes }
+        Self { files, changed: Vec::new(), lost, notes }
     }
 }
 
 impl From<Fmu> for Exported {
     fn from(Fmu { file, bytes, lost, notes }: Fmu) -> Self {
-        Self { files: vec![(file, bytes)], lost, notes }
+        Self { files: vec![(file, bytes)], changed: Vec::new(), lost, notes }
     }
 }
 
@@ -60,6 +69,7 @@ impl Target {
             Self::C => "c",
             Self::Mjcf => "mjcf",
             Self::Urdf => "urdf",
+            Self::Sdf => "sdf",
             Self::Fmu(..) => "fmu",
         }
     }
@@ -80,6 +90,47 @@ const ACCELERATION: f64 = 10.0;
 /// # Errors
 /// A file that is no calibrated model; [`Failure::Export`] for what the target cannot take.
 pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Exported, Failure> {
+    with_source(path, name, registry, |source, calibrated| {
+        Ok(match target {
+            Target::C => c::export(source, &checks(calibrated)?)?.into(),
+            Target::Mjcf => mjcf::export(source)?.into(),
+            Target::Urdf => urdf::export(source)?.into(),
+            Target::Sdf => sdf::export(source)?.into(),
+            Target::Fmu(kind, version) => fmu::export(source, kind, version)?.into(),
+        })
+    })
+}
+
+/// The dynamics of the model in `path` in the user's MuJoCo file `into`: the same file with other inertias and attributes of
+/// joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
+///
+/// # Errors
+/// As [`export`]; what is wrong with the file, or that it describes another robot.
+pub fn correct_mjcf(
+    path: &Path,
+    into: &Path,
+    base: Option<&str>,
+    tip: Option<&str>,
+    registry: &Registry,
+) -> Result<Exported, Failure> {
+    let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES)
+        .map_err(|source| Failure::Robot(RobotError::Unreadable { path: into.to_owned(), source }.into()))?;
+    let original = Original { text: &text, path: into, base, tip };
+    with_source(path, "robot", registry, |source, _| {
+        let Corrected { text, changed, lost, notes } = correct(source, &original)?;
+        let stem = into.file_stem().unwrap_or_default().to_string_lossy();
+        let files = vec![(format!("{stem}_calibrated.xml"), text.into_bytes())];
+        Ok(Exported { files, changed, lost, notes })
+    })
+}
+
+/// Gives `make` the model in `path` as exports need it.
+fn with_source(
+    path: &Path,
+    name: &str,
+    registry: &Registry,
+    make: impl FnOnce(&Source<'_>, &CalibratedModel) -> Result<Exported, Failure>,
+) -> Result<Exported, Failure> {
     let calibrated = CalibratedModel::read(path, registry)?;
     let (document, text) = read_json(path)?;
     let calibration = &calibrated.calibration;
@@ -88,7 +139,14 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
         schema: document.get("schema").and_then(Value::as_u64).unwrap_or_default(),
         blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
         aurt_version: document.get("aurt_version").and_then(Value::as_str).map(str::to_owned),
-        recordings: calibration.recordings.clone(),
+        recordings: calibration
+            .recordings
+            .iter()
+            .map(|name| match calibrated.origins.blake3(name) {
+                Some(hash) => format!("{name} (BLAKE3 {hash})"),
+                None => name.clone(),
+            })
+            .collect(),
     };
     let coefficients = calibration.coefficients();
     let standard: Option<Vec<f64>> =
@@ -102,12 +160,7 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
         standard: standard.as_deref(),
         provenance: &provenance,
     };
-    Ok(match target {
-        Target::C => c::export(&source, &checks(&calibrated)?)?.into(),
-        Target::Mjcf => mjcf::export(&source)?.into(),
-        Target::Urdf => urdf::export(&source)?.into(),
-        Target::Fmu(kind, version) => fmu::export(&source, kind, version)?.into(),
-    })
+    make(&source, &calibrated)
 }
 
 /// States and what the model predicts there.

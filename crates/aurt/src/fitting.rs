@@ -12,6 +12,7 @@ use crate::{
     calibrated_file::CalibratedModel,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
     failure::Failure,
+    origins::Origins,
     progress::Progress,
     results::{
         metrics::{RecordingResult, Role},
@@ -52,6 +53,14 @@ pub struct Assigned {
     pub loaded: Loaded,
     /// What it is for.
     pub role: Role,
+}
+
+impl Assigned {
+    /// Where it is from.
+    #[must_use]
+    pub const fn origin(&self) -> (&Source, Role) {
+        (&self.loaded.source, self.role)
+    }
 }
 
 /// A calibrated model with its errors and predictions.
@@ -175,6 +184,7 @@ impl Job {
             calibration,
             preprocessing: self.preprocessing.clone(),
             instrument: self.instrument.clone(),
+            origins: Origins::default(),
         };
         let mut names = PredictionNames::default();
         let mut results = Vec::new();
@@ -249,7 +259,7 @@ fn share_samples(a: &Loaded, b: &Loaded) -> bool {
 
 impl Job {
     /// A calibration with the coefficients that do not act in a recording set to zero.
-    fn acting(&self, calibration: &Calibration, recording: &str) -> Calibration {
+    pub(crate) fn acting(&self, calibration: &Calibration, recording: &str) -> Calibration {
         let mut calibration = calibration.clone();
         let acting = self.scopes.acting(&self.model, recording);
         for (parameter, acts) in calibration.parameters.iter_mut().zip(acting) {
@@ -306,7 +316,8 @@ pub fn fit_and_keep(
         recordings.validation.iter().map(Source::from),
         progress,
     )?;
-    let outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
+    let mut outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
+    outcome.calibrated.origins = Origins::of(Some(experiment), assigned.iter().map(Assigned::origin));
     Ok((outcome, assigned))
 }
 

@@ -45,6 +45,7 @@ pub mod fitting;
 pub mod glossary;
 pub mod injected;
 pub mod inspection;
+pub mod origins;
 pub mod output;
 pub mod predictor;
 pub mod prelude;

@@ -16,6 +16,7 @@ use crate::{
     data::Source,
     failure::Failure,
     fitting::{Job, Outcome},
+    origins::Origins,
     progress::Progress,
     results::metrics::{RecordingResult, Role},
 };
@@ -39,7 +40,9 @@ pub fn fit_experiment_in_stretches(
     let calibration = recordings.calibration.iter().map(role(Role::Calibration));
     let assigned: Vec<(Source, Role)> =
         calibration.chain(recordings.validation.iter().map(role(Role::Validation))).collect();
-    Job::of(experiment)?.fit_in_stretches(&assigned, because, progress)
+    let mut outcome = Job::of(experiment)?.fit_in_stretches(&assigned, because, progress)?;
+    outcome.calibrated.origins.experiment_blake3 = Origins::of(Some(experiment), []).experiment_blake3;
+    Ok(outcome)
 }
 
 /// A number of bytes.
@@ -191,6 +194,7 @@ impl Job {
             calibration,
             preprocessing: self.preprocessing.clone(),
             instrument: self.instrument.clone(),
+            origins: Origins::of(None, assigned.iter().map(|(source, role)| (source, *role))),
         };
         Ok(Outcome { calibrated, recordings, predictions: Vec::new() })
     }

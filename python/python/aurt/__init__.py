@@ -18,6 +18,7 @@ from ._aurt import (
     Report,
     Robot,
     Structure,
+    Sweep,
     Verdict,
     __version__,
     calibrate,
@@ -27,6 +28,7 @@ from ._aurt import (
     excite,
     robots,
     simulate,
+    sweep,
 )
 from .friction import FrictionModel
 
@@ -39,6 +41,7 @@ __all__ = [
     "Report",
     "Robot",
     "Structure",
+    "Sweep",
     "Verdict",
     "__version__",
     "calibrate",
@@ -48,4 +51,5 @@ __all__ = [
     "excite",
     "robots",
     "simulate",
+    "sweep",
 ]

@@ -308,6 +308,29 @@ def calibrate_experiment(path: _Path, *, progress: _Progress = None) -> Model:
 def diagnose_experiment(path: _Path, *, progress: _Progress = None) -> Verdict:
     """Diagnoses as an experiment's file says."""
 
+class Sweep:
+    """The points of a sweep, best first."""
+
+    @property
+    def table(self) -> Any:
+        """The points that could be judged, best first, as rows."""
+    @property
+    def failed(self) -> Any:
+        """The points that could not be judged, as rows, with the reasons."""
+    @property
+    def reference(self) -> str | None:
+        """The point that others are compared with."""
+    @property
+    def best(self) -> str | None:
+        """The best point, if any could be judged."""
+    @property
+    def document(self) -> dict[str, Any]:
+        """All that `table.json` of `aurt sweep` holds."""
+    def __len__(self) -> int: ...
+
+def sweep(path: _Path, out: _Path, *, rows: str = "all", progress: _Progress = None) -> Sweep:
+    """Runs the points of an experiment's section `sweep` that have no result in the folder yet, and ranks all."""
+
 def robots() -> list[str]:
     """Names of the robots that can be simulated."""
 

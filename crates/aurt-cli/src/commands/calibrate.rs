@@ -17,7 +17,8 @@ use crate::{
     arguments::{Gravity, parse_gravity},
     data::Source,
     failure::Failure,
-    fitting::{Detail, Job},
+    fitting::{Assigned, Detail, Job},
+    origins::Origins,
     output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
     results::{
@@ -87,7 +88,9 @@ impl Calibrate {
             job.fit_in_stretches(&assigned, because, &progress)?
         } else {
             let assigned = job.read(sources, [], &progress)?;
-            job.fit(&assigned, Detail::Errors, &progress)?
+            let mut outcome = job.fit(&assigned, Detail::Errors, &progress)?;
+            outcome.calibrated.origins = Origins::of(None, assigned.iter().map(Assigned::origin));
+            outcome
         };
         drop(progress);
         let calibrated = &outcome.calibrated;

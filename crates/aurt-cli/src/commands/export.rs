@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::Session;
 use crate::{
-    exporting::{Kind, Target, Version, export},
+    exporting::{Kind, Target, Version, correct_mjcf, export},
     failure::Failure,
     output::OutputFolder,
     rendering::{
@@ -16,17 +16,20 @@ use crate::{
     },
 };
 
-/// Export a calibrated model to other programs: C source, MuJoCo, URDF, FMI.
+/// Export a calibrated model to other programs: C source, MuJoCo, URDF, SDF, FMI.
 ///
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h alone, and a program that
-/// compares them with the model. `mjcf` writes a MuJoCo model and `urdf` a URDF file, of a calibration with `estimator = "consistent"`. `fmu` writes
+/// compares them with the model. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a
+/// calibration with `estimator = "consistent"`; `mjcf --into` corrects a MuJoCo file of your own instead. `fmu` writes
 /// a functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of forward
 /// dynamics (torques or currents in, the motion out). What the target has no word for is listed; what cannot be exported is
 /// refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt export c rd_calibrated.json --name my_robot --out exported_c\n  \
     aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf\n  \
+    aurt export mjcf rd_calibrated.json --into my_robot.xml --out exported_mjcf\n  \
     aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
+    aurt export sdf rd_calibrated.json --name my_robot --out exported_sdf\n  \
     aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
 pub struct Export {
     /// What the model becomes
@@ -47,6 +50,16 @@ pub struct Export {
     /// Version of FMI, 3 unless given
     #[arg(long, value_enum)]
     fmi: Option<FmiName>,
+    /// Your own MuJoCo file, which the model was calibrated with: written again with its dynamics corrected, as
+    /// FILE_calibrated.xml; comments, shapes and all else stay as they are
+    #[arg(long, value_name = "FILE.xml")]
+    into: Option<PathBuf>,
+    /// Body in that file from which the chain starts, where it leaves a choice
+    #[arg(long, value_name = "BODY", requires = "into")]
+    base: Option<String>,
+    /// Body in that file at which the chain ends, where it leaves a choice
+    #[arg(long, value_name = "BODY", requires = "into")]
+    tip: Option<String>,
 }
 
 /// A target of an export.
@@ -58,6 +71,8 @@ pub enum TargetName {
     Mjcf,
     /// URDF file
     Urdf,
+    /// SDF file
+    Sdf,
     /// Functional mock-up unit, FMI co-simulation
     Fmu,
 }
@@ -95,10 +110,18 @@ impl Export {
                 }
             }
         }
+        if self.into.is_some() && self.target != TargetName::Mjcf {
+            return Err(Failure::Argument {
+                option: "--into",
+                reason: "is of the target `mjcf` alone".into(),
+                remedy: "leave it out, or export to `mjcf`".into(),
+            });
+        }
         Ok(match self.target {
             TargetName::C => Target::C,
             TargetName::Mjcf => Target::Mjcf,
             TargetName::Urdf => Target::Urdf,
+            TargetName::Sdf => Target::Sdf,
             TargetName::Fmu => Target::Fmu(
                 match self.kind {
                     Some(KindName::Forward) => Kind::Forward,
@@ -116,7 +139,13 @@ impl Export {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
-        let made = export(&self.model, &self.name, target, &session.registry)?;
+        let made = match &self.into {
+            Some(file) => {
+                let (base, tip) = (self.base.as_deref(), self.tip.as_deref());
+                correct_mjcf(&self.model, file, base, tip, &session.registry)?
+            }
+            None => export(&self.model, &self.name, target, &session.registry)?,
+        };
         let paths: Vec<PathBuf> = made.files.iter().map(|(name, _)| out.path().join(name)).collect();
         // An archive of another kind or version has the same name, and importers keep what they have unpacked.
         let existing = paths.iter().find(|p| self.target == TargetName::Fmu && p.exists());
@@ -129,7 +158,8 @@ impl Export {
             });
         }
         // An input in the folder must survive.
-        if let Some(path) = paths.iter().find(|p| same_file(p, &self.model)) {
+        let is_input = |p: &&PathBuf| same_file(p, &self.model) || self.into.iter().any(|i| same_file(p, i));
+        if let Some(path) = paths.iter().find(is_input) {
             return Err(Failure::Output {
                 option: "--out",
                 path: path.clone(),
@@ -141,6 +171,7 @@ impl Export {
 
         let mut text = format!("{} of {}\n", target.name(), self.model.display());
         text.extend(made.notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        text.extend(made.changed.iter().map(|c| wrapped(&format!("changed: {c}"))));
         let warning = session.terminal.emphasise(Emphasis::Warning, "not exported");
         text.extend(made.lost.iter().map(|l| wrapped(&format!("{warning}: {l}"))));
         text.extend(paths.iter().map(|p| format!("written: {}\n", p.display())));
@@ -148,6 +179,7 @@ impl Export {
             "command": "export",
             "target": target.name(),
             "notes": made.notes,
+            "changed": made.changed,
             "lost": made.lost,
             "outputs": paths,
         });

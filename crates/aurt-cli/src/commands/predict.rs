@@ -13,11 +13,13 @@ use crate::{
     calibrated_file::CalibratedModel,
     data::Purpose,
     failure::Failure,
+    origins::hash_of_file,
     output::OutputFile,
     rendering::{
         terminal::{Emphasis, Report},
         text::wrapped,
     },
+    results::series::SeriesFormat,
 };
 
 /// Predict currents or torques of a motion.
@@ -36,8 +38,9 @@ pub struct Predict {
     /// Gravitational acceleration in the base frame, if other than the model was calibrated for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Option<Gravity>,
-    /// File for the prediction
-    #[arg(long, value_name = "CSV")]
+    /// File for the prediction: a table of text, or, by its ending, `.parquet` or `.mcap` with positions, measurement and
+    /// residual beside it
+    #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
     reading: ReadingOptions,
@@ -47,11 +50,18 @@ impl Predict {
     /// Predicts.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
+        let blake3 = hash_of_file(&self.model).unwrap_or_default();
         let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
         let of_model = |failure: Failure| failure.of_value_in(&self.model);
-        let contents = calibrated.predict_file(&loaded).map_err(of_model)?;
+        let contents = match SeriesFormat::of_ending(&self.out) {
+            None => calibrated.predict_file(&loaded).map_err(of_model)?,
+            Some(format) => {
+                let facts = [("model", self.model.display().to_string()), ("model_blake3", blake3)];
+                calibrated.series(&loaded).map_err(of_model)?.to_file(format, &self.data, &facts)?
+            }
+        };
         let prepared = pipeline.preprocess(&loaded, Purpose::Prediction).map_err(of_model)?;
         let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
         out.write(&contents)?;

@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use aurt_experiment::Experiment;
 use aurt_rbd::RobotDescription;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
 use crate::{
     failure::Failure,
-    fitting::{Outcome, fit_and_keep, fit_experiment},
+    fitting::{Job, Outcome, fit_and_keep, fit_experiment},
     output::{OutputFolder, Outputs},
     rendering::{
         json::pretty,
         terminal::{Report, Terminal},
     },
     reports,
-    results::{metrics::Results, parameters},
+    results::{metrics::Results, parameters, series::SeriesFormat},
     streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
 };
 
@@ -38,8 +38,21 @@ pub struct Run {
     /// predictions row by row are not written then, and mistakes of the setup not looked for
     #[arg(long, value_name = "SIZE", default_value = "500MB")]
     stream_above: Bytes,
+    /// Also write positions, measurement, prediction and residual of every recording in this format, as
+    /// series_<recording>.parquet or .mcap
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    series: Option<SeriesName>,
     #[command(flatten)]
     plots: PlotOptions,
+}
+
+/// A format of series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SeriesName {
+    /// Apache Parquet: pandas, Polars, DuckDB
+    Parquet,
+    /// MCAP with joint states of ROS 2: Foxglove, rerun, PlotJuggler
+    Mcap,
 }
 
 impl Run {
@@ -55,14 +68,29 @@ impl Run {
             recordings.calibration.iter().chain(&recordings.validation).map(|r| r.file.as_path()),
         );
         if together > self.stream_above {
+            if self.series.is_some() {
+                return Err(Failure::Argument {
+                    option: "--series",
+                    reason: "needs the recordings in memory, and they are read in stretches".into(),
+                    remedy: format!("raise --stream-above beyond {together}"),
+                });
+            }
             let because = TooLarge { together, limit: self.stream_above };
             let outcome = fit_experiment_in_stretches(&experiment, because, &progress)
                 .map_err(|failure| failure.of_value_in(&experiment.path))?;
             drop(progress);
             return write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal);
         }
-        let (outcome, recordings) =
+        let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
+        if let Some(name) = self.series {
+            let format = match name {
+                SeriesName::Parquet => SeriesFormat::Parquet,
+                SeriesName::Mcap => SeriesFormat::Mcap,
+            };
+            let series = Job::of(&experiment)?.series(&outcome.calibrated, &recordings, format)?;
+            outcome.predictions.extend(series);
+        }
         progress.step("looking for mistakes of the setup");
         let doubts = doubts(&experiment, &outcome.recordings, recordings, &session.registry)?;
         drop(progress);

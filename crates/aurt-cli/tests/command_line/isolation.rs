@@ -1,7 +1,5 @@
 //! Libraries in processes of their own: whatever they do wrong is an error of their model alone.
 
-use std::fs;
-
 use crate::support::{Folder, text};
 
 const EXPERIMENT: &str = r#"
@@ -79,7 +77,11 @@ fn a_right_library_gives_the_same_bytes_in_a_process_of_its_own() {
         }
     }
     for name in ["rd_calibrated.json", "calibrated_parameters.csv"] {
-        let of = |isolate: bool| fs::read(folder.path(&format!("isolated_{isolate}/{name}"))).unwrap();
+        // The two experiments have hashes of their own.
+        let of = |isolate: bool| -> String {
+            let text = folder.read(&format!("isolated_{isolate}/{name}"));
+            text.lines().filter(|l| !l.contains("\"experiment_blake3\"")).map(|l| format!("{l}\n")).collect()
+        };
         assert_eq!(of(false), of(true), "{name}");
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Bodies carry the inertias of a calibration that found some a machine can have. Joints carry armature (the rotors), damping
 //! (linear viscous friction), friction loss (the Coulomb level without load) and springs. All else has no word in MuJoCo:
-//! it is listed in the file and in [`Export::lost`].
+//! it is listed in the file and in [`Export::lost`]. [`into`] corrects the user's own file instead.
 
 pub(crate) mod body;
+pub mod into;
 pub(crate) mod joint;
 
 use std::fmt::Write;

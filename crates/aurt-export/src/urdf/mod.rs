@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody};
+use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, LinkBody, SerialChain};
 
 use crate::{
     Export, ExportError, Source,
@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Limits that do not limit: the file must state some of prismatic joints, and the model knows none.
-const UNLIMITED: &str = "1e16";
+pub(crate) const UNLIMITED: &str = "1e16";
 
 /// The URDF file of a model.
 ///
@@ -32,23 +32,12 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let standard = source.possible_bodies()?;
     let name = source.name;
     let (joints, mut lost) = dynamics(source);
-    for (j, joint) in joints.iter().enumerate() {
-        if joint.armature != 0.0 {
-            lost.push(format!(
-                "rotor inertia of joint {j}: {:?} kg m^2; set it where the engine has it, as `armature` in Isaac, MuJoCo and Drake",
-                joint.armature
-            ));
-        }
-        if joint.stiffness != 0.0 {
-            lost.push(format!(
-                "spring of joint {j}: {:.4} N m/rad about {:.4} rad",
-                joint.stiffness, joint.spring_ref
-            ));
-        }
+    lost.extend(rotors_lost(&joints));
+    for (j, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.stiffness != 0.0) {
+        let (stiffness, reference) = (joint.stiffness, joint.spring_ref);
+        lost.push(format!("spring of joint {j}: {stiffness:.4} N m/rad about {reference:.4} rad"));
     }
-    let [x, y, z] = chain.gravity_m_s2();
-    lost.push(format!("gravity, {x} {y} {z} m/s^2 in the base frame: the world has it"));
-    lost.push("limits of positions, velocities and torques, and shapes: the model file has none".into());
+    lost.extend(world_lost(chain));
 
     let mut lines = vec![format!("{name}, written by `aurt export urdf`.")];
     lines.extend(source.provenance.lines());
@@ -93,6 +82,28 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     Ok(Export { files: vec![(format!("{name}.urdf"), text)], lost, notes })
 }
 
+/// Rotors' inertias, which robot descriptions have no element for.
+pub(crate) fn rotors_lost(joints: &[JointDynamics]) -> Vec<String> {
+    let turning = joints.iter().enumerate().filter(|(_, joint)| joint.armature != 0.0);
+    turning
+        .map(|(j, joint)| {
+            format!(
+                "rotor inertia of joint {j}: {:?} kg m^2; set it where the engine has it, as `armature` in Isaac, MuJoCo and Drake",
+                joint.armature
+            )
+        })
+        .collect()
+}
+
+/// What is of the world, or unknown to the model file.
+pub(crate) fn world_lost(chain: &SerialChain) -> [String; 2] {
+    let [x, y, z] = chain.gravity_m_s2();
+    [
+        format!("gravity, {x} {y} {z} m/s^2 in the base frame: the world has it"),
+        "limits of positions, velocities and torques, and shapes: the model file has none".into(),
+    ]
+}
+
 fn link(text: &mut String, name: &str, standard: &[f64; INERTIAL_PARAMETERS]) -> Result<(), ExportError> {
     let body = LinkBody::from_standard_parameters(standard).ok_or(ExportError::NoBodies)?;
     let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
@@ -108,7 +119,7 @@ fn link(text: &mut String, name: &str, standard: &[f64; INERTIAL_PARAMETERS]) ->
 }
 
 /// Roll, pitch and yaw about fixed axes of R = Rot_z(yaw) Rot_y(pitch) Rot_x(roll).
-fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
+pub(crate) fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let level = r[0][0].hypot(r[1][0]);
     let pitch = (-r[2][0]).atan2(level);
     if level > 1e-12 {
@@ -120,7 +131,7 @@ fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use aurt_rbd::{Joint, Placement, SerialChain};
+    use aurt_rbd::{Joint, Placement};
 
     use super::*;
 

@@ -13,7 +13,7 @@ use crate::{JointFriction, JointLimits, RobotError};
 type Numbers<'f> = dyn Fn(&'static str, &str, usize) -> Result<Vec<f64>, RobotError> + 'f;
 
 /// A joint of a body.
-pub(super) struct MjcfJoint {
+pub(super) struct ReadJoint {
     /// The joint's frame in the frame of the body before it moves, at coordinate zero.
     pub pose: Pose,
     /// The frame of the body in the joint's frame once that has moved.
@@ -41,7 +41,7 @@ impl<'x> Reading<'_, 'x> {
         element: &Element<'_, 'x>,
         class: Option<&str>,
         frame: &Pose,
-    ) -> Result<MjcfJoint, RobotError> {
+    ) -> Result<ReadJoint, RobotError> {
         let node = element.node;
         let of = |name: &str| self.attribute(node, class, name);
         let numbers = |name: &'static str, text: &str, count: usize| -> Result<Vec<f64>, RobotError> {
@@ -89,7 +89,7 @@ impl<'x> Reading<'_, 'x> {
         let limits = self.limits(of, &numbers, unit)?;
         let friction =
             JointFriction { viscous_nm_s_rad: number("damping")?, coulomb_nm: number("frictionloss")? };
-        Ok(MjcfJoint {
+        Ok(ReadJoint {
             pose: moved(shift).then(&at_zero),
             body: moved(-shift),
             freedom,

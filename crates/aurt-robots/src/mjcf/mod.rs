@@ -3,6 +3,7 @@
 mod classes;
 mod joint;
 mod orientation;
+mod places;
 mod settings;
 
 use std::path::Path;
@@ -13,10 +14,11 @@ use roxmltree::Node;
 use crate::body::Body;
 use crate::element::{Element, line_of};
 use crate::pose::Pose;
-use crate::tree::{Freedom, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
 use classes::Classes;
-use joint::{MjcfJoint, Reading};
+use joint::{ReadJoint, Reading};
+pub use places::{MjcfBody, MjcfJoint, MjcfLink, mjcf_links};
 use settings::{FromShapes, Settings};
 
 /// The outermost element.
@@ -31,7 +33,7 @@ const ACTING: [&str; 2] = ["equality", "tendon"];
 /// Reads bodies and joints.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let name = root.attribute("model").unwrap_or_default().to_owned();
-    let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new() };
+    let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new(), place: None };
     let tree = Tree { path: path.into(), name, links: vec![world], joints: Vec::new(), notes: Vec::new() };
     let mut errors = Vec::new();
     for node in root.descendants().filter(|n| GENERATING.contains(&n.tag_name().name())) {
@@ -177,7 +179,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             if let Some(class) = self.classes.unknown(own.node) {
                 return Err(joint_element.error(format!("there is no class `{class}` under <default>")));
             }
-            let MjcfJoint { pose, body, freedom, limits, friction, armature, has_spring } =
+            let ReadJoint { pose, body, freedom, limits, friction, armature, has_spring } =
                 reading.joint(&joint_element, own.class, &own.frame)?;
             if has_spring {
                 self.springs.push(joint_name.clone());
@@ -185,12 +187,12 @@ impl<'a, 'x> Reader<'a, 'x> {
             // Between several joints of one body there are links without mass.
             let child = if last { name.clone() } else { format!("{name}, behind {joint_name}") };
             let pose = before.then(&pose);
-            let joint = (joint_name, line_of(own.node), pose, freedom);
+            let joint = (joint_name, own.node, pose, freedom);
             link = self.add(link, child, joint, (limits, friction, armature));
             before = body;
         }
         if joints.is_empty() {
-            let joint = (format!("weld of {name}"), line_of(node), before, Freedom::Fixed);
+            let joint = (format!("weld of {name}"), node, before, Freedom::Fixed);
             link = self.add(link, name.clone(), joint, Default::default());
             before = Pose::identity();
         }
@@ -198,6 +200,11 @@ impl<'a, 'x> Reader<'a, 'x> {
             self.lifted.push(name.clone());
         }
         let inertial = inside.iter().find(|o| o.node.has_tag_name("inertial"));
+        self.tree.links[link].place = Some(BodyPlace {
+            body: node.range().start,
+            inertial: inertial.map(|own| own.node.range().start),
+            frame: inertial.map_or(before, |own| before.then(&own.frame)),
+        });
         match inertial {
             Some(own) => {
                 let element = self.element(own.node, format!("body {name}, <inertial>"));
@@ -213,15 +220,22 @@ impl<'a, 'x> Reader<'a, 'x> {
         &mut self,
         parent: usize,
         name: String,
-        (joint_name, line, pose, freedom): (String, u32, Pose, Freedom),
+        (joint_name, node, pose, freedom): (String, Node<'x, 'x>, Pose, Freedom),
         (limits, friction, armature): (JointLimits, JointFriction, f64),
     ) -> usize {
         let (child, joint) = (self.tree.links.len(), self.tree.joints.len());
-        self.tree.links.push(TreeLink { name, body: None, parent: Some(joint), children: Vec::new() });
+        self.tree.links.push(TreeLink {
+            name,
+            body: None,
+            parent: Some(joint),
+            children: Vec::new(),
+            place: None,
+        });
         self.tree.links[parent].children.push(joint);
         self.tree.joints.push(TreeJoint {
             name: joint_name,
-            line,
+            line: line_of(node),
+            start: node.range().start,
             parent,
             child,
             pose,

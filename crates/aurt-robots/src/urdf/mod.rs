@@ -109,7 +109,7 @@ impl<'a> Reader<'a> {
                 self.errors.push(error);
                 None
             });
-            links.push(TreeLink { name, body, parent: None, children: Vec::new() });
+            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: None });
         }
         links
     }
@@ -202,6 +202,7 @@ impl<'a> Reader<'a> {
         Ok(TreeJoint {
             name,
             line: element.line(),
+            start: element.node.range().start,
             parent,
             child,
             pose,

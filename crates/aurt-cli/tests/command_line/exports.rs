@@ -1,0 +1,53 @@
+//! Exports that begin from a file of the user.
+
+use crate::support::Folder;
+
+#[test]
+fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
+    let folder = Folder::new().with_whole_demo();
+    let text = folder.read("experiment.toml") + "\n[calibration]\nestimator = \"consistent\"\n";
+    folder.write("experiment.toml", &text);
+    folder.aurt(["run", "experiment.toml", "--out", "of_mdh"]).succeeded();
+    let export = |model: &str, more: &[&str]| folder.aurt(["export", "mjcf", model].iter().chain(more));
+    export("of_mdh/rd_calibrated.json", &["--name", "own", "--out", "."]).succeeded();
+    folder.aurt(["export", "sdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
+    assert!(folder.read("own.sdf").contains("<sdf version=\"1.9\">"));
+
+    // Somebody's file: an elbow that is too heavy, and joints of which nothing is known.
+    let exact = folder.read("own.xml");
+    let wrong: String = exact
+        .lines()
+        .map(|line| {
+            let line = if line.contains("<joint ") {
+                line.replace("damping=", "user=").replace("frictionloss=", "margin=")
+            } else {
+                line.replace("mass=\"8", "mass=\"18")
+            };
+            line + " <!-- mine -->\n"
+        })
+        .collect();
+    assert!(wrong.contains("mass=\"18"));
+    let wrong = wrong[wrong.find("<mujoco").unwrap()..].to_owned();
+    folder.write("own.xml", &wrong);
+    let with_file: String = text
+        .lines()
+        .map(|l| if l.starts_with("mdh = ") { "mjcf = \"own.xml\"\n".into() } else { format!("{l}\n") })
+        .collect();
+    folder.write("again.toml", &with_file);
+    let model = "of_file/rd_calibrated.json";
+    assert!(folder.aurt(["run", "again.toml", "--out", "of_file"]).status() < 2);
+    let said = export(model, &["--into", "own.xml", "--out", "corrected", "--json"]).succeeded().stdout();
+    assert!(said.contains("joint joint_1: damping 0.0000 to "), "{said}");
+    let corrected = folder.read("corrected/own_calibrated.xml");
+    assert_eq!(corrected.matches("<!-- mine -->").count(), wrong.matches("<!-- mine -->").count());
+    assert!(corrected.contains("user=") && corrected.contains("Dynamics corrected by"), "{corrected}");
+    assert_eq!(folder.read("own.xml"), wrong);
+
+    // Of another robot, of another target, and over the input.
+    let other = export("of_mdh/rd_calibrated.json", &["--into", "experiment.toml", "--out", "x"]);
+    other.refused(&["well-formed XML"]);
+    folder
+        .aurt(["export", "urdf", model, "--into", "own.xml", "--out", "x"])
+        .refused(&["--into", "`mjcf` alone"]);
+    export(model, &["--tip", "own_link_5", "--out", "x"]).refused(&["--into"]);
+}

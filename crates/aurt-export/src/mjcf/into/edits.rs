@@ -1,0 +1,80 @@
+//! Changes of a text at the places of its elements; all else stays byte for byte.
+
+use std::{fmt::Write, ops::Range};
+
+use roxmltree::Node;
+
+/// Pieces of a text to be replaced.
+#[derive(Debug, Default)]
+pub(super) struct Edits(Vec<(Range<usize>, String)>);
+
+impl Edits {
+    /// Gives an element attributes: those that it has get another value, others come behind its last. Those in `without`
+    /// are taken away, with the blanks before them.
+    pub fn set(&mut self, text: &str, node: Node<'_, '_>, with: &[(&str, String)], without: &[&str]) {
+        // Behind the name of the element, where it has no attributes.
+        let start = node.range().start;
+        let after_name = |c: char| c.is_whitespace() || c == '/' || c == '>';
+        let name_end = text[start..].find(after_name).map_or(start, |length| start + length);
+        let end = node.attributes().map(|a| a.range().end).max().unwrap_or(name_end);
+        let mut added = String::new();
+        for (name, value) in with {
+            match node.attribute_node(*name) {
+                Some(attribute) if attribute.value() != value => {
+                    self.0.push((attribute.range_value(), value.clone()));
+                }
+                Some(_) => {}
+                None => {
+                    let _ = write!(added, " {name}=\"{value}\"");
+                }
+            }
+        }
+        for attribute in node.attributes().filter(|a| without.contains(&a.name())) {
+            let range = attribute.range();
+            let begin = text[..range.start].trim_end().len();
+            self.0.push((begin..range.end, String::new()));
+        }
+        if !added.is_empty() {
+            self.0.push((end..end, added));
+        }
+    }
+
+    /// Puts a text at a place.
+    pub fn insert(&mut self, at: usize, text: String) {
+        self.0.push((at..at, text));
+    }
+
+    /// The text with all changes.
+    pub fn apply(mut self, text: &str) -> String {
+        self.0.sort_by_key(|(range, _)| (range.start, range.end));
+        let mut out = String::with_capacity(text.len() + 4096);
+        let mut at = 0;
+        for (range, replacement) in self.0 {
+            out.push_str(&text[at..range.start.max(at)]);
+            out.push_str(&replacement);
+            at = range.end.max(at);
+        }
+        out.push_str(&text[at..]);
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attributes_change_come_and_go_and_the_rest_stays() {
+        let text = "<a>\n  <!-- b c='1' -->\n  <b x = '1'\n     y=\"2\" z='3' /> <c/>\u{e9}<d></d>\n</a>";
+        let document = roxmltree::Document::parse(text).unwrap();
+        let node = |name| document.descendants().find(|n| n.has_tag_name(name)).unwrap();
+        let mut edits = Edits::default();
+        let of = |name, value: &str| (name, value.to_owned());
+        edits.set(text, node("d"), &[of("v", "5")], &[]);
+        edits.set(text, node("b"), &[of("x", "10"), of("w", "4"), of("y", "2")], &["z", "u"]);
+        edits.set(text, node("c"), &[of("v", "6"), of("u", "7")], &[]);
+        let wanted = "<a>\n  <!-- b c='1' -->\n  <b x = '10'\n     y=\"2\" w=\"4\" /> <c v=\"6\" u=\"7\"/>\u{e9}<d v=\"5\"></d>\n</a>";
+        assert_eq!(edits.apply(text), wanted);
+        assert_eq!(Edits::default().apply(text), text);
+    }
+}

@@ -1,0 +1,87 @@
+//! Which files a calibrated model comes from.
+
+use std::{io::Read, path::Path};
+
+use aurt_experiment::Experiment;
+use serde::{Deserialize, Serialize};
+
+use crate::{data::Source, results::metrics::Role};
+
+/// The files of a calibration, with hashes by which they are known again.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Origins {
+    /// BLAKE3 of the text of the experiment; none of models that were not calibrated by one.
+    #[serde(default)]
+    pub experiment_blake3: Option<String>,
+    /// The recordings that the model was fitted to.
+    #[serde(default)]
+    pub calibration: Vec<RecordingOrigin>,
+    /// Those that it was judged on.
+    #[serde(default)]
+    pub validation: Vec<RecordingOrigin>,
+}
+
+/// A file of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordingOrigin {
+    /// What it was called.
+    pub file: String,
+    /// BLAKE3 of its bytes; none of pipes, which are read once, and of files that have gone.
+    pub blake3: Option<String>,
+    /// The part that was used, s from the first stamp; none for all of it.
+    pub window_s: Option<[f64; 2]>,
+}
+
+impl Origins {
+    /// Those of recordings, and of an experiment that names them.
+    pub fn of<'s>(
+        experiment: Option<&Experiment>,
+        recordings: impl IntoIterator<Item = (&'s Source, Role)>,
+    ) -> Self {
+        let hash = |text: &str| blake3::hash(text.as_bytes()).to_hex().to_string();
+        let experiment_blake3 = experiment.map(|e| hash(&e.source_text));
+        let mut origins = Self { experiment_blake3, ..Self::default() };
+        for (source, role) in recordings {
+            let origin = RecordingOrigin {
+                file: source.label.clone(),
+                blake3: hash_of_file(&source.file),
+                window_s: source.window_s,
+            };
+            match role {
+                Role::Calibration => origins.calibration.push(origin),
+                Role::Validation => origins.validation.push(origin),
+            }
+        }
+        origins
+    }
+
+    /// The hash of the calibration recording of a name, if it has one.
+    #[must_use]
+    pub fn blake3(&self, recording: &str) -> Option<&str> {
+        self.calibration.iter().find(|r| r.file == recording)?.blake3.as_deref()
+    }
+
+    /// Whether nothing is known.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// BLAKE3 of the bytes of a regular file; none of others, and of those that cannot be read.
+pub fn hash_of_file(path: &Path) -> Option<String> {
+    if !std::fs::metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let mut hasher = blake3::Hasher::new();
+    let mut file = std::fs::File::open(path).ok()?;
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        let length = file.read(&mut piece).ok()?;
+        if length == 0 {
+            break;
+        }
+        hasher.update(&piece[..length]);
+    }
+    Some(hasher.finalize().to_hex().to_string())
+}
