@@ -94,6 +94,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.essential {
             document["essential"] = json!(report);
         }
+        if let Some(report) = &self.calibration.robust {
+            document["robust"] = json!(report);
+        }
         if let Some(report) = &self.calibration.position_bias {
             document["position_bias"] = json!(report);
         }
@@ -258,6 +261,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
         Estimator::Eiv => "eiv",
+        Estimator::Irls => "irls",
     }
 }
 
