@@ -187,13 +187,21 @@ fn independent(
         let share = (taken * slopes[j].powi(2) / factor.rows().max(1) as f64).clamp(0.0, 0.9);
         let slope = report.slope[j].min(1.0);
         let corrected = (1.0 + share * (1.0 - slope) / slope).powi(2) / (1.0 - share);
-        covariance += product(&pulled, &pulled.transpose()) * (corrected * report.power[j] * weight[j].powi(2));
+        covariance +=
+            product(&pulled, &pulled.transpose()) * (corrected * report.power[j] * weight[j].powi(2));
     }
     let plain = system.solve(&weights(&first.sigma), |_| true)?.covariance;
-    let wider: Vec<f64> = (0..n)
-        .map(|k| k * n + k)
-        .map(|at| if plain[at] > 0.0 { (first.solution.covariance[at] / plain[at]).max(1.0).sqrt() } else { 1.0 })
-        .collect();
+    let wider: Vec<f64> =
+        (0..n)
+            .map(|k| k * n + k)
+            .map(|at| {
+                if plain[at] > 0.0 {
+                    (first.solution.covariance[at] / plain[at]).max(1.0).sqrt()
+                } else {
+                    1.0
+                }
+            })
+            .collect();
     for c in 0..n {
         for r in 0..n {
             covariance[(r, c)] *= wider[r] * wider[c];

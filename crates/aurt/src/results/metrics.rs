@@ -172,6 +172,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.essential {
             text.push_str(&super::essential::to_text(report));
         }
+        if let Some(report) = &self.calibration.robust {
+            text.push_str(&wrapped(&super::robust::sentence(report)));
+        }
         if let Some(report) = &self.calibration.position_bias {
             text.push_str(&wrapped(&super::position_bias::sentence(report)));
         }
