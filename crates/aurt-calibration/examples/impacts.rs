@@ -1,7 +1,7 @@
 //! How often 95 % intervals hold the truth, and how far estimates are off, with and without knocks in 1 % of the rows: least
 //! squares beside weights by row.
 //!
-//! `cargo run --release -p aurt-calibration --example impacts -- 200` prints the table of docs/estimation.md; the number is that of
+//! `cargo run --release -p aurt-calibration --example impacts -- 100` prints the table of docs/estimation.md; the number is that of
 //! the seeds of each row.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const DURATION_S: f64 = 20.0;
 
 fn main() {
-    let seeds: u64 = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
+    let seeds: u64 = std::env::args().nth(1).map_or(100, |text| text.parse().unwrap());
     let mut robot = KnownRobot::new(None);
     let clean = robot.clean(1, DURATION_S);
     let knocked = with_knocks(clean.clone());
@@ -63,7 +63,7 @@ fn main() {
             let logarithms = (0..robot.truth.len()).map(|i| (squares(1, i) / squares(0, i)).ln());
             let ratio = (logarithms.sum::<f64>() / robot.truth.len() as f64).exp();
             println!(
-                "| {noise_name} | {knocks} | {:.1} | {:.1} | {:.1} | {ratio:.2} |",
+                "| {noise_name} | {knocks} | {:.1} | {:.1} | {:.1} | {ratio:.3} |",
                 share(0),
                 share(1),
                 share(2)
