@@ -1,7 +1,7 @@
 use aurt_traits::{LoadTorque, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 
-use crate::{ConsistentReport, EssentialReport, PositionBias, ShapeReport};
+use crate::{ConsistentReport, EssentialReport, PositionBias, RobustReport, ShapeReport};
 
 /// Which least-squares weights are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -19,6 +19,8 @@ pub enum Estimator {
     /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables), to first order: for study;
     /// docs/estimation.md has its coverage, which is worse for friction.
     Eiv,
+    /// As [`Wls`](Self::Wls), with weights by row in which impacts count little or nothing.
+    Irls,
 }
 
 impl Estimator {
@@ -166,6 +168,9 @@ pub struct Calibration {
     /// What noise of the positions does to least squares, where rows were looked at again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_bias: Option<PositionBias>,
+    /// How rows were weighted, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustReport>,
 }
 
 impl Calibration {

@@ -24,6 +24,7 @@ mod metrics;
 mod physical;
 mod random;
 mod recursive;
+mod robust;
 mod row_cache;
 mod scope;
 mod stream;
@@ -57,6 +58,7 @@ pub use recursive::{
     DriftReference, DriftWindow, LeftOut, MIN_WINDOWS, Tracker, average_run_length, drift_windows,
     own_residuals, threshold_for,
 };
+pub use robust::RobustReport;
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};

@@ -3,7 +3,7 @@ use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
     CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
-    PositionBias, System, TermScopes,
+    PositionBias, RobustReport, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
@@ -12,6 +12,7 @@ use crate::{
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
+    robust::{Rows, reweight},
     system::Solution,
     uncertainty::{calibrated_parameters, noise_bandwidth_factor},
 };
@@ -156,6 +157,17 @@ pub(crate) fn finished(
         estimate.solution.covariance.clone_from(&corrected.bread);
         bread = Some(corrected.bread.as_slice());
     }
+    let mut robust = None;
+    if options.estimator == Estimator::Irls {
+        let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "irls" })?;
+        let observed = Rows { model, recordings, scopes, load, options };
+        let reweighted = reweight(&observed, system, &estimate)?;
+        estimate.solution.coefficients = reweighted.coefficients;
+        estimate.solution.covariance = reweighted.covariance;
+        estimate.sigma = reweighted.sigma;
+        robust = Some((reweighted.report, reweighted.bread));
+    }
+    let bread = robust.as_ref().map(|(_, bread)| bread.as_slice()).or(bread);
     if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
         let observed = (recordings, scopes, load);
         remember(setting, system, &mut estimate, (bandwidth, bread), observed)?;
@@ -184,6 +196,7 @@ pub(crate) fn finished(
         estimate.solution.coefficients = coefficients;
         consistent = Some(report);
     }
+    let robust = robust.map(|(report, _)| report);
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
     let is_eliminated =
         |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
@@ -194,6 +207,7 @@ pub(crate) fn finished(
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
     let is_biased = options.estimator != Estimator::Eiv;
     warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
+    warnings.extend(robust.iter().flat_map(RobustReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
@@ -219,6 +233,7 @@ pub(crate) fn finished(
         consistent,
         essential,
         position_bias,
+        robust,
     })
 }
 
@@ -239,7 +254,9 @@ fn without_position_noise(
     let Some((recordings, scopes)) = recordings else {
         return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
     };
-    if !is_used && (options.deviations == Deviations::White || options.estimator == Estimator::Essential) {
+    let is_told = options.deviations == Deviations::Memory
+        && matches!(options.estimator, Estimator::Wls | Estimator::Ols | Estimator::Consistent);
+    if !is_used && !is_told {
         return Ok(None);
     }
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
@@ -278,6 +295,7 @@ fn remember(
         coefficients: &estimate.solution.coefficients,
         weights: &weights,
         bread: &plain.covariance,
+        sigma: (options.estimator == Estimator::Irls).then_some(estimate.sigma.as_slice()),
     })?;
     let n = plain.coefficients.len();
     // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.
@@ -287,6 +305,8 @@ fn remember(
             let at = k * n + k;
             let (more, own) = (estimate.solution.covariance[at], unit * plain.covariance[at]);
             let known = if own > 0.0 { more / own } else { 1.0 };
+            // Weights by row have a bread that is no covariance, and theirs of white noise holds what shapes add.
+            let (known, own) = if options.estimator == Estimator::Irls { (1.0, more) } else { (known, own) };
             // Noise that seems to hide from the fit is not believed: white noise is the least.
             let least = bandwidth * own;
             let surer = if covariance[at] > 0.0 { (least / covariance[at]).max(1.0) } else { 1.0 };

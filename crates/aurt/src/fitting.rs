@@ -330,6 +330,7 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
             experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
             experiment::Estimator::Consistent => Estimator::Consistent,
             experiment::Estimator::Essential => Estimator::Essential,
+            experiment::Estimator::ReweightedLeastSquares => Estimator::Irls,
         },
         load_torque: match load_torque {
             experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,

@@ -18,4 +18,5 @@ mod clusters;
 mod rows;
 mod sandwich;
 
-pub(crate) use sandwich::{Observed, sandwich};
+pub(crate) use rows::{JointRows, rows_of};
+pub(crate) use sandwich::{Observed, product, root_of_gram, sandwich};

@@ -7,7 +7,7 @@ use crate::{CalibrationError, CalibrationOptions, Rest, stream::for_each_row_blo
 
 /// A joint's rows over a segment; rows that were left out of the fit are zero, so that those around them keep their
 /// distance in time.
-pub(super) struct JointRows {
+pub(crate) struct JointRows {
     /// Column after column of the model's [`RobotModel::row_columns`].
     pub columns: Vec<Vec<f64>>,
     /// y − W ζ̂.
@@ -20,7 +20,7 @@ pub(super) struct JointRows {
 ///
 /// # Errors
 /// What models report.
-pub(super) fn rows_of(
+pub(crate) fn rows_of(
     model: &RobotModel,
     segment: &Segment,
     acting: &[bool],

@@ -8,7 +8,7 @@ use super::{
     clusters::factors,
     rows::{JointRows, rows_of},
 };
-use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes};
+use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss};
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;
@@ -28,6 +28,8 @@ pub(crate) struct Observed<'a> {
     pub weights: &'a [f64],
     /// (WᵀΩ⁻¹W)⁻¹ with these weights, column-major.
     pub bread: &'a [f64],
+    /// σ_j beyond a multiple of which residuals count less, for estimates with weights by row.
+    pub sigma: Option<&'a [f64]>,
 }
 
 /// A segment with how often it is listed.
@@ -45,10 +47,15 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
     let Observed { model, load, options, coefficients, weights, bread, .. } = *observed;
     let n = coefficients.len();
     let pieces = pieces(observed);
-    let rows: Vec<Vec<JointRows>> = pieces
+    let mut rows: Vec<Vec<JointRows>> = pieces
         .par_iter()
         .map(|p| rows_of(model, p.segment, &p.acting, load, coefficients, options))
         .collect::<Result<_, _>>()?;
+    for (joint, sigma) in observed.sigma.iter().flat_map(|s| s.iter().enumerate()) {
+        for residual in rows.iter_mut().filter_map(|r| r.get_mut(joint)).flat_map(|r| &mut r.residual) {
+            *residual *= Loss::Tukey.weight(*residual / sigma);
+        }
+    }
     let bread = DMatrix::from_column_slice(n, n, bread);
 
     let parts: Vec<DMatrix<f64>> = (0..model.joints())
@@ -66,13 +73,7 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
                 fold(&mut factor, &rows[joint], &noise, piece.times);
             }
             // Rows of A⁻¹ S Cᵀ: what each unit of independent noise moves.
-            let (triangle, size) = (factor.triangle(), columns.len() + 1);
-            let mut middle = DMatrix::zeros(n, columns.len());
-            for (k, column) in columns.iter().enumerate() {
-                for row in 0..=k {
-                    middle[(*column, row)] = triangle[k * size + row];
-                }
-            }
+            let middle = root_of_gram(&factor, n);
             let pulled = product(&bread, &middle);
             // The fit took up part of the noise, and the residual shows the rest.
             let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
@@ -104,8 +105,20 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
     }
 }
 
+/// Rᵀ of a factor's triangle over all `n` coefficients, n × columns, so that Rᵀ R is the Gram matrix of the joint's columns.
+pub(crate) fn root_of_gram(factor: &JointFactor, n: usize) -> DMatrix<f64> {
+    let (triangle, columns) = (factor.triangle(), factor.columns());
+    let mut root = DMatrix::zeros(n, columns.len());
+    for (k, column) in columns.iter().enumerate() {
+        for row in 0..=k {
+            root[(*column, row)] = triangle[k * (columns.len() + 1) + row];
+        }
+    }
+    root
+}
+
 /// A product in one order of operations, so that the baseline gives the same bits on every machine.
-fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut result = DMatrix::zeros(a.nrows(), b.ncols());
     for (mut to, from) in result.column_iter_mut().zip(b.column_iter()) {
         for (column, factor) in a.column_iter().zip(from.iter()).filter(|(_, f)| **f != 0.0) {

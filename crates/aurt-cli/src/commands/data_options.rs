@@ -93,6 +93,7 @@ enum EstimatorName {
     Ols,
     Consistent,
     Essential,
+    Irls,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -131,6 +132,7 @@ impl FittingOptions {
                 EstimatorName::Ols => Estimator::Ols,
                 EstimatorName::Consistent => Estimator::Consistent,
                 EstimatorName::Essential => Estimator::Essential,
+                EstimatorName::Irls => Estimator::Irls,
             },
             load_torque: match self.load_torque {
                 LoadTorqueName::Fitted => LoadTorqueChoice::Fitted,

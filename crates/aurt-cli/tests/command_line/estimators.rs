@@ -106,3 +106,49 @@ fn coarse(line: &str) -> String {
         .collect();
     cells.join(",")
 }
+
+/// Knocks of 5 A in one per cent of the rows spoil least squares and do not count with weights by row, by which a sweep
+/// is done as well.
+#[test]
+fn impacts_have_no_weight_where_that_is_asked_for() {
+    let [plain, robust] = ["wls", "irls"].map(|estimator| {
+        let folder = demo(estimator);
+        let text = folder.read("exciting_motion.csv");
+        assert!(
+            text.lines().next().unwrap().split(',').nth(7).unwrap().contains("current"),
+            "{}",
+            &text[..200]
+        );
+        let rows: Vec<String> = text
+            .lines()
+            .enumerate()
+            .map(|(k, l)| if k > 0 && k % 700 < 7 { knocked(l) } else { l.to_owned() })
+            .collect();
+        folder.write("exciting_motion.csv", &(rows.join("\n") + "\n"));
+        folder
+    });
+    plain.aurt(["run", "experiment.toml", "--out", "results"]).succeeded();
+    let said = robust.aurt(["run", "experiment.toml", "--out", "results"]).succeeded().stdout();
+    assert!(said.contains("weights by row: at most"), "{said}");
+    assert!(plain.json("results/metrics.json")["robust"].is_null());
+    let metrics = robust.json("results/metrics.json");
+    assert_eq!(metrics["estimator"], "irls");
+    let rejected = crate::support::numbers(&metrics["robust"]["rejected"]);
+    assert!(rejected.len() == 6 && rejected.iter().all(|share| (0.003..0.2).contains(share)), "{rejected:?}");
+    assert!(held_out(&robust) < 0.5 * held_out(&plain), "{} {}", held_out(&robust), held_out(&plain));
+
+    let grid = "\n[sweep.grid]\n\"calibration.estimator\" = [\"wls\", \"irls\"]\n";
+    let text = robust.read("experiment.toml");
+    robust.write("sweep.toml", &format!("{}{grid}", text.split("[sweep").next().unwrap()));
+    let said = robust.aurt(["sweep", "run", "sweep.toml", "--out", "swept"]).succeeded().stdout();
+    assert!(said.contains("irls"), "{said}");
+}
+
+/// The row with 5 A more in each drive.
+fn knocked(line: &str) -> String {
+    let cells = line.split(',').enumerate().map(|(k, cell)| match (k, cell.parse::<f64>()) {
+        (7..=12, Ok(current)) => format!("{:.5}", current + 5.0),
+        _ => cell.to_owned(),
+    });
+    cells.collect::<Vec<_>>().join(",")
+}

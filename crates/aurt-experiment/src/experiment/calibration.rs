@@ -39,6 +39,8 @@ pub enum Estimator {
     Consistent,
     /// `"essential"`: as `"wls"`, with the fewest parameters that predict blocks of time held out as well as all of them.
     Essential,
+    /// `"irls"`: as `"wls"`, with weights by row in which impacts count little or nothing.
+    ReweightedLeastSquares,
 }
 
 /// `load_torque`: how the load τ_J of load-dependent friction is formed.
@@ -70,6 +72,7 @@ impl Calibration {
                 ("ols", Estimator::OrdinaryLeastSquares),
                 ("consistent", Estimator::Consistent),
                 ("essential", Estimator::Essential),
+                ("irls", Estimator::ReweightedLeastSquares),
             ],
         );
         let load_torque = section.choice(

@@ -38,7 +38,8 @@ pub const TERMS: &[Term] = &[
         title: "estimator",
         text: "How rows of different joints are weighed against each other: \"wls\" (default) by 1/σ² of their joint, \
             \"ols\" all alike (see wls); and what is asked of the estimate: \"consistent\" a machine that can exist, \
-            \"essential\" the fewest parameters that predict as well.",
+            \"essential\" the fewest parameters that predict as well, \"irls\" that rows with impacts do not count \
+            (weights by row).",
     },
     Term {
         name: "experiment",

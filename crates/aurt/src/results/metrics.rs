@@ -94,6 +94,9 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.essential {
             document["essential"] = json!(report);
         }
+        if let Some(report) = &self.calibration.robust {
+            document["robust"] = json!(report);
+        }
         if let Some(report) = &self.calibration.position_bias {
             document["position_bias"] = json!(report);
         }
@@ -168,6 +171,9 @@ impl Results<'_> {
         }
         if let Some(report) = &self.calibration.essential {
             text.push_str(&super::essential::to_text(report));
+        }
+        if let Some(report) = &self.calibration.robust {
+            text.push_str(&wrapped(&super::robust::sentence(report)));
         }
         if let Some(report) = &self.calibration.position_bias {
             text.push_str(&wrapped(&super::position_bias::sentence(report)));
@@ -258,6 +264,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
         Estimator::Eiv => "eiv",
+        Estimator::Irls => "irls",
     }
 }
 

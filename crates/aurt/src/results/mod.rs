@@ -5,6 +5,7 @@ pub mod metrics;
 pub mod parameters;
 pub mod position_bias;
 pub mod predictions;
+pub mod robust;
 pub mod series;
 pub mod shapes;
 pub mod sweep_table;
