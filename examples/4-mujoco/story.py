@@ -4,11 +4,11 @@
 
 AURT is the program (default `aurt`). The machine is the simulated UR10e of `aurt demo`, whose recordings are made first;
 `arm.xml` beside this script is the user's file. Needs `mujoco` and `numpy`; the last column of the table needs the Python
-package `aurt` too. The status is 1 if the corrected file is not better on every joint of the recording that was held out.
+package `aurt` too. The status is 1 if the corrected file is not twice as good on every joint of the
+recording that was held out.
 """
 
 import argparse
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -20,8 +20,10 @@ HERE = Path(__file__).resolve().parent
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 TORQUE_CONSTANTS = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 FITTED, HELD_OUT = "exciting_motion", "other_motion"
-# Half the width and the order of the polynomials that smooth positions, and torques alike.
-HALF_WIDTH, ORDER = 8, 4
+# Samples of 8 ms on either side, and the order, of the polynomials that smooth positions; errors are smoothed over more.
+HALF_WIDTH, HALF_WIDTH_OF_ERRORS, ORDER = 8, 16, 4
+# Slower joints may stand, and dry friction of a joint that stands has no sign that a recording could show.
+MOVING_RAD_S = 0.03
 
 EXPERIMENT = """schema = 1
 
@@ -66,14 +68,13 @@ def recording(path):
     return table["timestamp"], of("actual_q"), of("actual_current") * TORQUE_CONSTANTS
 
 
-def smoothed(series, step_s=1.0, derivative=0):
+def smoothed(series, step_s=1.0, derivative=0, half=HALF_WIDTH):
     """A derivative of polynomials that are fitted to the neighbours of every sample (Savitzky and Golay 1964)."""
-    width = 2 * HALF_WIDTH + 1
-    ends = np.pad(series, ((HALF_WIDTH, HALF_WIDTH), (0, 0)), mode="reflect", reflect_type="odd")
-    offsets = np.arange(-HALF_WIDTH, HALF_WIDTH + 1) * step_s
+    ends = np.pad(series, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
+    offsets = np.arange(-half, half + 1) * step_s
     factor = [1.0, 1.0, 2.0][derivative]
     weights = factor * np.linalg.pinv(np.vander(offsets, ORDER + 1, increasing=True))[derivative]
-    windows = np.lib.stride_tricks.sliding_window_view(ends, width, axis=0)
+    windows = np.lib.stride_tricks.sliding_window_view(ends, 2 * half + 1, axis=0)
     return windows @ weights
 
 
@@ -108,14 +109,16 @@ def question(program, folder, stage, torques, t):
     header = ",".join(["timestamp", *(f"predicted_torque_{j}" for j in range(len(JOINTS)))])
     np.savetxt(folder / f"{stage}.csv", np.column_stack([t, torques]), delimiter=",", header=header, comments="", fmt="%.9g")
     path = experiment(folder, f"{stage}.toml", "arm.xml", f'simulated = ["{stage}.csv"]')
-    print(aurt(program, "diagnose", path, "--out", folder / f"{stage}_diagnosis").strip())
-    return json.loads((folder / f"{stage}_diagnosis" / "verdict.json").read_text())
+    # The torque constants are the maker's: dry friction that a simulator lacks looks like wrong ones to whoever doubts them.
+    said = aurt(program, "diagnose", path, "--without", "torque_constant", "--out", folder / f"{stage}_diagnosis")
+    print(said.split("\n\n")[0].rstrip())
 
 
-def error(measured, predicted):
-    """Root mean square of the error over that of the measurement, in percent, both smoothed alike."""
-    apart, whole = smoothed(measured - predicted), smoothed(measured)
-    return 100.0 * np.sqrt(np.mean(apart**2, axis=0) / np.mean(whole**2, axis=0))
+def error(t, q, measured, predicted):
+    """Root mean square of the error over that of the measurement while a joint moves, in percent, both smoothed alike."""
+    moving = np.abs(smoothed(q, (t[-1] - t[0]) / (len(t) - 1), 1)) > MOVING_RAD_S
+    apart, whole = (smoothed(x, half=HALF_WIDTH_OF_ERRORS) for x in (measured - predicted, measured))
+    return 100.0 * np.sqrt(np.sum(moving * apart**2, axis=0) / np.sum(moving * whole**2, axis=0))
 
 
 def main():
@@ -134,8 +137,8 @@ def main():
     columns = {}
 
     def judged(title, stage, model, callback=None):
-        columns[title] = error(measured, prediction(model, t_held, q_held, callback))
-        return question(program, out, stage, prediction(model, t, q, callback), t)
+        columns[title] = error(t_held, q_held, measured, prediction(model, t_held, q_held, callback))
+        question(program, out, stage, prediction(model, t, q, callback), t)
 
     print("\n== What does the file lack?")
     judged("as it was", "before", mujoco.MjModel.from_xml_path(str(out / "arm.xml")))
@@ -150,6 +153,13 @@ def main():
     corrected = mujoco.MjModel.from_xml_path(str(out / "corrected" / "arm_calibrated.xml"))
     judged("corrected", "after", corrected)
 
+    print("\n== Dry friction that turns with the velocity")
+    # With the default, 20 ms, MuJoCo's friction loss turns 1/105 s ahead of the velocity: it looks at q̈ + 105/s q̇.
+    corrected.opt.timestep = 0.0005
+    corrected.dof_solref[:, 0] = 0.001
+    corrected.dof_solimp[:, :2] = 0.99
+    judged("stiff dry friction", "stiff", corrected)
+
     try:
         from aurt import Model
         from aurt.mujoco import Passive
@@ -162,13 +172,13 @@ def main():
         model = Model.load(out / "model_diagnosis" / "rd_improved.json")
         judged("with callback", "callback", corrected, Passive(model, corrected, joints=JOINTS))
 
-    print(f"\n== Error on {HELD_OUT}.csv, which was held out, % of the torque")
+    print(f"\n== Error on {HELD_OUT}.csv, which was held out, % of the torque while the joint moves")
     print("| joint | " + " | ".join(columns) + " |")
     print("|---" * (len(columns) + 1) + "|")
     for j, name in enumerate(JOINTS):
         print(f"| {name} | " + " | ".join(f"{column[j]:.1f}" for column in columns.values()) + " |")
-    if not np.all(columns["corrected"] < columns["as it was"]):
-        sys.exit("the corrected file is not better on every joint")
+    if not np.all(columns["stiff dry friction"] < 0.5 * columns["as it was"]):
+        sys.exit("the corrected file is not twice as good on every joint")
 
 
 if __name__ == "__main__":

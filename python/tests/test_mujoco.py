@@ -17,6 +17,14 @@ FILE = """<mujoco><option gravity="0 -9.81 0" timestep="0.001"><flag contact="di
     <joint name="second" axis="0 0 1" armature="0.05"/></body></body>
 <body pos="3 0 0"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="beside" axis="0 0 1"/></body>
 </worldbody></mujoco>"""
+# The same with the bodies, rotors and friction of the robot that is simulated.
+CORRECTED = """<mujoco><option gravity="0 -9.81 0" timestep="0.002"><flag contact="disable"/></option><worldbody>
+<body><inertial pos="0.5 0 0" mass="5" diaginertia="0.00225 0.4178 0.4178"/>
+  <joint name="first" axis="0 0 1" armature="0.8" damping="5" frictionloss="6"/>
+  <body pos="1 0 0"><inertial pos="0.5 0 0" mass="3" diaginertia="0.00135 0.2507 0.2507"/>
+    <joint name="second" axis="0 0 1" armature="0.3" damping="2.5" frictionloss="3"/></body></body>
+<body pos="3 0 0"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="beside" axis="0 0 1"/></body>
+</worldbody></mujoco>"""
 OTHER = '<mujoco><worldbody><body><joint name="door"/><geom size="0.1"/></body></worldbody></mujoco>'
 
 
@@ -62,17 +70,21 @@ def test_near_rest_torques_run_through_from_one_side_to_the_other(loaded, call):
     q, ddq = numpy.array([0.3, -0.8]), numpy.array([1.0, 2.0])
     below, middle, above = (inverse(arm, q, numpy.full(2, v), ddq) for v in (-0.1, 0.0, 0.1))
     assert (above - below).min() > 0.1
-    assert numpy.allclose(middle, 0.5 * (below + above), rtol=0.0, atol=1e-2)
+    assert numpy.allclose(middle, 0.5 * (below + above), rtol=0.0, atol=0.05)
 
 
-def test_an_arm_that_is_let_go_loses_energy_and_other_models_are_left_alone(loaded, call):
-    arm, door = mujoco.MjModel.from_xml_string(FILE), mujoco.MjModel.from_xml_string(OTHER)
-    call(Passive(loaded, arm, joints=["first", "second"]))
-    data, beside = mujoco.MjData(arm), mujoco.MjData(door)
-    for _ in range(3000):
+def test_an_arm_that_is_let_go_comes_to_rest_and_other_models_are_left_alone(two_link, monday, call):
+    model = aurt.calibrate(two_link.model(coulomb="absolute", arm_terms=["rotor_inertia"]), monday)
+    arm, door = mujoco.MjModel.from_xml_string(CORRECTED), mujoco.MjModel.from_xml_string(OTHER)
+    call(Passive(model, arm, joints=["first", "second"]))
+    data = mujoco.MjData(arm)
+    speed = numpy.empty((4000, 3))
+    for row in speed:
         mujoco.mj_step(arm, data)
-    assert numpy.isfinite(data.qpos).all() and numpy.abs(data.qvel[:2]).max() < 20.0
-    assert data.qvel[2] == 0.0, "the joint beside the chain feels nothing"
+        row[:] = numpy.abs(data.qvel)
+    assert 1.0 < speed[:, :2].max() < 10.0 and speed[-200:].max() < 0.03, speed[-1]
+    assert not speed[:, 2].any(), "the joint beside the chain feels nothing"
+    beside = mujoco.MjData(door)
     mujoco.mj_forward(door, beside)
     assert not beside.qfrc_passive.any()
 
@@ -82,7 +94,7 @@ def test_friction_with_memory_advances_with_time_and_begins_anew(two_link, monda
     arm = mujoco.MjModel.from_xml_string(FILE)
     arm.dof_frictionloss[:] = 0.0
     call(Passive(remembering, arm, joints=["first", "second"]))
-    window = aurt.simulate("two_link", motion=motion(2.0), seed=3)
+    window = aurt.simulate("two_link", motion=motion(4.0), seed=3)
     q = window.q
     dq = numpy.gradient(q, window.t, axis=0)
     wanted = remembering.torque(q, dq, numpy.zeros_like(q), window.t)
