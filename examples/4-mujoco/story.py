@@ -55,7 +55,10 @@ estimator = "consistent"
 
 def aurt(program, *arguments):
     """Runs the program; 1 says that a diagnosis found something."""
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
+    try:
+        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
+    except OSError as failure:
+        sys.exit(f"{program} cannot be run: {failure.strerror}; name the program with --aurt")
     if done.returncode > 1:
         sys.exit(f"aurt {' '.join(map(str, arguments))}:\n{done.stderr}")
     return done.stdout
@@ -64,7 +67,10 @@ def aurt(program, *arguments):
 def recording(path):
     """Stamps, positions and torques of a recording in currents."""
     table = np.genfromtxt(path, delimiter=",", names=True)
-    of = lambda prefix: np.column_stack([table[f"{prefix}_{j}"] for j in range(len(JOINTS))])
+
+    def of(prefix):
+        return np.column_stack([table[f"{prefix}_{j}"] for j in range(len(JOINTS))])
+
     return table["timestamp"], of("actual_q"), of("actual_current") * TORQUE_CONSTANTS
 
 
