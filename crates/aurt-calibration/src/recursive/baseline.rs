@@ -25,7 +25,7 @@ const MOTIONS_OF_ALL: f64 = 8.0;
 /// **Assumption.** What the model lacks falls on all parameters in proportion to their formal deviations: θ and c in these units differ
 /// little among parameters. Motions are few, two or three at times, and one parameter's effects of them say next to nothing of θ; all
 /// parameters together say something. So each parameter's mean squares are drawn towards the mean of all parameters, as by
-/// [`MOTIONS_OF_ALL`] motions more (as Smyth 2004 does with variances of many genes and few arrays).
+/// eight motions more (as Smyth 2004 does with variances of many genes and few arrays).
 ///
 /// With δ_r the mean of motion r weighted by s⁻², over N windows of R motions, c² = Σ_ri ((δ_ri − δ_r)/s_ri)² / (N − R), at least 1, and
 /// F = Σ_r δ_r² Σ_i s_ri⁻² / (c² L R) is 1 in the mean without effects of motions and 1 + n θ²/(c² L) with them. A motion is seen here by a
