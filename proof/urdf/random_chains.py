@@ -22,7 +22,7 @@ import tempfile
 import numpy as np
 import pinocchio as pin
 
-from compare import TOLERANCE, compare_chain, rest
+from compare import TOLERANCE, File, compare_chain
 
 QUANTILES = (0.5, 0.95, 0.99, 1.0)
 
@@ -103,7 +103,7 @@ def main():
                 refused.append(f"chain {number}: {found}")
                 continue
             model = pin.buildModelFromUrdf(str(file))
-            *differences, rank = compare_chain(model, rest(model, file), read[0], folder)
+            (*differences, rank), _ = compare_chain([model, None], File(file), read[0], folder)
             worst.append(differences)
             joints.append(len(read[0]["joints"]))
             if read[0]["base_parameters"] != rank:
