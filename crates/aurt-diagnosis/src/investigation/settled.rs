@@ -27,7 +27,7 @@ const ROUNDS: usize = 4;
 /// The coefficients of the laws are settled when none moves by more than this share of its deviation.
 const SETTLED: f64 = 0.1;
 
-/// A model of the own columns and of the chosen laws alone.
+/// A model of the own columns, of the chosen laws, and of all that are made of the model's coefficients.
 struct Final {
     model: RobotModel,
     /// Columns in it, and in the model of all candidates.
@@ -45,8 +45,8 @@ impl Final {
 
 impl Parts<'_> {
     /// Evaluates the columns of all laws that are made of the model's coefficients with those of the final fit, in the rows
-    /// that fit and in those that confirm, and fits again, until both agree. Whether there was any: with
-    /// these columns other laws may do better.
+    /// that fit and in those that confirm, and fits again, until both agree. Whether there was any: with these columns
+    /// other laws may do better.
     ///
     /// # Errors
     /// What evaluation reports.
