@@ -56,12 +56,7 @@ pub(crate) fn candidates(
         terms.push(term);
         proposed.push((REGISTERED, Some(model), proposal, Some(terms.len() - 1)));
     }
-    let model =
-        RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
-            .map_err(|errors| DiagnosisError::Candidate {
-                effect: "candidates",
-                reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-            })?;
+    let model = with_terms(own, terms)?;
     let layout = Layout::new(&model);
     let candidates = proposed
         .into_iter()
@@ -82,6 +77,19 @@ pub(crate) fn candidates(
         })
         .collect();
     Ok((model, candidates))
+}
+
+/// A model with other arm terms.
+pub(crate) fn with_terms(
+    own: &RobotModel,
+    terms: Vec<Box<dyn ArmTerm>>,
+) -> Result<RobotModel, DiagnosisError> {
+    RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms).map_err(
+        |errors| DiagnosisError::Candidate {
+            effect: "candidates",
+            reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        },
+    )
 }
 
 /// The term of a proposal.

@@ -5,15 +5,13 @@
 //! makes the arm seem a tenth too heavy, and the loss, per load, too small. With the columns of the final coefficients
 //! both are right; a few rounds of evaluation and least squares settle them.
 
-use std::sync::Arc;
-
 use aurt_traits::{ArmTerm, ColumnGroup, LoadTorque, RobotModel};
 use rayon::prelude::*;
 use serde_json::json;
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, reads_load};
-use crate::hypotheses::candidates::{Candidate, build_term};
+use crate::hypotheses::candidates::{Candidate, build_term, with_terms};
 use crate::hypotheses::effects::{self, Addition};
 use crate::hypotheses::group::Group;
 use crate::investigation::fitted::Fitted;
@@ -26,6 +24,9 @@ const ROUNDS: usize = 4;
 
 /// The coefficients of the laws are settled when none moves by more than this share of its deviation.
 const SETTLED: f64 = 0.1;
+
+/// Columns that differ by less than this share of their largest value are the same.
+const ROUNDING: f64 = 1e-9;
 
 /// A model of the own columns, of the chosen laws, and of all that are made of the model's coefficients.
 struct Final {
@@ -45,8 +46,8 @@ impl Final {
 
 impl Parts<'_> {
     /// Evaluates the columns of all laws that are made of the model's coefficients with those of the final fit, in the rows
-    /// that fit and in those that confirm, and fits again, until both agree. Whether there was any: with these columns
-    /// other laws may do better.
+    /// that fit and in those that confirm, and fits again, until both agree. Whether columns of the final model have
+    /// changed in that: with the new ones other laws may do better.
     ///
     /// # Errors
     /// What evaluation reports.
@@ -66,15 +67,28 @@ impl Parts<'_> {
             return Ok(false);
         }
         let laws = self.laws(&groups);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let own = selected.fitted.own(self.own, self.base);
             for law in &laws {
                 settle_inertia(&mut self.candidates[*law], &own);
             }
             let law = self.final_model(&laws)?;
             let evaluated = self.evaluate_final(baseline, &law, &own, selected)?;
-            for (r, whole) in evaluated.iter().enumerate() {
-                self.put(rows, confirm, (r, whole), &law, (own_columns, &own));
+            let renewed: Vec<Renewed> = (0..evaluated.len())
+                .flat_map(|r| self.renewed((r, &evaluated[r]), &law, (own_columns, &own)))
+                .collect();
+            let in_model = |column: usize| {
+                column < own.len() || selected.fitted.switches.iter().any(|s| s.column == column)
+            };
+            // Arm terms do not say whether they read the load: rotors do not.
+            let of_model = renewed.iter().filter(|new| in_model(self.layout.rows[new.joint][new.place]));
+            if round == 0 && !of_model.into_iter().any(|new| new.differs_from(rows)) {
+                return Ok(false);
+            }
+            for Renewed { recording, joint, place, values } in &renewed {
+                let (fit, rest) = values.split_at(rows[*recording].rows());
+                rows[*recording].joints[*joint].set_column(*place, fit);
+                confirm.set_column(*recording, *joint, *place, rest);
             }
             for joint in 0..self.layout.rows.len() {
                 let places: Vec<usize> = (0..self.layout.rows[joint].len())
@@ -127,12 +141,7 @@ impl Parts<'_> {
                 _ => {}
             }
         }
-        let model =
-            RobotModel::new(Arc::clone(own.rigid_body()), own.base().clone(), own.stacks().to_vec(), terms)
-                .map_err(|errors| DiagnosisError::Candidate {
-                effect: "candidates",
-                reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-            })?;
+        let model = with_terms(own, terms)?;
         let mut columns: Vec<[usize; 2]> = (0..own.parameters().len()).map(|c| [c, c]).collect();
         for (term, candidate) in added {
             let here = model.group(ColumnGroup::ArmTerm(term));
@@ -183,15 +192,14 @@ impl Parts<'_> {
         law.columns.iter().any(|[_, there]| *there == column) || law.gain_of(column).is_some()
     }
 
-    fn put(
+    /// The columns of a recording that are evaluated anew.
+    fn renewed(
         &self,
-        rows: &mut FitRows,
-        confirm: &mut ConfirmRows,
-        (r, whole): (usize, &RecordingRows),
+        (recording, whole): (usize, &RecordingRows),
         law: &Final,
         (own_columns, own): (bool, &[f64]),
-    ) {
-        let end_of_fit = rows[r].rows();
+    ) -> Vec<Renewed> {
+        let mut renewed = Vec::new();
         for (joint, layout) in self.layout.rows.iter().enumerate() {
             let evaluated = &whole.joints[joint];
             let here = law.model.row_columns(joint);
@@ -207,10 +215,8 @@ impl Parts<'_> {
                     Some(of_joint) if of_joint == joint => {
                         let mut predicted = vec![0.0; whole.rows()];
                         for (k, c) in here.iter().enumerate().filter(|(_, c)| **c < own.len()) {
-                            predicted
-                                .iter_mut()
-                                .zip(evaluated.column(k))
-                                .for_each(|(p, v)| *p += own[*c] * v);
+                            let column = evaluated.column(k).iter();
+                            predicted.iter_mut().zip(column).for_each(|(p, v)| *p += own[*c] * v);
                         }
                         predicted
                     }
@@ -220,10 +226,28 @@ impl Parts<'_> {
                         None => continue,
                     },
                 };
-                rows[r].joints[joint].set_column(place, &values[..end_of_fit]);
-                confirm.set_column(r, joint, place, &values[end_of_fit..]);
+                renewed.push(Renewed { recording, joint, place, values });
             }
         }
+        renewed
+    }
+}
+
+/// A column of a joint's rows, over all rows of a recording.
+struct Renewed {
+    recording: usize,
+    joint: usize,
+    place: usize,
+    values: Vec<f64>,
+}
+
+impl Renewed {
+    /// Whether it is another than that of the rows that fit, beyond rounding.
+    fn differs_from(&self, rows: &FitRows) -> bool {
+        let joint = &rows[self.recording].joints[self.joint];
+        let largest = self.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let pairs = joint.column(self.place).iter().zip(&self.values).zip(&joint.counts);
+        pairs.into_iter().any(|((old, new), counts)| *counts && (old - new).abs() > ROUNDING * largest)
     }
 }
 

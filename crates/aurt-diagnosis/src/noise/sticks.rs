@@ -4,7 +4,8 @@
 //! friction is what it has to be, from −F to F, and a law of the velocity says one of both: what it is off by is no missing
 //! physics of motion, but belongs to what a right model leaves.
 
-/// Deviations of the velocity's noise within which a joint may stand.
+/// Deviations of the velocity's noise within which a joint may stand; chosen beforehand, as the next is, and not fitted to
+/// cases.
 const RESTS: f64 = 3.0;
 
 /// Share of the root mean square velocity below which a filter's ringing is not told from motion.

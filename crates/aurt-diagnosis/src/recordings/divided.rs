@@ -63,8 +63,8 @@ impl ConfirmRows {
         }
     }
 
-    /// Replaces a column of a joint's rows by that of a law whose shape was estimated on the rows that fit; rows that do
-    /// not count stay zero.
+    /// Replaces a column of a joint's rows by that of a law as it was estimated on the rows that fit; rows that do not count
+    /// stay zero.
     pub(crate) fn set_column(&mut self, recording: usize, joint: usize, column: usize, values: &[f64]) {
         self.0[recording].joints[joint].set_column(column, values);
     }
