@@ -80,7 +80,7 @@ pub fn diagnose_experiment(
 ) -> PyResult<Verdict> {
     let progress = progress.map(listener).transpose()?.flatten();
     work::run(py, progress.as_ref(), move |progress| {
-        let mut registry = Registry::linked()?;
+        let mut registry = Registry::of_user()?;
         let experiment = Experiment::read(&path, &mut registry)?;
         let folder = path.parent().map(PathBuf::from).unwrap_or_default();
         let options = DiagnosisOptions { improve_for: Some(folder), ..DiagnosisOptions::default() };

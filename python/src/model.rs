@@ -70,7 +70,7 @@ pub fn calibrate_experiment(
 ) -> PyResult<Model> {
     let progress = progress.map(listener).transpose()?.flatten();
     let outcome = work::run(py, progress.as_ref(), move |progress| {
-        let experiment = Experiment::read(path, &mut Registry::linked()?)?;
+        let experiment = Experiment::read(path, &mut Registry::of_user()?)?;
         fit_experiment(&experiment, progress)
     })?;
     Ok(Model::of(outcome))

@@ -50,7 +50,7 @@ fn ranked(
     rows: Rows,
     progress: &Progress,
 ) -> Result<Ranking, aurt::Error> {
-    let mut registry = Registry::linked()?;
+    let mut registry = Registry::of_user()?;
     let sweep = Sweep::read(path, &mut registry)?;
     let folder = Folder::for_sweep(out, &sweep)?;
     let plan = Plan::of(&sweep, &registry)?;

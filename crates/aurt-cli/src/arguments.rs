@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Load a library of models; repeatable.
     #[arg(long, global = true, value_name = "LIBRARY")]
     pub plugin: Vec<PathBuf>,
+    /// Load every library that an experiment names, trusted or not: its code runs with your rights.
+    #[arg(long, global = true)]
+    pub allow_plugins: bool,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,

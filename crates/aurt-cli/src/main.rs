@@ -20,7 +20,7 @@ use aurt::{
     injected, inspection, origins, output, proof, reports, results, sensitivity, streaming, sweeping,
     tracking,
 };
-use aurt_plugins::{Registry, Worker};
+use aurt_plugins::{Registry, Trust, Worker};
 use aurt_traits::Dispatch;
 
 use crate::{
@@ -36,7 +36,10 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     if let Some(level) = Dispatch::from_environment().map_err(|error| Failure::Models(vec![error]))? {
         level.select().map_err(|error| Failure::Models(vec![error]))?;
     }
-    let mut registry = Registry::linked()?;
+    let mut registry = Registry::of_user()?;
+    if arguments.allow_plugins {
+        registry.trust(Trust::all());
+    }
     registry.before_libraries(supervised::before_library);
     if let Ok(worker) = Worker::this_program() {
         registry.serve_with(worker);

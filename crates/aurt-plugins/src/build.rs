@@ -174,7 +174,12 @@ pub(crate) fn build<M: SlotModel + ?Sized>(
 /// The library that a saved model is from.
 fn saved_library(plugin: &Value) -> LibraryListing {
     let said = |key: &str| plugin.get(key).and_then(Value::as_str).unwrap_or("unknown").to_owned();
-    LibraryListing { name: said("name"), version: said("version"), path: said("library").into() }
+    LibraryListing {
+        name: said("name"),
+        version: said("version"),
+        path: said("library").into(),
+        blake3: said("blake3"),
+    }
 }
 
 /// Whether a model that has this origin now can stand for one that was saved from a library: it is of the same library,

@@ -38,6 +38,14 @@ pub enum Error {
         /// Why.
         problem: LibraryProblem,
     },
+    /// The list of trusted libraries is damaged.
+    #[error("{path}: {reason}; mend or delete it (`aurt trust LIBRARY` writes it)", path = path.display())]
+    TrustList {
+        /// The list.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A new plugin cannot have that name.
     #[error("`{name}` cannot be the name of a plugin: it {reason}")]
     PluginName {

@@ -30,6 +30,7 @@ mod new_plugin;
 mod place;
 mod registry;
 pub mod suggestion;
+mod trust;
 
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
@@ -40,3 +41,4 @@ pub use dynamic::{
 pub use error::{BuildError, Error};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};
 pub use registry::{ModelListing, Origin, Registry};
+pub use trust::Trust;

@@ -8,6 +8,7 @@ use crate::{
     dynamic::{self, LibraryListing, LibraryModel, LibraryProblem, Worker},
     error::BuildError,
     inner::Form,
+    trust::{Trust, hash_of},
 };
 
 /// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
@@ -21,6 +22,8 @@ pub struct Registry {
     worker: Option<Worker>,
     /// Whether libraries that are loaded from now on get such processes.
     isolating: bool,
+    /// Which libraries may be loaded because a file names them.
+    trust: Trust,
 }
 
 #[derive(Debug, Clone)]
@@ -75,7 +78,7 @@ impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Crate(name) => write!(f, "crate {name}"),
-            Self::Library(LibraryListing { name, version, path }) => {
+            Self::Library(LibraryListing { name, version, path, .. }) => {
                 write!(f, "library {name} {version} ({})", path.display())
             }
         }
@@ -113,6 +116,14 @@ impl Registry {
         Ok(registry)
     }
 
+    /// The linked models; files may name the libraries that the user trusts ([`Trust::of_user`]).
+    ///
+    /// # Errors
+    /// As [`Self::linked`], and a list of trusted libraries that is damaged.
+    pub fn of_user() -> Result<Self, Error> {
+        Ok(Self { trust: Trust::of_user()?, ..Self::linked()? })
+    }
+
     /// Loads a dynamic library and adds its models; all of them or, if one is refused, none. A library that is loaded
     /// already stays as it is.
     ///
@@ -143,6 +154,31 @@ impl Registry {
         with_library.libraries.push(library);
         *self = with_library;
         Ok(())
+    }
+
+    /// Loads a dynamic library because a file names it: if it is loaded already, or its bytes are trusted.
+    ///
+    /// # Errors
+    /// As [`Self::load_library`], and [`LibraryProblem::NotTrusted`].
+    pub fn load_named_library(&mut self, path: &Path) -> Result<(), Error> {
+        let hash = hash_of(path)?;
+        if !self.trust.allows(&hash) && !self.libraries.iter().any(|known| known.blake3 == hash) {
+            return Err(Error::Library { path: path.to_owned(), problem: LibraryProblem::NotTrusted });
+        }
+        self.load_library(path)
+    }
+
+    /// Says which libraries may be loaded because a file names them; none, until then.
+    pub fn trust(&mut self, trust: Trust) {
+        self.trust = trust;
+    }
+
+    /// Which libraries a program that this one starts may load: those that this one may, and those that it has.
+    #[must_use]
+    pub fn trusted(&self) -> Trust {
+        let mut trust = self.trust.clone();
+        self.libraries.iter().for_each(|library| trust.insert(library.blake3.clone()));
+        trust
     }
 
     /// Says which program serves libraries in processes of their own; see [`crate::serve_if_asked`].

@@ -29,6 +29,7 @@ mod sensitivity;
 mod simulate;
 mod sweep;
 mod track;
+mod trust;
 
 use aurt_plugins::Registry;
 use clap::Subcommand;
@@ -64,6 +65,7 @@ pub enum Command {
     Explain(explain::Explain),
     Export(export::Export),
     NewPlugin(new_plugin::NewPlugin),
+    Trust(trust::TrustLibraries),
     Completions(completions::Completions),
     Man(man::Man),
 }
@@ -79,7 +81,7 @@ pub const GROUPS: [(&str, &[&str]); 8] = [
         "Step by step, as in the paper",
         &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
     ),
-    ("Models and words", &["models", "robots", "explain", "new-plugin"]),
+    ("Models and words", &["models", "robots", "explain", "new-plugin", "trust"]),
     ("Shell", &["completions", "man", "help"]),
 ];
 
@@ -128,6 +130,7 @@ impl Command {
             Self::Explain(command) => command.run(session),
             Self::Export(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
+            Self::Trust(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Man(command) => command.run(),
         }

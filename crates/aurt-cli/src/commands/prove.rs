@@ -116,8 +116,6 @@ impl Prove {
     ) -> Result<BTreeMap<World, String>, Failure> {
         let mut skipped = BTreeMap::new();
         let shard = self.shard.unwrap_or_default();
-        let options =
-            Options { keep: self.keep, without: !self.no_removal, shard, program: self.program.clone() };
         for world in World::ALL.into_iter().filter(|w| self.world.contains(w)) {
             let place = Place::new(out, world);
             let ingredients = Ingredients { plan: self.plan(world)?, seed, into: self.into.clone() };
@@ -127,6 +125,13 @@ impl Prove {
                     skipped.insert(world, reason);
                     continue;
                 }
+            };
+            let options = Options {
+                keep: self.keep,
+                without: !self.no_removal,
+                shard,
+                program: self.program.clone(),
+                trust: session.registry.trusted(),
             };
             let cases = source.planned().len();
             let into = ingredients.set_names(world);

@@ -63,6 +63,8 @@ fn is_a_model(folder: Folder, library: &Path, model: &str) {
     folder.aurt(predict()).refused(&[model, "which is not loaded", "load it with `--plugin"]);
     folder.aurt([vec!["--plugin", &library], predict()].concat()).succeeded();
 
+    asks_first(&folder, &library);
+
     folder.aurt(["sweep", "run", "experiment.toml", "--out", "sweep"]).succeeded();
     let table = folder.json("sweep/table.json");
     assert_eq!(table["ranked"].as_array().unwrap().len(), 3);
@@ -82,6 +84,32 @@ fn is_a_model(folder: Folder, library: &Path, model: &str) {
     folder.aurt(["sweep", "point", "1", "--out", "one"]).succeeded();
     folder.aurt(["sweep", "point", "2", "--out", "one"]).succeeded();
     folder.aurt(["sweep", "collect", "--out", "one"]).succeeded();
+}
+
+/// Files that name a library run none of its code before somebody has said that they may.
+fn asks_first(folder: &Folder, library: &str) {
+    let list = text(&folder.path("list"));
+    let aurt = |arguments: &[&str]| {
+        folder.aurt_with([("AURT_TRUST", ""), ("AURT_TRUST_FILE", list.as_str())], arguments)
+    };
+    let run = ["run", "experiment.toml", "--out", "asked"];
+    aurt(&run).refused(&["is not trusted", "--allow-plugins", "aurt trust"]);
+    assert!(!folder.path("asked").exists());
+    aurt(&[&["--allow-plugins"][..], &run].concat()).succeeded();
+    aurt(&[&["--plugin", library][..], &run].concat()).succeeded();
+    aurt(&run).refused(&["is not trusted"]);
+    assert!(aurt(&["trust"]).succeeded().stdout().contains("no library is trusted"));
+    aurt(&["trust", library]).succeeded();
+    aurt(&run).succeeded();
+    assert!(aurt(&["trust"]).succeeded().stdout().contains(library));
+    let saved = folder.json("asked/rd_calibrated.json");
+    let hash = blake3::hash(&fs::read(library).unwrap()).to_hex().to_string();
+    assert_eq!(saved["model"]["joint_dynamics"][0]["viscous"]["plugin"]["blake3"], hash.as_str());
+    // Its bytes are trusted, not its name.
+    folder.write("list", &format!("{}  {library}\n", "0".repeat(64)));
+    aurt(&run).refused(&["is not trusted"]);
+    folder.write("list", "nonsense\n");
+    aurt(&run).refused(&["line 1 begins with no BLAKE3 hash"]);
 }
 
 #[test]

@@ -205,7 +205,7 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
             NodeKind::Array(items) => {
                 for item in items {
                     let Some(path) = section.file_of("libraries", item) else { continue };
-                    if let Err(error) = registry.load_library(&path) {
+                    if let Err(error) = registry.load_named_library(&path) {
                         section.reader.complain(Complaint::new(item.span.clone(), error.to_string()));
                     }
                     libraries.push(path);

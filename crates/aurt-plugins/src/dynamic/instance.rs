@@ -250,6 +250,7 @@ impl Instance {
                 "name": library.name,
                 "version": library.version,
                 "library": library.path.to_string_lossy(),
+                "blake3": library.blake3,
             }),
         );
         keys

@@ -16,6 +16,7 @@ use super::isolated::Pool;
 use crate::{
     Error,
     registry::{ModelListing, Origin},
+    trust::hash_of,
 };
 
 /// What a listing says of a loaded library.
@@ -27,6 +28,8 @@ pub struct LibraryListing {
     pub version: String,
     /// Its file.
     pub path: PathBuf,
+    /// The BLAKE3 hash of the file's bytes when it was loaded, in hexadecimal digits.
+    pub blake3: String,
 }
 
 /// Why a library could not be loaded.
@@ -38,6 +41,12 @@ pub enum LibraryProblem {
         "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
     )]
     Missing,
+    /// A file names it, and nobody has said that its code may run.
+    #[error(
+        "is not trusted, and loading it runs its code with your rights; if you know where it is from, allow it once \
+         (`--plugin` with its path, or `--allow-plugins`) or from now on (`aurt trust` with its path)"
+    )]
+    NotTrusted,
     /// The system does not load it.
     #[error("is not a library that this system can load: {0}")]
     NotALibrary(String),
@@ -126,6 +135,7 @@ pub(crate) fn load(path: &Path) -> Result<Loaded, Error> {
         // The loader would wait at a pipe for ever.
         return Err(fail(LibraryProblem::NotALibrary("it is no regular file".to_owned())));
     }
+    let blake3 = hash_of(&file)?;
     // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
     // that runs with the user's rights, like a linked crate.
     let library = unsafe { Library::new(&file) }.map_err(|e| {
@@ -145,7 +155,7 @@ pub(crate) fn load(path: &Path) -> Result<Loaded, Error> {
     // SAFETY: the entry returns the library's declaration, which lives as long as the library.
     let declared = unsafe { read_declaration(declaration) };
     let (name, version, models) = declared.map_err(fail)?;
-    let listing = LibraryListing { name, version, path: file };
+    let listing = LibraryListing { name, version, path: file, blake3 };
     let models = models
         .into_iter()
         // SAFETY: `read_declaration` found these tables within the declared ones.

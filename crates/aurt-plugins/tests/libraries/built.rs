@@ -8,7 +8,7 @@ use std::{
     sync::Mutex,
 };
 
-use aurt_plugins::Registry;
+use aurt_plugins::{Registry, Trust};
 
 /// The Rust example, which cargo has built as a library because this test depends on it.
 pub fn rust_example() -> PathBuf {
@@ -55,9 +55,16 @@ fn compile_now(name: &str, source: &Path, arguments: &[&str]) -> Option<PathBuf>
     Some(library)
 }
 
+/// The linked models; files may name any library.
+pub fn trusting() -> Registry {
+    let mut registry = Registry::linked().unwrap();
+    registry.trust(Trust::all());
+    registry
+}
+
 /// The linked models and those of a library.
 pub fn with(library: &Path) -> Registry {
-    let mut registry = Registry::linked().unwrap();
+    let mut registry = trusting();
     registry.load_library(library).unwrap();
     registry
 }

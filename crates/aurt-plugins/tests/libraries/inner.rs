@@ -33,7 +33,7 @@ fn parse(folder: &std::path::Path, text: &str, registry: &mut Registry) -> Resul
 #[test]
 fn an_experiment_names_them_and_a_saved_model_reads_back() {
     let folder = tempfile::tempdir().unwrap();
-    let mut registry = Registry::linked().unwrap();
+    let mut registry = built::trusting();
     let mut model = parse(folder.path(), EXPERIMENT, &mut registry).unwrap().robot_model().unwrap();
     let names: Vec<String> = model.parameters().iter().map(|p| p.name.clone()).collect();
     assert!(names.iter().any(|n| n.contains("F_v_1")), "{names:?}");
@@ -59,7 +59,7 @@ fn an_experiment_names_them_and_a_saved_model_reads_back() {
     let read = model_file::read_robot_model(&path, &registry).unwrap();
     assert_eq!(model_file::robot_model_to_json(&read).unwrap(), saved);
 
-    let error = model_file::read_robot_model(&path, &Registry::linked().unwrap()).unwrap_err().to_string();
+    let error = model_file::read_robot_model(&path, &built::trusting()).unwrap_err().to_string();
     let said = ["the viscous model `eyring` is from the library aurt-plugin-example", "--plugin"];
     assert!(said.iter().all(|s| error.contains(s)), "{error}");
 }
@@ -84,7 +84,7 @@ fn problems(from: &str, to: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     assert!(EXPERIMENT.contains(from));
     let text = EXPERIMENT.replace(from, to);
-    parse(folder.path(), &text, &mut Registry::linked().unwrap()).unwrap_err()
+    parse(folder.path(), &text, &mut built::trusting()).unwrap_err()
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::{
     process::{Command, Stdio},
 };
 
+use aurt_plugins::Trust;
 use aurt_simulation::{
     case::{CaseType, Plan, Truth},
     score::leaks,
@@ -27,6 +28,8 @@ pub struct Options {
     pub shard: Shard,
     /// The program that diagnoses; without one this one.
     pub program: Option<PathBuf>,
+    /// The libraries that experiments of cases may name.
+    pub trust: Trust,
 }
 
 /// Makes, diagnoses and forgets the cases of a world, on all cores. Cases that were diagnosed before are skipped, so that
@@ -144,6 +147,7 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
         .current_dir(case)
         // Cases are diagnosed side by side.
         .env("RAYON_NUM_THREADS", "1")
+        .envs([options.trust.environment()])
         .stdin(Stdio::null())
         .output()
         .map_err(|error| Failure::Argument {

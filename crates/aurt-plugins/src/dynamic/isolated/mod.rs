@@ -99,8 +99,9 @@ type Listed = (ModelListing, Arc<LibraryModel>);
 pub(crate) fn load(path: &Path, worker: &Worker) -> Result<(LibraryListing, Vec<Listed>), Error> {
     let fail = |problem| Error::Library { path: path.to_owned(), problem };
     let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
+    let blake3 = crate::trust::hash_of(&file)?;
     let (pool, offer) = Pool::start(file.clone(), worker.clone()).map_err(fail)?;
-    let library = LibraryListing { name: offer.name, version: offer.version, path: file };
+    let library = LibraryListing { name: offer.name, version: offer.version, path: file, blake3 };
     let pool = Arc::new(pool);
     let listed = |(number, model): (usize, frame::OfferedModel)| {
         let listing = ModelListing {
