@@ -58,6 +58,11 @@ impl Normal {
 }
 
 fn model_of(robot: &Robot) -> RobotModel {
+    model_with(robot, "none")
+}
+
+/// The robot's model with a Coulomb model of this name.
+fn model_with(robot: &Robot, coulomb: &str) -> RobotModel {
     let folder = tempfile::tempdir().unwrap();
     let mdh = folder.path().join("mdh.csv");
     std::fs::write(&mdh, robot.mdh_csv()).unwrap();
@@ -65,7 +70,7 @@ fn model_of(robot: &Robot) -> RobotModel {
     let unread = folder.path().join("unread.csv");
     std::fs::write(&unread, "").unwrap();
     let text = format!(
-        "schema = 1\n[robot]\nmdh = {mdh:?}\ngravity_m_s2 = {:?}\n[joint_dynamics]\ncoulomb = {{ model = \"none\" }}\n\
+        "schema = 1\n[robot]\nmdh = {mdh:?}\ngravity_m_s2 = {:?}\n[joint_dynamics]\ncoulomb = {{ model = {coulomb:?} }}\n\
          hysteresis = {{ model = \"sign\" }}\nviscous = {{ model = \"polynomial\", powers = [1] }}\n[preprocess]\n\
          f_dyn_hz = {F_DYN_HZ:?}\n[recordings]\ncalibration = [{unread:?}]\n",
         robot.gravity_m_s2,
@@ -156,7 +161,16 @@ fn floors(robot: &Robot, motion: &Motion, sight: &Sight) -> Vec<(f64, f64)> {
 }
 
 fn floors_of(robot: &Robot, model: &RobotModel, recorded: impl Fn(u64) -> Recording) -> Vec<(f64, f64)> {
-    let options = PreprocessOptions::new(F_DYN_HZ);
+    floors_at(robot, model, F_DYN_HZ, recorded)
+}
+
+fn floors_at(
+    robot: &Robot,
+    model: &RobotModel,
+    f_dyn_hz: f64,
+    recorded: impl Fn(u64) -> Recording,
+) -> Vec<(f64, f64)> {
+    let options = PreprocessOptions::new(f_dyn_hz);
     let recordings: Vec<QuestionedRecording> = (3..5)
         .map(|seed| {
             let raw = recorded(seed);
@@ -170,7 +184,7 @@ fn floors_of(robot: &Robot, model: &RobotModel, recorded: impl Fn(u64) -> Record
         frozen: None,
         recordings: &recordings,
         unit: MeasurementUnit::NewtonMetre,
-        f_dyn_hz: F_DYN_HZ,
+        f_dyn_hz,
         calibration: CalibrationOptions::default(),
         selection: SelectionOptions::default(),
         without: &[],
@@ -299,5 +313,23 @@ fn memory_of_the_measurement_is_carried_into_the_band_of_calibration() {
     for corner_hz in [10.0, 20.0, 50.0] {
         let sight = Sight { white_nm: 0.1, markov_nm: 0.15, corner_hz, ..PERFECT };
         assert_within(&floors(&robot, &excitation(), &sight), 0.8..1.12, &format!("{corner_hz} Hz"));
+    }
+}
+
+/// Joints that turn every second or two have no calm pieces of four periods of 2.5 Hz.
+#[test]
+fn friction_that_the_model_lacks_is_no_memory_of_the_instrument() {
+    let robot = robots::ur10e();
+    let model = model_with(&robot, "absent");
+    let motion = Motion::MultiSine { duration_s: 30.0, harmonics: 5, top_hz: 0.5, share: 0.6 };
+    let sight = Sight { white_nm: 0.3, ..PERFECT };
+    let found = floors_at(&robot, &model, 2.5, |seed| recording(&robot, &model, &motion, &sight, seed));
+    // White noise behind a filter of twice f_dyn.
+    let white = sight.white_nm * (2.0 * 2.0 * 2.5 / sight.rate_hz).sqrt();
+    println!("{found:.3?}, white {white:.3}");
+    let few_pieces = found.iter().filter(|(said, _)| !(0.8..1.2).contains(&(said / white))).count();
+    assert!(few_pieces <= 1, "{found:.3?}, white {white:.3}");
+    for (said, left) in &found {
+        assert!(*said < 5.0 * white && *left > 10.0 * said, "{found:.3?}, white {white:.3}");
     }
 }

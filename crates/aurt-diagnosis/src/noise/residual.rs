@@ -12,8 +12,10 @@ use crate::recordings::rows::Fit;
 const REST_RAD_S: f64 = 0.01;
 /// Time before and after a start, stop or reversal that does not count, s: dry friction jumps there.
 const JOLT_S: f64 = 0.1;
-/// Length of a piece, in periods of f_dyn: it resolves a quarter of it.
-const PIECE_PERIODS: f64 = 4.0;
+/// Lengths of pieces, in periods of f_dyn: the first resolves a quarter of it; where the joint turns too often for these,
+/// shorter ones see what lies above f_dyn.
+const PIECE_PERIODS: [f64; 3] = [LONGEST, 2.0, 1.0];
+const LONGEST: f64 = 4.0;
 /// Fewer pieces than this say nothing. Where so few are calm, those with some jolts are taken, less the steps at them; where
 /// these are few as well, all.
 const FEWEST_PIECES: usize = 8;
@@ -29,14 +31,13 @@ pub(super) fn spectra(
     f_dyn_hz: f64,
 ) -> Result<Option<Vec<MedianSpectrum>>, DiagnosisError> {
     let Some(rate_hz) = segments.first().map(|s| s.rate_hz) else { return Ok(None) };
-    let empty = MedianSpectrum::new(rate_hz, PIECE_PERIODS / f_dyn_hz);
     let mut left = Vec::new();
     for segment in segments {
         let Some(residual) = full_rate(segment, fit)? else { return Ok(None) };
         left.push(residual);
     }
-    let of = |joint: usize, pieces: Pieces| {
-        let mut spectrum = empty.clone();
+    let of = |joint: usize, (pieces, periods): (Pieces, f64)| {
+        let mut spectrum = MedianSpectrum::new(rate_hz, periods / f_dyn_hz);
         for (segment, left) in segments.iter().zip(&left) {
             let (left, calm) = (&left[joint], calm_samples(segment, joint));
             match pieces {
@@ -49,8 +50,9 @@ pub(super) fn spectra(
     };
     let enough = |spectrum: &MedianSpectrum| spectrum.pieces() >= FEWEST_PIECES;
     let of_joint = |joint: usize| {
-        let few = [Pieces::Calm, Pieces::Between].into_iter();
-        few.map(|pieces| of(joint, pieces)).find(enough).unwrap_or_else(|| of(joint, Pieces::All))
+        let calm = PIECE_PERIODS.map(|periods| (Pieces::Calm, periods));
+        let few = calm.into_iter().chain([(Pieces::Between, LONGEST)]);
+        few.map(|kind| of(joint, kind)).find(enough).unwrap_or_else(|| of(joint, (Pieces::All, LONGEST)))
     };
     Ok(Some((0..fit.model.joints()).map(of_joint).collect()))
 }

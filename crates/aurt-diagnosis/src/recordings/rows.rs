@@ -130,7 +130,7 @@ impl RecordingRows {
         load: &LoadTorque,
         baseline: &Fit<'_>,
     ) -> Result<Self, DiagnosisError> {
-        Ok(Self::evaluate_all(name, role, data, model, load, Some(baseline))?.of_motion())
+        Ok(Self::evaluate_all(name, role, data, model, load, Some(baseline))?.of_motion(data))
     }
 
     /// The rows of a fitted model itself, whose instrument columns are left at zero.
@@ -143,7 +143,7 @@ impl RecordingRows {
         data: &Preprocessed,
         fit: &Fit<'_>,
     ) -> Result<Self, DiagnosisError> {
-        Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion())
+        Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion(data))
     }
 
     /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. `None` where
@@ -172,14 +172,30 @@ impl RecordingRows {
         Ok(Some(rows))
     }
 
-    /// Rows of a joint that stands do not count.
-    fn of_motion(mut self) -> Self {
+    /// Rows of a joint that stands do not count, and none at the ends of segments.
+    fn of_motion(mut self, data: &Preprocessed) -> Self {
+        let ends = self.ends(data);
         for joint in &mut self.joints {
             let stands = stands(&joint.velocity_rad_s, self.rate_hz);
-            joint.counts = stands.iter().map(|stands| !stands).collect();
+            joint.counts = stands.iter().zip(&ends).map(|(stands, end)| !(*stands || *end)).collect();
             joint.silence();
         }
         self
+    }
+
+    /// Whether rows are so close to an end of their segment that the filter still shows how it began there. It continues a
+    /// series by its mirror image through the first sample: there it gives that sample as it is, with all of its noise, and
+    /// the slowest part of that, e^{−ω t sin 22.5°} for an order of four, is a tenth of it after a period of the cut-off.
+    fn ends(&self, data: &Preprocessed) -> Vec<bool> {
+        let mut ends = vec![false; self.rows()];
+        for (segment, span) in data.segments.iter().zip(self.segment_starts.windows(2)) {
+            let rows = span[1] - span[0];
+            let settles = (self.rate_hz / segment.parallel_filter.cutoff_hz()).ceil() as usize;
+            let settles = settles.min(rows / MOST_OF_AN_END);
+            ends[span[0]..span[0] + settles].fill(true);
+            ends[span[1] - settles..span[1]].fill(true);
+        }
+        ends
     }
 
     fn evaluate_all(
@@ -344,6 +360,9 @@ fn instrument_rows(
     bank.push(&series, samples, samples, &mut write);
     Ok(bank.finish(&mut write)?)
 }
+
+/// An end takes no more than this part of a short segment.
+const MOST_OF_AN_END: usize = 10;
 
 /// A joint stands if it stays below this speed, rad/s …
 const STANDING_RAD_S: f64 = 0.03;

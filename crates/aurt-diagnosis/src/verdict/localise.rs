@@ -106,15 +106,29 @@ const BIN_S: f64 = 0.5;
 /// Times a bin's root mean square must exceed the larger of noise floor and median bin.
 const STANDS_OUT: f64 = 3.5;
 
-/// Windows (s from the recording's first row) in which a residual stands out of the rest of its recording.
+/// Rows before and after a reversal in which its jolt shows: rows are as dense as the filter lets anything be seen.
+const JOLT_ROWS: usize = 2;
+
+/// Windows (s from the recording's first row) in which a joint's residual stands out of the rest of its recording, its
+/// reversals apart: where it sticks and breaks loose is told by no window of time.
 #[must_use]
-pub fn windows(recording: &RecordingRows, residual: &[f64], floor: f64) -> Vec<[f64; 2]> {
+pub fn windows(recording: &RecordingRows, joint: usize, residual: &[f64], floor: f64) -> Vec<[f64; 2]> {
     let bin = (BIN_S * recording.rate_hz).max(2.0) as usize;
-    let levels: Vec<f64> = residual
-        .chunks(bin)
-        .map(|c| (c.iter().map(|r| r * r).sum::<f64>() / c.len() as f64).sqrt())
+    let velocity = &recording.joints[joint].velocity_rad_s;
+    let turns: Vec<usize> = (1..velocity.len()).filter(|k| velocity[*k] * velocity[*k - 1] <= 0.0).collect();
+    let jolted = |row: &usize| {
+        let after = turns.partition_point(|turn| *turn + JOLT_ROWS <= *row);
+        turns.get(after).is_some_and(|turn| row + JOLT_ROWS >= *turn)
+    };
+    let levels: Vec<f64> = (0..residual.len())
+        .step_by(bin)
+        .map(|from| {
+            let rows = (from..(from + bin).min(residual.len())).filter(|row| !jolted(row));
+            let (sum, count) = rows.fold((0.0, 0.0), |(s, n), row| (s + residual[row].powi(2), n + 1.0));
+            f64::sqrt(if count > 0.0 { sum / count } else { 0.0 })
+        })
         .collect();
-    let mut sorted = levels.clone();
+    let mut sorted: Vec<f64> = levels.iter().copied().filter(|level| *level > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
     let threshold = STANDS_OUT * median.max(floor);

@@ -91,7 +91,7 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
                         before: before.copied().enumerate().map(counted).collect(),
                         after: after[j].iter().copied().enumerate().map(counted).collect(),
                         floor_rms,
-                        windows_s: localise::windows(rows, &after[j], investigation.floor[j].sqrt())
+                        windows_s: localise::windows(rows, j, &after[j], investigation.floor[j].sqrt())
                             .into_iter()
                             .map(|w| w.map(|t| t + shift))
                             .collect(),

@@ -234,7 +234,7 @@ fn joint_residuals(
             let windows_s = rows
                 .iter()
                 .zip(&after)
-                .flat_map(|(r, residual)| localise::windows(r, &residual[joint], floor_rms))
+                .flat_map(|(r, residual)| localise::windows(r, joint, &residual[joint], floor_rms))
                 .collect();
             JointResidual {
                 joint,
