@@ -72,6 +72,8 @@ pub fn settings<'py>(
                         ("weighted_least_squares", Estimator::Wls),
                         ("ordinary_least_squares", Estimator::Ols),
                         ("consistent", Estimator::Consistent),
+                        ("essential", Estimator::Essential),
+                        ("irls", Estimator::Irls),
                     ],
                 )?;
             }

@@ -2,7 +2,8 @@
 //! of several resolutions, one recording and five.
 //!
 //! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
-//! that of the seeds of each row; a second is the only number of recordings, and adds errors in variables.
+//! that of the seeds of each row; a second is the only number of recordings, and adds errors in
+//! variables and instrumental variables.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
@@ -17,8 +18,8 @@ use rayon::prelude::*;
 const DURATION_S: f64 = 20.0;
 const RECORDINGS: usize = 5;
 
-/// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white, and
-/// errors in variables.
+/// Intervals that hold the truth, and all, of rigid bodies and friction: least squares, the same with rows taken as white,
+/// errors in variables, and instrumental variables.
 type Counts = Vec<[usize; 4]>;
 
 fn main() {
@@ -29,11 +30,15 @@ fn main() {
         "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
     );
     let only: Option<usize> = std::env::args().nth(2).map(|text| text.parse().unwrap());
-    let of_eiv = if only.is_some() { " eiv: all | rigid bodies | friction |" } else { "" };
+    let of_others = if only.is_some() {
+        " eiv: all | rigid bodies | friction | iv: all | rigid bodies | friction |"
+    } else {
+        ""
+    };
     println!(
-        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |{of_eiv}"
+        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |{of_others}"
     );
-    println!("|---|---|---|---|---|---|---|{}", if only.is_some() { "---|---|---|" } else { "" });
+    println!("|---|---|---|---|---|---|---|{}", if only.is_some() { "---|---|---|---|---|---|" } else { "" });
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
     let encoders = [
         ("exact", None),
@@ -61,7 +66,9 @@ fn main() {
         };
         let mut shares = vec![share(0, &[0, 1]), share(0, &[0]), share(0, &[1]), share(1, &[0, 1])];
         if only.is_some() {
-            shares.extend([share(2, &[0, 1]), share(2, &[0]), share(2, &[1])]);
+            for k in [2, 3] {
+                shares.extend([share(k, &[0, 1]), share(k, &[0]), share(k, &[1])]);
+            }
         }
         let shares: String = shares.iter().map(|s| format!(" {s:.1} |")).collect();
         println!("| {count} | {noise_name} | {encoder} |{shares}");
@@ -75,7 +82,7 @@ fn covered(
     seed: u64,
     noise: Noise,
     bits: Option<u32>,
-    with_eiv: bool,
+    with_others: bool,
 ) -> Counts {
     let recordings: Vec<_> = clean
         .iter()
@@ -87,8 +94,9 @@ fn covered(
         (Estimator::Wls, Deviations::Memory),
         (Estimator::Wls, Deviations::White),
         (Estimator::Eiv, Deviations::Memory),
+        (Estimator::Iv, Deviations::Memory),
     ];
-    let estimates = &estimates[..if with_eiv { 3 } else { 2 }];
+    let estimates = &estimates[..if with_others { 4 } else { 2 }];
     let of = |(estimator, deviations): &(Estimator, Deviations)| {
         let (estimator, deviations) = (*estimator, *deviations);
         let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };

@@ -19,6 +19,8 @@ pub enum Estimator {
     /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables), to first order: for study;
     /// docs/estimation.md has its coverage, which is worse for friction.
     Eiv,
+    /// Instrumental variables, from the motion behind a lower filter: for study, as `Eiv`.
+    Iv,
     /// As [`Wls`](Self::Wls), with weights by row in which impacts count little or nothing.
     Irls,
 }

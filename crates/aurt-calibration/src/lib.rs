@@ -47,7 +47,7 @@ pub use consistent::{
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
-pub use errors_in_positions::{JointPositionNoise, ParameterBias, PositionBias};
+pub use errors_in_positions::{Hausman, JointPositionNoise, ParameterBias, PositionBias, hausman};
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;

@@ -8,7 +8,7 @@ use crate::{
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::make_consistent,
     deviations::{Observed, sandwich},
-    errors_in_positions::{Corrected, Fitted, correct},
+    errors_in_positions::{Corrected, Fitted, Tested, correct},
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
@@ -157,6 +157,19 @@ pub(crate) fn finished(
         estimate.solution.covariance.clone_from(&corrected.bread);
         bread = Some(corrected.bread.as_slice());
     }
+    let instrumental;
+    if options.estimator == Estimator::Iv {
+        let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "iv" })?;
+        let weights = weights(&estimate.sigma);
+        let coefficients = &estimate.solution.coefficients;
+        let tested = Tested { model, recordings, scopes, load, options, coefficients, weights: &weights };
+        if let Some((coefficients, own)) = tested.instrumental()? {
+            estimate.solution.coefficients = coefficients;
+            estimate.solution.covariance.clone_from(&own);
+            instrumental = own;
+            bread = Some(instrumental.as_slice());
+        }
+    }
     let mut robust = None;
     if options.estimator == Estimator::Irls {
         let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "irls" })?;
@@ -296,6 +309,7 @@ fn remember(
         weights: &weights,
         bread: &plain.covariance,
         sigma: (options.estimator == Estimator::Irls).then_some(estimate.sigma.as_slice()),
+        instruments: options.estimator == Estimator::Iv,
     })?;
     let n = plain.coefficients.len();
     // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.

@@ -268,7 +268,9 @@ def calibrate(
     gains: ArrayLike | None = None,
     offsets: ArrayLike | None = None,
     delay_s: ArrayLike | None = None,
-    estimator: Literal["weighted_least_squares", "ordinary_least_squares", "consistent"] = "weighted_least_squares",
+    estimator: Literal[
+        "weighted_least_squares", "ordinary_least_squares", "consistent", "essential", "irls"
+    ] = "weighted_least_squares",
     load_torque: Literal["fitted", "literal"] = "fitted",
     rest: Literal["keep", "exclude"] = "keep",
     fit_shapes: bool = True,
@@ -293,7 +295,9 @@ def diagnose(
     gains: ArrayLike | None = None,
     offsets: ArrayLike | None = None,
     delay_s: ArrayLike | None = None,
-    estimator: Literal["weighted_least_squares", "ordinary_least_squares", "consistent"] = "weighted_least_squares",
+    estimator: Literal[
+        "weighted_least_squares", "ordinary_least_squares", "consistent", "essential", "irls"
+    ] = "weighted_least_squares",
     load_torque: Literal["fitted", "literal"] = "fitted",
     rest: Literal["keep", "exclude"] = "keep",
     fit_shapes: bool = True,

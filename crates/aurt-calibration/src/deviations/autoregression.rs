@@ -2,7 +2,7 @@
 
 /// e_t = Σ_k a_k e_{t−k} + η_t.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Autoregression {
+pub(crate) struct Autoregression {
     /// a_1, a_2, …
     pub coefficients: Vec<f64>,
     /// Variance of η.
@@ -15,14 +15,14 @@ const MOST: usize = 16;
 /// Autocovariance sums Σ_t e_t e_{t+lag} of stretches without gaps, for lags up to the largest order, and the number of
 /// values.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Autocovariance {
+pub(crate) struct Autocovariance {
     sums: Vec<f64>,
     values: usize,
 }
 
 impl Autocovariance {
     /// Adds a stretch; values that do not count are zero, and `counted` says how many do.
-    pub(super) fn add(&mut self, stretch: &[f64], counted: usize) {
+    pub(crate) fn add(&mut self, stretch: &[f64], counted: usize) {
         self.sums.resize(MOST + 1, 0.0);
         for (lag, sum) in self.sums.iter_mut().enumerate().take(stretch.len()) {
             *sum += stretch.iter().zip(&stretch[lag..]).map(|(a, b)| a * b).sum::<f64>();
@@ -37,7 +37,7 @@ impl Autocovariance {
 
     /// The autoregression of the order that Akaike's criterion, corrected for small samples (Hurvich, Tsai 1989), prefers;
     /// coefficients by Levinson's recursion.
-    pub(super) fn fit(&self) -> Autoregression {
+    pub(crate) fn fit(&self) -> Autoregression {
         let count = self.values as f64;
         let variance = self.variance();
         let mut best = Autoregression { coefficients: Vec::new(), innovation: variance };
@@ -75,7 +75,7 @@ impl Autocovariance {
 impl Autoregression {
     /// Ψᵀ w for the covariance Γ = innovation · Ψ Ψᵀ of the series, so that wᵀ Γ w = innovation · ‖Ψᵀ w‖²: the recursion run
     /// backwards, from the end of `w` and on before its beginning until what remains has faded.
-    pub(super) fn coloured(&self, w: &[f64], out: &mut Vec<f64>) {
+    pub(crate) fn coloured(&self, w: &[f64], out: &mut Vec<f64>) {
         out.clear();
         if self.coefficients.is_empty() {
             out.extend_from_slice(w);
@@ -92,7 +92,7 @@ impl Autoregression {
     }
 
     /// How many values longer a coloured series is.
-    pub(super) fn longer(&self) -> usize {
+    pub(crate) fn longer(&self) -> usize {
         FADED * self.coefficients.len()
     }
 }

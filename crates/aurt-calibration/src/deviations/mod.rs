@@ -15,8 +15,11 @@
 
 mod autoregression;
 mod clusters;
+mod instruments;
 mod rows;
 mod sandwich;
 
+pub(crate) use autoregression::Autocovariance;
+pub(crate) use instruments::put_instruments;
 pub(crate) use rows::{JointRows, rows_of};
-pub(crate) use sandwich::{Observed, product, root_of_gram, sandwich};
+pub(crate) use sandwich::{Observed, pieces, product, root_of_gram, sandwich};

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::{
     autoregression::{Autocovariance, Autoregression},
     clusters::factors,
+    instruments::put_instruments,
     rows::{JointRows, rows_of},
 };
 use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss};
@@ -30,13 +31,15 @@ pub(crate) struct Observed<'a> {
     pub bread: &'a [f64],
     /// σ_j beyond a multiple of which residuals count less, for estimates with weights by row.
     pub sigma: Option<&'a [f64]>,
+    /// Whether residuals were multiplied by instruments rather than by the regressor.
+    pub instruments: bool,
 }
 
 /// A segment with how often it is listed.
-struct Piece<'a> {
-    segment: &'a Segment,
-    acting: Vec<bool>,
-    times: f64,
+pub(crate) struct Piece<'a> {
+    pub segment: &'a Segment,
+    pub acting: Vec<bool>,
+    pub times: f64,
 }
 
 /// The covariance of the coefficients, column-major.
@@ -46,11 +49,16 @@ struct Piece<'a> {
 pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationError> {
     let Observed { model, load, options, coefficients, weights, bread, .. } = *observed;
     let n = coefficients.len();
-    let pieces = pieces(observed);
+    let pieces = pieces(model, observed.recordings, observed.scopes);
     let mut rows: Vec<Vec<JointRows>> = pieces
         .par_iter()
         .map(|p| rows_of(model, p.segment, &p.acting, load, coefficients, options))
         .collect::<Result<_, _>>()?;
+    if observed.instruments {
+        for (piece, rows) in pieces.iter().zip(&mut rows) {
+            put_instruments(model, piece, load, options, rows)?;
+        }
+    }
     for (joint, sigma) in observed.sigma.iter().flat_map(|s| s.iter().enumerate()) {
         for residual in rows.iter_mut().filter_map(|r| r.get_mut(joint)).flat_map(|r| &mut r.residual) {
             *residual *= Loss::Tukey.weight(*residual / sigma);
@@ -129,9 +137,13 @@ pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// The segments, each once, with how often it is listed.
-fn pieces<'a>(observed: &Observed<'a>) -> Vec<Piece<'a>> {
+pub(crate) fn pieces<'a>(
+    model: &RobotModel,
+    recordings: &[&'a NamedRecording],
+    scopes: &TermScopes,
+) -> Vec<Piece<'a>> {
     let mut once: Vec<(&NamedRecording, f64)> = Vec::new();
-    for recording in observed.recordings {
+    for recording in recordings {
         match once.iter_mut().find(|(known, _)| known.is_copy_of(recording)) {
             Some((_, times)) => *times += 1.0,
             None => once.push((recording, 1.0)),
@@ -139,7 +151,7 @@ fn pieces<'a>(observed: &Observed<'a>) -> Vec<Piece<'a>> {
     }
     once.into_iter()
         .flat_map(|(recording, times)| {
-            let acting = observed.scopes.acting(observed.model, &recording.name);
+            let acting = scopes.acting(model, &recording.name);
             recording.data.segments.iter().map(move |segment| Piece {
                 segment,
                 acting: acting.clone(),

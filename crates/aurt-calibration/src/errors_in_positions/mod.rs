@@ -12,6 +12,7 @@
 //! correction shows that and where noise matters, and intervals around corrected estimates of friction hold less often than
 //! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator.
 
+mod hausman;
 mod noise;
 
 use aurt_recording::{PositionNoise, ZeroPhase};
@@ -24,6 +25,8 @@ use crate::{
     CalibrationError, CalibrationOptions, NamedRecording, Solution, System, TermScopes, accumulate_scoped,
     random::Random,
 };
+pub(crate) use hausman::Tested;
+pub use hausman::{Hausman, hausman};
 use noise::{acceleration_share, noisier};
 
 /// Order of the filter of the positions, one way.
@@ -50,6 +53,9 @@ pub struct PositionBias {
     pub draws: u64,
     /// The rigid bodies' coefficients that the recordings determine.
     pub parameters: Vec<ParameterBias>,
+    /// Whether instruments find other coefficients; absent where noise is negligible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hausman: Option<Hausman>,
 }
 
 /// The noise of a joint's position, of its noisiest recording.
@@ -93,6 +99,7 @@ pub(crate) struct Corrected {
     pub bread: Vec<f64>,
     pub joints: Vec<JointPositionNoise>,
     pub draws: u64,
+    pub hausman: Option<Hausman>,
 }
 
 /// The estimate without what noise of the positions does to it; `thorough` draws often enough for the result to be used.
@@ -119,7 +126,18 @@ pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, 
     let (coefficients, bread) = corrected
         .solve(&fitted.solution.excited)
         .ok_or(CalibrationError::NoisyPositions { joint, percent: 100.0 * share })?;
-    Ok(Corrected { coefficients, bread, joints, draws })
+    let hausman = if draws > 0 { agreement(fitted)? } else { None };
+    Ok(Corrected { coefficients, bread, joints, draws, hausman })
+}
+
+/// Whether instruments agree, where the recordings are long enough for their filter.
+fn agreement(fitted: &Fitted<'_>) -> Result<Option<Hausman>, CalibrationError> {
+    let Fitted { model, options, load, scopes, recordings, weights, solution, .. } = *fitted;
+    let coefficients = &solution.coefficients;
+    match (Tested { model, recordings, scopes, load, options, coefficients, weights }).test() {
+        Err(CalibrationError::Recording(_)) => Ok(None),
+        tested => tested,
+    }
 }
 
 impl PositionBias {
@@ -140,7 +158,12 @@ impl PositionBias {
                 ParameterBias { name: model.parameters()[k].name.clone(), bias, deviations }
             })
             .collect();
-        Self { joints: corrected.joints.clone(), draws: corrected.draws, parameters }
+        Self {
+            joints: corrected.joints.clone(),
+            draws: corrected.draws,
+            parameters,
+            hausman: corrected.hausman.clone(),
+        }
     }
 
     /// The coefficients whose intervals suffer, the worst first.
@@ -178,11 +201,15 @@ impl PositionBias {
         (!notable.is_empty()).then(|| {
             format!(
                 "noise of the positions biases {} of {} coefficients of the rigid bodies by more than {NOTABLE} standard deviations ({}{}): their \
-                 intervals hold the truth less often than they say; lower f_dyn",
+                 intervals hold the truth less often than they say{test}; lower f_dyn, for which `aurt check` knows a value",
                 notable.len(),
                 self.parameters.len(),
                 worst.join(", "),
-                if notable.len() > NAMED { ", …" } else { "" }
+                if notable.len() > NAMED { ", …" } else { "" },
+                test = match &self.hausman {
+                    Some(test) if test.is_biased() => ", and instrumental variables do not agree with them",
+                    _ => "",
+                }
             )
         })
     }

@@ -88,6 +88,7 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                 }
                 Estimator::Irls => "weighted least squares with weights by row, Huber's, then Tukey's".into(),
                 Estimator::Eiv => "weighted least squares without the bias of noise in the positions".into(),
+                Estimator::Iv => "instrumental variables".to_owned(),
             },
         ),
         entry(

@@ -264,6 +264,7 @@ const fn estimator(estimator: Estimator) -> &'static str {
         Estimator::Consistent => "consistent",
         Estimator::Essential => "essential",
         Estimator::Eiv => "eiv",
+        Estimator::Iv => "iv",
         Estimator::Irls => "irls",
     }
 }

@@ -17,13 +17,29 @@ pub fn sentence(report: &PositionBias) -> String {
             significant(100.0 * noise.acceleration_share, 2)
         )
     });
+    let test = report.hausman.as_ref().map_or_else(String::new, |test| {
+        let probability = match test.probability {
+            p if p < 1e-3 => "p < 0.001".to_owned(),
+            p => format!("p = {p:.3}"),
+        };
+        let agree = if test.is_biased() {
+            "do not agree: least squares is biased"
+        } else {
+            "agree"
+        };
+        format!(
+            "; least squares and instrumental variables {agree} (Durbin, Wu, Hausman: χ² = {} with {} degrees of freedom, {probability})",
+            significant(test.statistic, 3),
+            test.freedom
+        )
+    });
     let largest = report.parameters.iter().max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()));
     match largest {
         Some(p) => format!(
-            "{noise}; it biases the rigid bodies by at most {} standard deviations ({})",
+            "{noise}; it biases the rigid bodies by at most {} standard deviations ({}){test}",
             significant(p.deviations.abs(), 2),
             p.name
         ),
-        None => format!("{noise}; it does not bias the rigid bodies"),
+        None => format!("{noise}; it does not bias the rigid bodies{test}"),
     }
 }
