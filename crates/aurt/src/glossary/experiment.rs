@@ -23,7 +23,7 @@ pub const TERMS: &[Term] = &[
         text: "Under [recordings]: the recordings that the model is fitted to. Let all joints move at once, slowly and fast, \
             through the workspace that matters; `aurt check` says what is missing. In a diagnosis with targets they \
             are of the robot as the model knows it. The section [calibration] says how the fit is made: see \
-            estimator, load_torque, rest.",
+            estimator, prior, load_torque, rest.",
     },
     Term {
         name: "columns",
