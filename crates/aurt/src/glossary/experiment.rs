@@ -135,6 +135,13 @@ pub const TERMS: &[Term] = &[
             changed; simulated is another simulator's prediction of it. See each of these.",
     },
     Term {
+        name: "prior",
+        title: "prior",
+        text: "Under [calibration], with estimator = \"consistent\": `prior = \"description\"` takes the inertial parameters of the \
+            robot's URDF or MJCF file for what the recordings leave open. `prior_weight` pulls all estimates there, in \
+            squared standard deviations for each unit of divergence; docs/estimation.md has the equation.",
+    },
+    Term {
         name: "robot",
         title: "[robot]",
         text: "Geometry, mounting and drives: see mdh, gravity, torque_constants.",
