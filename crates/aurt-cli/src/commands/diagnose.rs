@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aurt::{ChainEnds, GivenModel};
 use aurt_diagnosis::Learnt;
 use aurt_experiment::{Experiment, Registry};
 use clap::Args;
@@ -10,7 +11,6 @@ use serde_json::json;
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
     commands::run::{drawn_text, written_text},
-    described_model::{ChainEnds, GivenModel},
     diagnosing::{DiagnosisOptions, diagnose_experiment},
     doctor::{self, Examination, Subject},
     failure::Failure,
