@@ -6,7 +6,7 @@ use crate::{
     PositionBias, RobustReport, System, TermScopes,
     accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
-    consistent::make_consistent,
+    consistent::{Prior, make_consistent},
     deviations::{Observed, sandwich},
     errors_in_positions::{Corrected, Fitted, Tested, correct},
     essential::{Full, Listed, eliminate},
@@ -204,7 +204,7 @@ pub(crate) fn finished(
                 ranges: &ranges,
                 options,
             },
-            None,
+            Prior::of(model, unit)?.as_ref(),
         )?;
         estimate.solution.coefficients = coefficients;
         consistent = Some(report);

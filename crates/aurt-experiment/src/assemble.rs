@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use aurt_rbd::{MdhTable, RobotDescription, SerialChain, base_parameters};
-use aurt_traits::{ArmTerm, BaseParameters, JointStack, RigidBodyRegressor, RobotModel};
+use aurt_traits::{ArmTerm, BaseParameters, JointStack, KnownBodies, RigidBodyRegressor, RobotModel};
 
 use crate::{Error, Experiment};
 
@@ -67,6 +67,12 @@ impl Experiment {
     /// As [`Self::rigid_body_dynamics`] and [`RigidBodyDynamics::with_joint_dynamics`].
     pub fn robot_model(&self) -> Result<RobotModel, Error> {
         let stacks = self.joint_dynamics.stacks(self.joints()).map_err(Error::Assembly)?;
-        self.rigid_body_dynamics()?.with_joint_dynamics(stacks, self.arm_terms.clone())
+        let model = self.rigid_body_dynamics()?.with_joint_dynamics(stacks, self.arm_terms.clone())?;
+        Ok(match (self.calibration.prior_weight, self.robot.geometry.standard_parameters()) {
+            (Some(weight), Some(standard)) => {
+                model.with_known_bodies(KnownBodies { standard: standard.to_vec(), weight })
+            }
+            _ => model,
+        })
     }
 }

@@ -1,4 +1,5 @@
 use aurt_traits::{BaseParameters, Motion, RegressorTile, RigidBodyRegressor};
+use nalgebra::{DMatrix, DVector};
 
 use crate::RbdError;
 use crate::random::Uniform;
@@ -54,6 +55,56 @@ pub fn base_parameters(body: &dyn RigidBodyRegressor, seed: u64) -> Result<BaseP
         reason: format!(
             "their number did not settle within {MOST_ROUNDS} rounds of {samples} random motions"
         ),
+    })
+}
+
+/// What a machine is in the base parameters of another description of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CarriedOver {
+    /// The values of the base parameters.
+    pub values: Vec<f64>,
+    /// Of each joint the root mean square of the torque that they leave, over that of its torque: rounding where both
+    /// descriptions are of one chain, however their link frames lie.
+    pub left: Vec<f64>,
+}
+
+/// The values of a robot's base parameters with which it has the torques of `other` rigid bodies of the standard parameters
+/// `standard`, by least squares over random motions: min ‖Y_base β − Y_other π‖.
+///
+/// # Errors
+/// [`RbdError::Count`] for another number of joints or parameters, [`RbdError::BaseParameters`] where columns are dependent.
+pub fn carry_over(
+    body: &dyn RigidBodyRegressor,
+    base: &BaseParameters,
+    other: &dyn RigidBodyRegressor,
+    standard: &[f64],
+) -> Result<CarriedOver, RbdError> {
+    let (joints, samples) = (body.joints(), base.observations);
+    let count = |what, expected, found| {
+        if expected == found { Ok(()) } else { Err(RbdError::Count { what, expected, found }) }
+    };
+    count("joints", joints, other.joints())?;
+    count("standard parameters", other.standard_parameters().len(), standard.len())?;
+    let own = observe(body, base.seed, samples)?;
+    let others = observe(other, base.seed, samples)?;
+    let torque = DVector::from_fn(joints * samples, |row, _| {
+        others.columns.iter().zip(standard).map(|(column, value)| column[row] * value).sum::<f64>()
+    });
+    let kept: Vec<&Vec<f64>> = base.columns.iter().map(|c| &own.columns[*c]).collect();
+    let lengths: Vec<f64> = kept.iter().map(|column| dot(column, column).sqrt()).collect();
+    let columns = DMatrix::from_fn(joints * samples, base.len(), |row, k| kept[k][row] / lengths[k]);
+    let qr = columns.clone().qr();
+    let scaled = qr.r().solve_upper_triangular(&(qr.q().transpose() * &torque));
+    let dependent = || RbdError::BaseParameters { reason: "their columns depend on one another".into() };
+    let scaled = scaled.ok_or_else(dependent)?;
+    let rest = &torque - columns * &scaled;
+    let length = |of: &DVector<f64>, j: usize| of.rows(j * samples, samples).norm();
+    Ok(CarriedOver {
+        values: scaled.iter().zip(&lengths).map(|(value, length)| value / length).collect(),
+        left: (0..joints)
+            .map(|j| (length(&torque, j), length(&rest, j)))
+            .map(|(whole, left)| if whole > 0.0 { left / whole } else { 0.0 })
+            .collect(),
     })
 }
 

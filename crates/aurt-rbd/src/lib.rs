@@ -51,7 +51,7 @@ mod regressor;
 mod rnea;
 
 pub use aurt_traits::Dispatch;
-pub use base_parameters::base_parameters;
+pub use base_parameters::{CarriedOver, base_parameters, carry_over};
 pub use chain::{Joint, JointKind, Placement, SerialChain};
 pub use coupled::{CoupledChain, Coupling};
 pub use description::RobotDescription;

@@ -34,7 +34,7 @@ pub use motion::{JointSeries, Motion, MotionView};
 pub use parameter::{MeasurementUnit, Parameter, Scale, ShapeParameter};
 pub use registration::{ModelEntry, Slot};
 pub use rigid_body::{BaseParameters, RegressorTile, RigidBodyRegressor};
-pub use robot_model::{ColumnGroup, LoadTorque, RobotModel, RobotState, RobotTile};
+pub use robot_model::{ColumnGroup, KnownBodies, LoadTorque, RobotModel, RobotState, RobotTile};
 pub use tile::Columns;
 
 /// What [`register_model!`] and plugin crates need from crates of others.

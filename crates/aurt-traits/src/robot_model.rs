@@ -24,6 +24,17 @@ pub struct RobotModel {
     rows: Vec<Vec<usize>>,
     row_start: Vec<usize>,
     destination: Vec<u32>,
+    known_bodies: Option<KnownBodies>,
+}
+
+/// What is known of the rigid bodies before any recording, from CAD or a description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownBodies {
+    /// Values of all standard parameters, in the order of [`RigidBodyRegressor::standard_parameters`].
+    pub standard: Vec<f64>,
+    /// How strongly estimates that can use them are pulled towards them; with zero they decide only what the data leave
+    /// open.
+    pub weight: f64,
 }
 
 /// What a run of coefficients belongs to.
@@ -182,7 +193,31 @@ impl RobotModel {
                 destination[joint * standard.len() + base.columns[*column]] = (row_start[joint] + k) as u32;
             }
         }
-        Ok(Self { rigid_body, base, stacks, arm_terms, parameters, groups, rows, row_start, destination })
+        let known_bodies = None;
+        Ok(Self {
+            rigid_body,
+            base,
+            stacks,
+            arm_terms,
+            parameters,
+            groups,
+            rows,
+            row_start,
+            destination,
+            known_bodies,
+        })
+    }
+
+    /// The same model with what is known of its rigid bodies.
+    #[must_use]
+    pub fn with_known_bodies(self, known: KnownBodies) -> Self {
+        Self { known_bodies: Some(known), ..self }
+    }
+
+    /// What is known of the rigid bodies before any recording.
+    #[must_use]
+    pub const fn known_bodies(&self) -> Option<&KnownBodies> {
+        self.known_bodies.as_ref()
     }
 
     /// Number of joints N.

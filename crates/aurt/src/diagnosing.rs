@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use aurt_diagnosis::{
-    Answer, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict, from_folder,
-    improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
+    Answer, Improvement, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict,
+    from_folder, improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use aurt_rbd::RobotDescription;
 use aurt_report::Page;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Map, Value, json};
 
 use crate::{
@@ -134,6 +134,15 @@ pub fn diagnose_experiment(
     let pipeline =
         Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
     let (recordings, unit) = read(experiment, &pipeline, |what| progress.step(what))?;
+    if let Some(given) = options.frozen.as_ref().map(|f| f.calibration.unit).filter(|given| *given != unit) {
+        return Err(Failure::Argument {
+            option: "--model",
+            reason: format!("the model is in {}, the recordings are in {}", given.symbol(), unit.symbol()),
+            remedy: "with `torque_constants_nm_per_a` in `[robot]` currents become torques; a model in A goes with \
+                     recordings in A"
+                .into(),
+        });
+    }
     let question = Question {
         model: &structure,
         frozen: options.frozen.as_ref().map(|f| &f.calibration),
@@ -164,14 +173,18 @@ pub fn diagnose_experiment(
             // A given model is improved by what is added to its own experiment's structure, fitted anew.
             improvement.calibrate_on_target |= question.recordings.iter().any(|r| r.role == Role::Target);
             improvement.libraries.retain(|library| !is_named(library, experiment));
-            let here = improved_experiment(&experiment.source_text, &improvement)?;
             let moved = Moved::new(&experiment.path, folder);
-            let text = with_file_names(&here, &|p| moved.seen_from_results(p))?;
             progress.step("calibrating the improved model");
-
+            let mut here = improved_experiment(&experiment.source_text, &improvement)?;
             // The folder of the results may not be there yet.
-            let anywhere = with_file_names(&here, &|p| moved.file(p))?;
-            let model = improved_model(&anywhere, &experiment.path, registry)?;
+            let mut anywhere = with_file_names(&here, &|p| moved.file(p))?;
+            let mut model = improved_model(&anywhere, &experiment.path, registry)?;
+            if options.frozen.is_some() && leave_out_repeated(&mut improvement, &model) {
+                here = improved_experiment(&experiment.source_text, &improvement)?;
+                anywhere = with_file_names(&here, &|p| moved.file(p))?;
+                model = improved_model(&anywhere, &experiment.path, registry)?;
+            }
+            let text = with_file_names(&here, &|p| moved.seen_from_results(p))?;
             // Paths that changed are no addition.
             let unchanged = with_file_names(&experiment.source_text, &|p| moved.seen_from_results(p))?;
             let added: Vec<String> = added_lines(&unchanged, &text).into_iter().map(str::to_owned).collect();
@@ -283,6 +296,26 @@ fn with_windows(held_out: &[String], validation: &[RecordingSource]) -> Vec<Stri
             None => name.clone(),
         })
         .collect()
+}
+
+/// Leaves out what a given model lacks and the experiment's own structure, fitted anew, has: a load in all recordings, for
+/// instance, is mass of the links. Whether anything was.
+fn leave_out_repeated(improvement: &mut Improvement, fitted: &CalibratedModel) -> bool {
+    let (terms, notes) = (&mut improvement.terms, &mut improvement.notes);
+    let (own, before) = (fitted.model.arm_terms().len().saturating_sub(terms.len()), terms.len());
+    let mut index = own;
+    terms.retain(|(term, _)| {
+        let columns = fitted.model.group(ColumnGroup::ArmTerm(index));
+        index += 1;
+        let adds = fitted.calibration.parameters[columns].iter().any(|p| p.excited);
+        if !adds {
+            notes.push(format!(
+                "the experiment's own structure has the columns of {term}, which is not added to it"
+            ));
+        }
+        adds
+    });
+    terms.len() < before
 }
 
 /// Runs the improved experiment and gives its calibrated model.

@@ -323,7 +323,8 @@ pub fn fit_and_keep(
 
 /// `[calibration]` and what of `[preprocess]` concerns it.
 pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
-    let experiment::Calibration { estimator, load_torque, rest, fit_shapes } = experiment.calibration;
+    let experiment::Calibration { estimator, load_torque, rest, fit_shapes, prior_weight: _ } =
+        experiment.calibration;
     CalibrationOptions {
         estimator: match estimator {
             experiment::Estimator::WeightedLeastSquares => Estimator::Wls,

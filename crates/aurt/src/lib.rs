@@ -35,6 +35,7 @@ pub mod calibrated_file;
 pub mod calibrating;
 pub mod data;
 pub mod demo;
+pub mod described_model;
 pub mod diagnoser;
 pub mod diagnosing;
 pub mod doctor;
@@ -74,6 +75,7 @@ pub use aurt_traits as traits;
 pub use crate::{
     calibrated_file::CalibratedModel,
     calibrating::{Calibrator, Settings},
+    described_model::{ChainEnds, GivenModel},
     diagnoser::{Diagnoser, Explanation},
     diagnosing::{Diagnosis, DiagnosisOptions},
     failure::Failure as Error,

@@ -1,6 +1,6 @@
 //! Bodies as they are known, or guessed, before any recording.
 
-use aurt_traits::RobotModel;
+use aurt_traits::{MeasurementUnit, RobotModel};
 use nalgebra::Matrix4;
 use thiserror::Error;
 
@@ -46,6 +46,12 @@ pub enum PriorError {
         /// The link, from 0.
         link: usize,
     },
+    /// A model in amperes.
+    #[error(
+        "the prior is in kg, m and kg m^2, and the model in A, whose parameters are these over torque constants; write \
+         `torque_constants_nm_per_a` into `[robot]`"
+    )]
+    Unit,
     /// A weight that is negative or not a number.
     #[error("the prior's weight is {weight}; it has to be zero or positive")]
     Weight {
@@ -55,6 +61,18 @@ pub enum PriorError {
 }
 
 impl Prior {
+    /// What a model knows of its bodies.
+    ///
+    /// # Errors
+    /// [`PriorError::Unit`] for a model in amperes.
+    pub(crate) fn of(model: &RobotModel, unit: MeasurementUnit) -> Result<Option<Self>, PriorError> {
+        let Some(known) = model.known_bodies() else { return Ok(None) };
+        if unit != MeasurementUnit::NewtonMetre {
+            return Err(PriorError::Unit);
+        }
+        Ok(Some(Self { standard: known.standard.clone(), pull: Pull::default(), weight: known.weight }))
+    }
+
     /// The links' pseudo-inertias.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use aurt::{ChainEnds, GivenModel};
 use aurt_diagnosis::Learnt;
 use aurt_experiment::{Experiment, Registry};
 use clap::Args;
@@ -9,7 +10,6 @@ use serde_json::json;
 
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
-    calibrated_file::CalibratedModel,
     commands::run::{drawn_text, written_text},
     diagnosing::{DiagnosisOptions, diagnose_experiment},
     doctor::{self, Examination, Subject},
@@ -30,7 +30,8 @@ use crate::{
 /// the model lacks in its own calibration recordings. Exit status 1 if something was found.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
-    aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis")]
+    aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
+    aurt diagnose experiment.toml --model robot.urdf --out diagnosis")]
 pub struct Diagnose {
     /// Experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
@@ -38,9 +39,16 @@ pub struct Diagnose {
     /// Folder for report.html, verdict.json, improved.toml and rd_improved.json; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Take a calibrated model as given instead of recalibrating the experiment's structure
-    #[arg(long, value_name = "RD_CALIBRATED.json")]
+    /// Take a model as given instead of recalibrating the experiment's structure: a calibrated one, or the inertial
+    /// parameters, friction and rotors that a URDF or MJCF file states
+    #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,
+    /// The link of the URDF or MJCF file that the chain starts from
+    #[arg(long, value_name = "LINK", requires = "model")]
+    base: Option<String>,
+    /// The link of the URDF or MJCF file that the chain ends at
+    #[arg(long, value_name = "LINK", requires = "model")]
+    tip: Option<String>,
     /// Do as if an effect were unknown; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -64,6 +72,8 @@ impl Diagnose {
             experiment,
             out,
             model: None,
+            base: None,
+            tip: None,
             without: Vec::new(),
             learnt: None,
             compare: false,
@@ -80,10 +90,13 @@ impl Diagnose {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
-        let frozen = self.model.as_deref().map(|p| CalibratedModel::read(p, registry)).transpose()?;
+        let ends = ChainEnds { base: self.base.as_deref(), tip: self.tip.as_deref() };
+        let given = self.model.as_deref().map(|p| GivenModel::read(p, ends, &experiment, registry));
+        let given = given.transpose()?;
+        let notes = given.as_ref().map_or_else(Vec::new, |given| given.notes.clone());
         let improve_for = (!self.verdict_only).then(|| folder.path().to_owned());
         let options = DiagnosisOptions {
-            frozen,
+            frozen: given.map(|given| given.calibrated),
             without: self.without.clone(),
             learnt,
             compare: self.compare,
@@ -114,6 +127,7 @@ impl Diagnose {
         if let Some(examination) = &setup {
             text = format!("{}\n{text}", checked_setup::text_of(examination, terminal).trim_start());
         }
+        text.extend(notes.iter().map(|note| wrapped(&format!("note: {note}"))));
         if let Some(improved) = &diagnosis.improved {
             text.extend(improved.notes.iter().map(|note| wrapped(&format!("note: {note}"))));
             text.push_str(&difference(&improved.added));
@@ -127,6 +141,7 @@ impl Diagnose {
         json["command"] = json!("diagnose");
         json["warnings"] =
             json!(diagnosis.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings));
+        json["notes"] = json!(notes);
         json["outputs"] = json!(written);
         json["setup"] = json!(setup.as_ref().map(Examination::to_json));
         Ok(Report { text, json, findings: diagnosis.is_found() || setup.is_some() })

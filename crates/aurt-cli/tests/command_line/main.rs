@@ -7,6 +7,7 @@ mod bad_recording;
 mod chain;
 mod checks;
 mod damage;
+mod descriptions;
 mod diagnosis;
 mod estimators;
 mod exports;

@@ -1,7 +1,8 @@
-use super::section::Section;
+use super::{robot::Robot, section::Section};
+use crate::Node;
 
 /// `[calibration]`: how the coefficients are found. All keys are optional.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
     /// `estimator`.
     pub estimator: Estimator,
@@ -13,6 +14,10 @@ pub struct Calibration {
     /// searched too; true by default. What the experiment writes for them is then one start of the search among
     /// several; with false it stays as written.
     pub fit_shapes: bool,
+    /// `prior = "description"`, as its `prior_weight`: the inertial parameters of the robot's URDF or MJCF file are what
+    /// `"consistent"` estimates are pulled towards, in squared standard deviations for each unit of the pull. With zero, the
+    /// default, they decide only what the recordings leave open.
+    pub prior_weight: Option<f64>,
 }
 
 impl Default for Calibration {
@@ -22,6 +27,7 @@ impl Default for Calibration {
             load_torque: LoadTorqueChoice::default(),
             rest: Rest::default(),
             fit_shapes: true,
+            prior_weight: None,
         }
     }
 }
@@ -64,7 +70,7 @@ pub enum Rest {
 }
 
 impl Calibration {
-    pub(super) fn read(mut section: Section<'_, '_>) -> Self {
+    pub(super) fn read(mut section: Section<'_, '_>, robot: Option<&Robot>) -> Self {
         let estimator = section.choice(
             "estimator",
             &[
@@ -81,12 +87,52 @@ impl Calibration {
         );
         let rest = section.choice("rest", &[("keep", Rest::Keep), ("exclude", Rest::Exclude)]);
         let fit_shapes = section.boolean("fit_shapes");
+        let prior = section.take("prior").filter(|node| is_usable(&section, node, estimator, robot));
+        let weight_node = section.take("prior_weight");
+        let weight = weight_node.and_then(|node| section.number_of("prior_weight", node));
+        if let Some(node) = weight_node {
+            if weight.is_some_and(|weight| weight < 0.0) {
+                section.complain("prior_weight", node, "must not be negative", None);
+            } else if prior.is_none() {
+                section.complain("prior_weight", node, "weighs a `prior`, which is not given", None);
+            }
+        }
         section.finish();
         Self {
             estimator: estimator.unwrap_or_default(),
             load_torque: load_torque.unwrap_or_default(),
             rest: rest.unwrap_or_default(),
             fit_shapes: fit_shapes.unwrap_or(true),
+            prior_weight: prior.map(|_| weight.unwrap_or(0.0)),
         }
+    }
+}
+
+/// Whether a `prior` is one that there is, for an estimator that uses it.
+fn is_usable(
+    section: &Section<'_, '_>,
+    node: &Node,
+    estimator: Option<Estimator>,
+    robot: Option<&Robot>,
+) -> bool {
+    let complain = |message: &str, help: &str| {
+        section.complain("prior", node, message, Some(help.to_owned()));
+        false
+    };
+    match section.text_of("prior", node) {
+        None => false,
+        Some("description") if estimator != Some(Estimator::Consistent) => {
+            complain("is for another estimator", "write estimator = \"consistent\", or remove the prior")
+        }
+        // Without a robot that is complained of already.
+        Some("description") if robot.is_some_and(|r| r.geometry.standard_parameters().is_none()) => complain(
+            "needs masses, which the robot's geometry does not state",
+            "give `[robot]` a `urdf` or `mjcf` whose links have `inertial` elements",
+        ),
+        Some("description") => true,
+        Some(other) => complain(
+            &format!("expects \"description\", found {other:?}"),
+            "the description is the `urdf` or `mjcf` of `[robot]`",
+        ),
     }
 }

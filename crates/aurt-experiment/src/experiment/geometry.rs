@@ -36,6 +36,15 @@ impl Geometry {
         }
     }
 
+    /// Values of all standard parameters, where a description states masses.
+    #[must_use]
+    pub fn standard_parameters(&self) -> Option<&[f64]> {
+        match self {
+            Self::Mdh { .. } => None,
+            Self::Urdf { robot, .. } | Self::Known(robot) => robot.standard_parameters.as_deref(),
+        }
+    }
+
     fn description(&self) -> &dyn RobotDescription {
         match self {
             Self::Mdh { table, .. } => table,

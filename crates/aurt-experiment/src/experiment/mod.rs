@@ -155,7 +155,10 @@ fn read_sections(
         recordings.name_joints(robot);
     }
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
-    let calibration = top.section("calibration").map(Calibration::read).unwrap_or_default();
+    let calibration = top
+        .section("calibration")
+        .map(|section| Calibration::read(section, robot.as_ref()))
+        .unwrap_or_default();
     let sweep = top.take("sweep").cloned();
     top.finish();
     let experiment = robot.zip(joint_dynamics).map(|(robot, joint_dynamics)| Experiment {

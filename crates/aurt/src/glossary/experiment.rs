@@ -23,7 +23,7 @@ pub const TERMS: &[Term] = &[
         text: "Under [recordings]: the recordings that the model is fitted to. Let all joints move at once, slowly and fast, \
             through the workspace that matters; `aurt check` says what is missing. In a diagnosis with targets they \
             are of the robot as the model knows it. The section [calibration] says how the fit is made: see \
-            estimator, load_torque, rest.",
+            estimator, prior, load_torque, rest.",
     },
     Term {
         name: "columns",
@@ -133,6 +133,13 @@ pub const TERMS: &[Term] = &[
         title: "[recordings]: the data and their parts",
         text: "calibration is fitted to; validation takes no part and judges; target (diagnoses only) is what may have \
             changed; simulated is another simulator's prediction of it. See each of these.",
+    },
+    Term {
+        name: "prior",
+        title: "prior",
+        text: "Under [calibration], with estimator = \"consistent\": `prior = \"description\"` takes the inertial parameters of the \
+            robot's URDF or MJCF file for what the recordings leave open. `prior_weight` pulls all estimates there, in \
+            squared standard deviations for each unit of divergence; docs/estimation.md has the equation.",
     },
     Term {
         name: "robot",

@@ -27,7 +27,7 @@ pub fn terms() -> Vec<&'static Term> {
 }
 
 /// Keys of files that are explained under another name.
-const ALIASES: [(&str, &str); 11] = [
+const ALIASES: [(&str, &str); 12] = [
     ("delay_s", "instrument"),
     ("f_dyn_hz", "f_dyn"),
     ("gains", "instrument"),
@@ -37,6 +37,7 @@ const ALIASES: [(&str, &str); 11] = [
     ("not_physical", "unphysical"),
     ("nrmse", "nrms"),
     ("offsets", "instrument"),
+    ("prior_weight", "prior"),
     ("rest_velocity_rad_s", "rest"),
     ("torque_constants_nm_per_a", "torque_constants"),
 ];

@@ -1,0 +1,217 @@
+//! What URDF and MJCF files lack: their inertial parameters as a model that is diagnosed.
+
+use aurt::simulation::Robot;
+use serde_json::{Value, json};
+
+use crate::support::Folder;
+
+/// How the links of the arm stand on one another: origin and turn about x of each joint's frame in that of the link before.
+const JOINTS: [([f64; 3], f64); 6] = [
+    ([0.0, 0.0, 0.1807], 0.0),
+    ([0.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2),
+    ([-0.6127, 0.0, 0.0], 0.0),
+    ([-0.57155, 0.0, 0.17415], 0.0),
+    ([0.0, -0.11985, 0.0], std::f64::consts::FRAC_PI_2),
+    ([0.0, 0.11655, 0.0], -std::f64::consts::FRAC_PI_2),
+];
+
+/// A simulated UR10e without load-dependent friction, its recordings, and an experiment on its geometry.
+fn recorded() -> (Folder, Robot) {
+    let folder = Folder::new();
+    let mut robot = Robot::named("ur10e").unwrap();
+    robot.drives.iter_mut().for_each(|drive| drive.load_coefficient = 0.0);
+    for (name, seed) in [("first", 3), ("second", 4)] {
+        let scenario = format!(
+            "robot = 'ur10e'\nseed = {seed}\n[motion]\nkind = 'multi_sine'\nduration_s = 20.0\nharmonics = 5\n\
+             top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 125\n"
+        );
+        let drives = (0..6).map(|j| format!("[[drive]]\njoint = {j}\nload_coefficient = 0.0\n"));
+        folder.write("scenario.toml", &drives.fold(scenario, |text, drive| text + &drive));
+        let out = format!("{name}.csv");
+        folder.aurt(["simulate", "--scenario", "scenario.toml", "--out", &out, "--quiet"]).succeeded();
+    }
+    folder.write("mdh.csv", &robot.mdh_csv());
+    let constants: Vec<f64> = robot.drives.iter().map(|d| d.torque_constant_nm_per_a).collect();
+    folder.write(
+        "experiment.toml",
+        &format!(
+            "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\
+             torque_constants_nm_per_a = {constants:?}\n[joint_dynamics]\ncoulomb = {{ model = 'none' }}\n\
+             hysteresis = {{ model = 'sign' }}\nviscous = {{ model = 'polynomial', powers = [1] }}\n\
+             [recordings]\ncalibration = ['first.csv']\nvalidation = ['second.csv']\n[preprocess]\nf_dyn_hz = 5.0\n"
+        ),
+    );
+    (folder, robot)
+}
+
+fn words(values: &[f64]) -> String {
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// A URDF file of the robot's geometry and bodies, which has no word for rotors, and here none for friction.
+fn urdf(robot: &Robot) -> String {
+    let mut text = "<robot name=\"arm\">\n<link name=\"link_0\"/>\n".to_owned();
+    for (j, ((origin, turn), body)) in JOINTS.iter().zip(&robot.links).enumerate() {
+        let (origin, com) = (words(origin), words(&body.com_m));
+        let inertia: String = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]
+            .iter()
+            .zip(body.inertia_at_com_kg_m2)
+            .map(|(name, value)| format!(" {name}=\"{value}\""))
+            .collect();
+        text += &format!(
+            "<joint name=\"joint_{j}\" type=\"continuous\"><parent link=\"link_{j}\"/><child link=\"link_{}\"/>\
+             <origin xyz=\"{origin}\" rpy=\"{turn} 0 0\"/><axis xyz=\"0 0 1\"/></joint>\n\
+             <link name=\"link_{}\"><inertial><origin xyz=\"{com}\"/><mass value=\"{}\"/><inertia{inertia}/></inertial>\
+             </link>\n",
+            j + 1,
+            j + 1,
+            body.mass_kg
+        );
+    }
+    text + "</robot>\n"
+}
+
+/// An MJCF file of the robot with friction and rotors.
+fn mjcf(robot: &Robot) -> String {
+    let mut text = "<mujoco model=\"arm\"><compiler angle=\"radian\"/><worldbody>\n".to_owned();
+    for (j, ((origin, turn), (body, drive))) in
+        JOINTS.iter().zip(robot.links.iter().zip(&robot.drives)).enumerate()
+    {
+        let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
+        text += &format!(
+            "<body name=\"link_{j}\" pos=\"{}\" euler=\"{turn} 0 0\">\
+             <inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{}\"/>\
+             <joint name=\"joint_{j}\" axis=\"0 0 1\" armature=\"{}\" damping=\"{}\" frictionloss=\"{}\"/>\n",
+            words(origin),
+            words(&body.com_m),
+            body.mass_kg,
+            words(&[xx, yy, zz, xy, xz, yz]),
+            drive.rotor_inertia_kg_m2,
+            drive.viscous_nm_s,
+            drive.coulomb_nm
+        );
+    }
+    text + &"</body>".repeat(JOINTS.len()) + "\n</worldbody></mujoco>\n"
+}
+
+/// The effects of a diagnosis of a description, each with its joints, and the verdict.
+fn lack(folder: &Folder, file: &str) -> (Vec<(String, Value)>, Value) {
+    let out = format!("{file}.out");
+    let run = folder.aurt(["diagnose", "experiment.toml", "--model", file, "--out", &out, "--quiet"]);
+    assert!(matches!(run.status(), 0 | 1), "{}", run.stderr());
+    let verdict = folder.json(&format!("{out}/verdict.json"));
+    let effects = verdict["effects"].as_array().unwrap();
+    let named = |e: &Value| (e["effect"].as_str().unwrap().to_owned(), e["joints"].clone());
+    (effects.iter().map(named).collect(), verdict)
+}
+
+#[test]
+fn a_description_without_friction_lacks_friction_and_one_with_all_lacks_nothing() {
+    let (folder, mut robot) = recorded();
+    folder.write("bare.urdf", &urdf(&robot));
+    let (effects, verdict) = lack(&folder, "bare.urdf");
+    assert_eq!(verdict["verdict"], "named", "{verdict}");
+    let joints = |effect: &str| {
+        effects.iter().filter(|(e, _)| e == effect).flat_map(|(_, j)| j.as_array().unwrap()).count()
+    };
+    assert!(effects.iter().all(|(e, _)| e != "payload" && e != "base_tilt"), "{effects:?}");
+    assert_eq!((joints("coulomb"), joints("viscous")), (6, 6), "{effects:?}");
+    // What the experiment's own structure has is not added to it again.
+    let improved = folder.read("bare.urdf.out/improved.toml");
+    assert!(improved.contains("rotor_inertia") && !improved.contains("joint_friction"), "{improved}");
+
+    folder.write("whole.xml", &mjcf(&robot));
+    let (effects, verdict) = lack(&folder, "whole.xml");
+    assert_eq!((&verdict["verdict"], effects.len()), (&json!("no_mismatch"), 0), "{verdict}");
+
+    // A load of 2 kg that the file does not know.
+    robot.links[2].mass_kg -= 2.0;
+    folder.write("light.xml", &mjcf(&robot));
+    let (effects, verdict) = lack(&folder, "light.xml");
+    assert_eq!(effects[0].0, "payload", "{verdict}");
+    let first = &verdict["effects"][0]["parameters"];
+    let mass = first["mass_kg"]["value"].as_f64().unwrap();
+    assert!((mass - 2.0).abs() < 0.4, "{first}");
+}
+
+#[test]
+fn descriptions_that_are_no_model_of_the_arm_are_refused() {
+    let (folder, robot) = recorded();
+    let whole = urdf(&robot);
+    let refused = |text: &str, words: &[&str]| {
+        folder.write("robot.urdf", text);
+        let arguments = ["diagnose", "experiment.toml", "--model", "robot.urdf", "--out", "out", "--quiet"];
+        folder.aurt(arguments).refused(words);
+        assert!(!folder.path("out").exists());
+    };
+    let massless: String =
+        whole.lines().map(|l| if l.contains("<inertial>") { "" } else { l }).collect::<Vec<_>>().join("\n");
+    let mut links = String::new();
+    for j in 1..=6 {
+        links += &format!("<link name=\"link_{j}\"/>\n");
+    }
+    refused(&massless.replace("</robot>", &(links + "</robot>")), &["states no masses", "inertial"]);
+    refused(&whole.replace("-0.6127", "-0.5127"), &["of another arm", "gravity_m_s2"]);
+    let end = whole.find("<joint name=\"joint_5\"").unwrap();
+    refused(&(whole[..end].to_owned() + "</robot>"), &["has 5 joints, the experiment's robot 6", "--tip"]);
+
+    folder.write("robot.urdf", &whole);
+    let text = folder.read("experiment.toml");
+    let amperes: String =
+        text.lines().filter(|l| !l.starts_with("torque_constants")).collect::<Vec<_>>().join("\n");
+    folder.write("amperes.toml", &amperes);
+    let arguments = ["diagnose", "amperes.toml", "--model", "robot.urdf", "--out", "out", "--quiet"];
+    folder.aurt(arguments).refused(&["in Nm", "in A", "torque_constants_nm_per_a"]);
+    folder.write("rd.json", "{}");
+    let arguments = ["diagnose", "amperes.toml", "--model", "rd.json", "--tip", "link_6", "--out", "out"];
+    folder.aurt(arguments).refused(&["--tip"]);
+}
+
+/// Masses, as the metrics of a run have them.
+fn masses(folder: &Folder, results: &str) -> Vec<f64> {
+    let metrics = folder.json(&format!("{results}/metrics.json"));
+    let standard = metrics["consistent"]["standard"].as_array().unwrap();
+    let mass = |e: &&Value| e["name"].as_str().unwrap().starts_with("m_");
+    standard.iter().filter(mass).map(|e| e["value"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_description_is_a_prior_of_consistent_estimates() {
+    let (folder, robot) = recorded();
+    folder.write("arm.urdf", &urdf(&robot));
+    let on_table = folder
+        .read("experiment.toml")
+        .replace("['first.csv']", "[{ file = 'first.csv', window_s = [0.0, 5.0] }]");
+    let text = on_table.replace("mdh = 'mdh.csv'", "urdf = 'arm.urdf'")
+        + "[[arm_terms]]\nmodel = 'rotor_inertia'\njoints = [2, 3, 4, 5]\n";
+    let run = |name: &str, text: &str, calibration: &str| {
+        folder.write(&format!("{name}.toml"), &format!("{text}[calibration]\n{calibration}\n"));
+        folder.aurt(["run", &format!("{name}.toml"), "--out", name, "--quiet"])
+    };
+    let truth: Vec<f64> = robot.links.iter().map(|link| link.mass_kg).collect();
+    let away = |results: &str| {
+        let masses = masses(&folder, results);
+        assert_eq!(masses.len(), truth.len());
+        masses.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    run("alone", &text, "estimator = 'consistent'").succeeded();
+    run("known", &text, "estimator = 'consistent'\nprior = 'description'").succeeded();
+    run("held", &text, "estimator = 'consistent'\nprior = 'description'\nprior_weight = 1e6").succeeded();
+    let (alone, known, held) = (away("alone"), away("known"), away("held"));
+    assert!(known < 0.5 * alone && held < 0.02 * alone, "{alone} {known} {held}");
+    assert_eq!(folder.json("known/metrics.json")["consistent"]["prior"], true);
+    assert_eq!(folder.json("alone/metrics.json")["consistent"]["prior"], false);
+
+    let prior = "estimator = 'consistent'\nprior = 'description'";
+    run("table", &on_table, prior).refused(&["`prior` needs masses", "inertial"]);
+    run("other", &text, "prior = 'description'").refused(&["`prior` is for another estimator", "consistent"]);
+    run("word", &text, "estimator = 'consistent'\nprior = 'cad'").refused(&["`prior` expects", "cad"]);
+    let alone = "estimator = 'consistent'\nprior_weight = 1.0";
+    run("weight", &text, alone).refused(&["`prior_weight` weighs a `prior`"]);
+    let negative = format!("{prior}\nprior_weight = -1.0");
+    run("negative", &text, &negative).refused(&["`prior_weight` must not be negative"]);
+    let mut impossible = robot;
+    impossible.links[2].inertia_at_com_kg_m2[0] = 1e3;
+    folder.write("arm.urdf", &urdf(&impossible));
+    run("impossible", &text, prior).refused(&["prior of link 2 is of no body"]);
+}
