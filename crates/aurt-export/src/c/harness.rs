@@ -40,8 +40,8 @@ pub(super) fn program(
         checks.len()
     );
     for table in &tables {
-        let _ =
-            writeln!(text, "static const double {}[{}][{}] = {{", table.name, table.rows.len(), table.width);
+        let rows = if table.name == "regressor" { "WITH_REGRESSOR" } else { "STATES" };
+        let _ = writeln!(text, "static const double {}[{rows}][{}] = {{", table.name, table.width);
         for row in &table.rows {
             let _ = writeln!(text, "    {{{}}},", list(row));
         }
