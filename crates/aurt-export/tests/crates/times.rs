@@ -8,13 +8,14 @@ use super::super::{models::*, provenance, source, write};
 
 const FUNCTIONS: [&str; 4] = ["torque", "rigid_body_torque", "mass_matrix", "regressor"];
 
-/// A program that prints ns per evaluation of each function, along a line through the positions.
+/// A program that prints ns per evaluation of each function along a line through the positions, of the fastest thousand.
 const C: &str = r#"#include "machine.h"
 #include <stdio.h>
 #include <time.h>
-#define TIME(call) { double sum = 0.0; clock_t start = clock(); int k; for (k = 0; k < 300000; ++k) { \
-    q[0] = 1e-5 * k; call; sum += out[0]; } \
-    printf("%.1f\n", 1e9 * (double)(clock() - start) / CLOCKS_PER_SEC / 300000); if (sum == 0.5) return 1; }
+#define TIME(call) { double sum = 0.0, best = 1e9; int round, k; for (round = 0; round < 300; ++round) { \
+    clock_t start = clock(); double took; for (k = 0; k < 1000; ++k) { q[0] = 1e-3 * k; call; sum += out[0]; } \
+    took = 1e6 * (double)(clock() - start) / CLOCKS_PER_SEC; best = took < best ? took : best; } \
+    printf("%.1f\n", best); if (sum == 0.5) return 1; }
 int main(void)
 {
     static double out[1000];
@@ -25,9 +26,13 @@ int main(void)
 }
 "#;
 const RUST: &str = r#"macro_rules! time { ($q:ident, $call:expr) => {{
-    let (start, mut sum) = (std::time::Instant::now(), 0.0);
-    for k in 0..300000 { $q[0] = 1e-5 * k as f64; sum += std::hint::black_box($call)[0]; }
-    println!("{:.1}", start.elapsed().as_secs_f64() * 1e9 / 300000.0);
+    let (mut best, mut sum) = (f64::INFINITY, 0.0);
+    for _ in 0..300 {
+        let start = std::time::Instant::now();
+        for k in 0..1000 { $q[0] = 1e-3 * k as f64; sum += std::hint::black_box($call)[0]; }
+        best = best.min(start.elapsed().as_secs_f64() * 1e6);
+    }
+    println!("{best:.1}");
     assert!(sum != 0.5);
 }}; }
 fn main() {
@@ -62,7 +67,11 @@ fn times_of_the_crate_and_of_the_c() {
     run(folder.path(), "cc", &["-std=c99", "-O2", "time.c", "machine.c", "-o", "c", "-lm"]);
     let library = ["--edition=2021", "--crate-type=rlib", "--crate-name=machine", "-Copt-level=3"];
     run(folder.path(), "rustc", &[&library[..], &["--cfg=feature=\"std\"", "src/lib.rs"]].concat());
-    run(folder.path(), "rustc", &["--edition=2021", "-Copt-level=3", "-L.", "time.rs", "-o", "rs"]);
+    run(
+        folder.path(),
+        "rustc",
+        &["--edition=2021", "-Copt-level=3", "-L.", "--extern=machine", "time.rs", "-o", "rs"],
+    );
     let mut best = [[f64::INFINITY; 4]; 2];
     for _ in 0..9 {
         for (program, best) in ["./c", "./rs"].iter().zip(&mut best) {

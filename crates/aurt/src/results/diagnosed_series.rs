@@ -54,7 +54,9 @@ impl DiagnosedSeries {
         let (before, after) = (of(|j| &j.before), of(|j| &j.after));
         let measured: Option<Series> = joints.iter().map(|j| j.measured.clone()).collect();
         let predicted = |residual: &Series| -> Option<Series> {
-            let difference = |(m, r): (&Vec<f64>, &Vec<f64>)| m.iter().zip(r).map(|(m, r)| m - r).collect();
+            let difference = |(m, r): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                m.iter().zip(r).map(|(m, r)| m - r).collect()
+            };
             Some(measured.as_ref()?.iter().zip(residual).map(difference).collect())
         };
         let (predicted_before, predicted_after) = (predicted(&before), predicted(&after));
@@ -73,7 +75,7 @@ impl DiagnosedSeries {
             origin_s: self.origin_s,
             position_rad: &of(|j| &j.position_rad),
             quantities: quantities.into_iter().filter_map(|(name, s)| Some((name, s?.as_slice()))).collect(),
-            flags: vec![("located", &located), ("stands_out", &stands_out)],
+            flags: vec![("located", located.as_slice()), ("stands_out", stands_out.as_slice())],
         }
         .to_file(format, Path::new(name), &[("part", format!("{role:?}").to_lowercase())])
     }
