@@ -7,6 +7,7 @@
 //! | [`mjcf::export`] | a MuJoCo model: geometry, inertias, armature, damping, friction loss |
 //! | [`mjcf::into::correct`] | the user's own MuJoCo file with its dynamics corrected, all else as it is |
 //! | [`sdf::export`] | an SDF file for Gazebo: geometry, inertias, damping, friction, springs |
+//! | [`rust::export`] | a Rust crate of the same functions, `no_std` where wanted; a test that checks them |
 //! | [`urdf::export`] | a URDF file: geometry, inertias, damping, friction |
 //!
 //! Each takes a [`Source`] and gives an [`Export`]: files by their names, and what the target has no word for. What cannot
@@ -17,9 +18,12 @@ mod error;
 pub mod fmu;
 pub mod mjcf;
 mod naming;
+mod program;
+pub mod rust;
 pub mod sdf;
 mod source;
 pub mod urdf;
 
 pub use error::ExportError;
+pub use program::Check;
 pub use source::{Export, Provenance, Source};

@@ -53,6 +53,56 @@ const HEADERS: [&str; 24] = [
     "time", "wchar", "wctype",
 ];
 
+/// Words of Rust that are none of C, and crates that a crate would hide.
+const RUST: [&str; 34] = [
+    "alloc",
+    "as",
+    "async",
+    "await",
+    "become",
+    "box",
+    "core",
+    "crate",
+    "dyn",
+    "final",
+    "fn",
+    "gen",
+    "impl",
+    "in",
+    "let",
+    "libm",
+    "loop",
+    "macro",
+    "match",
+    "mod",
+    "move",
+    "mut",
+    "priv",
+    "proc_macro",
+    "pub",
+    "ref",
+    "self",
+    "std",
+    "super",
+    "test",
+    "trait",
+    "try",
+    "type",
+    "use",
+];
+
+/// Whether a crate may be called `name`.
+///
+/// # Errors
+/// [`ExportError::Name`].
+pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
+    check_identifier(name)?;
+    if RUST.contains(&name) {
+        return Err(ExportError::Name { name: name.to_owned(), reason: "is a word or a crate of Rust" });
+    }
+    Ok(())
+}
+
 /// Whether names may begin with `name`.
 ///
 /// # Errors
@@ -102,6 +152,10 @@ mod tests {
         }
         for name in ["", "5bar", "_x", "my robot", "kräftig", "double", "math", "a-b", &"a".repeat(41)] {
             assert!(check_identifier(name).is_err(), "{name}");
+        }
+        assert!(check_crate("ur5e").is_ok());
+        for name in ["core", "libm", "test", "fn", "a-b"] {
+            assert!(check_crate(name).is_err(), "{name}");
         }
         assert_eq!(for_comment("a*/b\n--->c??/"), "a_/b -_-_c__/");
     }

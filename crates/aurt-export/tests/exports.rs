@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod corrected;
+mod crates;
 mod models;
 mod units;
 
@@ -12,7 +13,7 @@ use std::{
 };
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, sdf, urdf};
-use aurt_friction::arm_terms::{joint_selection::JointSelection, temperature::Temperature};
+use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
@@ -43,7 +44,9 @@ fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
 
 fn write(export: &Export, folder: &Path) {
     for (name, text) in &export.files {
-        std::fs::write(folder.join(name), text).unwrap();
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
     }
 }
 
@@ -89,7 +92,7 @@ fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{text}");
         assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
-        assert_eq!(text.matches("passed").count(), 7, "{name}: {text}");
+        assert_eq!(text.matches("passed").count(), 8, "{name}: {text}");
     }
 }
 
@@ -104,7 +107,7 @@ fn the_c_of_friction_with_memory_predicts_what_the_models_do() {
         let text = String::from_utf8_lossy(&run.stdout);
         println!("{name}: {text}");
         assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
-        assert_eq!(text.matches("passed").count(), 5, "{name}: {text}");
+        assert_eq!(text.matches("passed").count(), 6, "{name}: {text}");
         let header = &export.files[0].1;
         assert!(!header.contains("machine_torque("), "there is no torque without memory: {header}");
         // The order of the samples matters: the same states in another order have another torque.
@@ -191,6 +194,25 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
         );
         assert!(worst <= 1e-9, "{name}: {worst:e}");
     }
+}
+
+#[test]
+fn friction_of_a_mujoco_file_holds_what_it_bears() {
+    let Some(python) = python_with_mujoco() else { return };
+    let (case, provenance) = (case(arm(), true), provenance());
+    let folder = tempfile::tempdir().unwrap();
+    write(&mjcf::export(&source(&case, &provenance)).unwrap(), folder.path());
+    let run = Command::new(&python)
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mujoco_creep.py"))
+        .arg(folder.path().join("machine.xml"))
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success(), "{text}\n{}", String::from_utf8_lossy(&run.stderr));
+    let fastest: Vec<f64> =
+        text.lines().map(|line| line.split(' ').next_back().unwrap().parse().unwrap()).collect();
+    println!("creep, rad/s, with MuJoCo's settings and with those of the file: {fastest:?}");
+    assert!(fastest[1] < 1e-4 * fastest[0], "{fastest:?}");
 }
 
 #[test]
@@ -325,7 +347,7 @@ fn what_cannot_be_exported_is_refused_by_name() {
     coefficients[1] = f64::NAN;
     assert!(refusal(&Source { coefficients: &coefficients, ..good }).contains("is NaN"));
 
-    let term = Temperature { joints: JointSelection::all(), warming_time_s: 60.0 };
+    let term = TorqueRipple { cycles_per_revolution: 2.0, orders: vec![1], joints: JointSelection::all() };
     let base = case.model.base().clone();
     let (stacks, terms) = (case.model.stacks().to_vec(), vec![Box::new(term) as Box<dyn ArmTerm>]);
     let model = RobotModel::new(case.model.rigid_body().clone(), base, stacks, terms).unwrap();
@@ -334,7 +356,7 @@ fn what_cannot_be_exported_is_refused_by_name() {
     let refused = refusal(&Source { model: &model, coefficients: &coefficients, load: &load, ..good });
     assert!(
         refused.starts_with(
-            "arm term: the model `temperature` cannot be exported: it has memory of its own kind"
+            "arm term: the model `torque_ripple` cannot be exported: its equation is not known to this export"
         ),
         "{refused}"
     );

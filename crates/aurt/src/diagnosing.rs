@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use aurt_diagnosis::{
-    Answer, Improvement, Learnt, Method, Question, QuestionedRecording, Role, SelectionOptions, Verdict,
-    from_folder, improved_experiment, improvement, investigate, series, with_file_names, write_verdict,
+    Answer, Improvement, Learnt, Method, Question, QuestionedRecording, RecordingSeries, Role,
+    SelectionOptions, Verdict, from_folder, improved_experiment, improvement, investigate, series,
+    with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
 use aurt_rbd::RobotDescription;
@@ -20,7 +21,7 @@ use crate::{
     progress::Progress,
     rendering::style::Style,
     reports::diagnosis::{Diagnosed, words::Asked},
-    results::verdict::Shown,
+    results::{diagnosed_series::DiagnosedSeries, verdict::Shown},
     simulated,
 };
 
@@ -37,6 +38,8 @@ pub struct DiagnosisOptions {
     pub compare: bool,
     /// The folder that the improved experiment is for (its file names lead from there); none for the verdict alone.
     pub improve_for: Option<PathBuf>,
+    /// Whether [`Diagnosis::series`] is wanted.
+    pub series: bool,
 }
 
 /// What a diagnosis of an experiment found.
@@ -56,6 +59,8 @@ pub struct Diagnosis {
     pub comparison: Option<Value>,
     /// The model that has what was found.
     pub improved: Option<Improved>,
+    /// The recordings row by row, if asked for.
+    pub series: Vec<DiagnosedSeries>,
 }
 
 /// The model that has what a diagnosis found.
@@ -204,7 +209,18 @@ pub fn diagnose_experiment(
             Some(Improved { experiment_toml: text, added, model, notes: improvement.notes, report })
         }
     };
-    Ok(Diagnosis { verdict, document, asked, unit, held_out, comparison, improved })
+    let series = if options.series {
+        let of_rows = |(rows, recording): (RecordingSeries, &QuestionedRecording)| DiagnosedSeries {
+            rows,
+            first_s: recording.raw.time_s.first().copied().unwrap_or(0.0),
+            origin_s: recording.raw.report.origin_s,
+            unit,
+        };
+        series(&question, &investigation).into_iter().zip(&recordings).map(of_rows).collect()
+    } else {
+        Vec::new()
+    };
+    Ok(Diagnosis { verdict, document, asked, unit, held_out, comparison, improved, series })
 }
 
 /// Reads and preprocesses the recordings of an experiment, each with its part.

@@ -5,13 +5,13 @@ use std::path::Path;
 use aurt_experiment::{Registry, model_file::read_json};
 pub use aurt_export::fmu::{Kind, Version};
 use aurt_export::{
-    Export, Provenance, Source, c,
+    Check, Export, Provenance, Source, c,
     fmu::{self, Fmu},
     mjcf::{
         self,
         into::{Corrected, Original, correct},
     },
-    sdf, urdf,
+    rust, sdf, urdf,
 };
 use aurt_robots::RobotError;
 use aurt_simulation::Random;
@@ -27,6 +27,8 @@ pub enum Target {
     C,
     /// A MuJoCo model.
     Mjcf,
+    /// A Rust crate.
+    Rust,
     /// A URDF file.
     Urdf,
     /// An SDF file.
@@ -68,6 +70,7 @@ impl Target {
         match self {
             Self::C => "c",
             Self::Mjcf => "mjcf",
+            Self::Rust => "rust",
             Self::Urdf => "urdf",
             Self::Sdf => "sdf",
             Self::Fmu(..) => "fmu",
@@ -75,7 +78,7 @@ impl Target {
     }
 }
 
-/// States at which the exported C is compared with the model.
+/// States at which exported sources are compared with the model.
 const STATES: usize = 32;
 /// Samples of a path, for models with memory, and their distance, s.
 const PATH: usize = 96;
@@ -93,6 +96,7 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
     with_source(path, name, registry, |source, calibrated| {
         Ok(match target {
             Target::C => c::export(source, &checks(calibrated)?)?.into(),
+            Target::Rust => rust::export(source, &checks(calibrated)?)?.into(),
             Target::Mjcf => mjcf::export(source)?.into(),
             Target::Urdf => urdf::export(source)?.into(),
             Target::Sdf => sdf::export(source)?.into(),
@@ -164,7 +168,7 @@ fn with_source(
 }
 
 /// States and what the model predicts there.
-fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
+fn checks(calibrated: &CalibratedModel) -> Result<Vec<Check>, Failure> {
     let joints = calibrated.model.joints();
     let remembers = calibrated.model.stacks().iter().any(|stack| {
         stack.coulomb().state_len() + stack.hysteresis().state_len() + stack.viscous().state_len() > 0
@@ -179,7 +183,7 @@ fn checks(calibrated: &CalibratedModel) -> Result<Vec<c::Check>, Failure> {
     Ok(states
         .into_iter()
         .enumerate()
-        .map(|(n, [q_rad, qd_rad_s, qdd_rad_s2])| c::Check {
+        .map(|(n, [q_rad, qd_rad_s, qdd_rad_s2])| Check {
             time_s: view.time_s()[n],
             q_rad,
             qd_rad_s,

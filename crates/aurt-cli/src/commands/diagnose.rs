@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
-    commands::run::{drawn_text, written_text},
+    commands::run::{SeriesName, drawn_text, written_text},
     diagnosing::{DiagnosisOptions, diagnose_experiment},
     doctor::{self, Examination, Subject},
     failure::Failure,
@@ -22,6 +22,7 @@ use crate::{
         text::wrapped,
     },
     reports,
+    results::diagnosed_series,
 };
 
 /// Locate the mismatch between a model and recordings, name the physics left out, and model it.
@@ -61,6 +62,10 @@ pub struct Diagnose {
     /// Write the verdict alone: no report, no improved experiment, no improved model
     #[arg(long, conflicts_with = "plots")]
     verdict_only: bool,
+    /// Also write measurement, predictions and residuals of every recording, before and after what was found, and the windows
+    /// that were located, in this format, as series_<recording>.parquet or .mcap
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    series: Option<SeriesName>,
     #[command(flatten)]
     plots: PlotOptions,
 }
@@ -78,6 +83,7 @@ impl Diagnose {
             learnt: None,
             compare: false,
             verdict_only: false,
+            series: None,
             plots: PlotOptions::none(),
         }
     }
@@ -101,6 +107,7 @@ impl Diagnose {
             learnt,
             compare: self.compare,
             improve_for,
+            series: self.series.is_some(),
         };
         let progress = terminal.progress(24);
         let diagnosis = diagnose_experiment(&experiment, registry, &options, &progress)?;
@@ -116,6 +123,9 @@ impl Diagnose {
                 ("improved.toml".to_owned(), improved.experiment_toml.clone().into_bytes()),
                 ("rd_improved.json".to_owned(), improved.model.to_file()?),
             ]);
+        }
+        if let Some(name) = self.series {
+            files.extend(diagnosed_series::files(&diagnosis.series, &diagnosis.verdict, name.format())?);
         }
         let mut outputs = Outputs::default();
         outputs.folder(&folder, files);

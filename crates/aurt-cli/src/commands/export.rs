@@ -16,16 +16,17 @@ use crate::{
     },
 };
 
-/// Export a calibrated model to other programs: C source, MuJoCo, URDF, SDF, FMI.
+/// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI.
 ///
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h alone, and a program that
-/// compares them with the model. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a
+/// compares them with the model; `rust` writes the same functions as a crate, `no_std` where wanted. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a
 /// calibration with `estimator = "consistent"`; `mjcf --into` corrects a MuJoCo file of your own instead. `fmu` writes
 /// a functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of forward
 /// dynamics (torques or currents in, the motion out). What the target has no word for is listed; what cannot be exported is
 /// refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt export c rd_calibrated.json --name my_robot --out exported_c\n  \
+    aurt export rust rd_calibrated.json --name my_robot --out exported_rust\n  \
     aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf\n  \
     aurt export mjcf rd_calibrated.json --into my_robot.xml --out exported_mjcf\n  \
     aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
@@ -67,6 +68,8 @@ pub struct Export {
 pub enum TargetName {
     /// C99 header and source, and a program that checks them
     C,
+    /// Rust crate without dependencies, and a test that checks it
+    Rust,
     /// MuJoCo model
     Mjcf,
     /// URDF file
@@ -119,6 +122,7 @@ impl Export {
         }
         Ok(match self.target {
             TargetName::C => Target::C,
+            TargetName::Rust => Target::Rust,
             TargetName::Mjcf => Target::Mjcf,
             TargetName::Urdf => Target::Urdf,
             TargetName::Sdf => Target::Sdf,

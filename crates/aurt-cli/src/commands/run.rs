@@ -55,6 +55,16 @@ pub enum SeriesName {
     Mcap,
 }
 
+impl SeriesName {
+    /// The format.
+    pub const fn format(self) -> SeriesFormat {
+        match self {
+            Self::Parquet => SeriesFormat::Parquet,
+            Self::Mcap => SeriesFormat::Mcap,
+        }
+    }
+}
+
 impl Run {
     /// Runs.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
@@ -84,11 +94,7 @@ impl Run {
         let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
         if let Some(name) = self.series {
-            let format = match name {
-                SeriesName::Parquet => SeriesFormat::Parquet,
-                SeriesName::Mcap => SeriesFormat::Mcap,
-            };
-            let series = Job::of(&experiment)?.series(&outcome.calibrated, &recordings, format)?;
+            let series = Job::of(&experiment)?.series(&outcome.calibrated, &recordings, name.format())?;
             outcome.predictions.extend(series);
         }
         progress.step("looking for mistakes of the setup");

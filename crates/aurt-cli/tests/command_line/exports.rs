@@ -12,6 +12,11 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     export("of_mdh/rd_calibrated.json", &["--name", "own", "--out", "."]).succeeded();
     folder.aurt(["export", "sdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
     assert!(folder.read("own.sdf").contains("<sdf version=\"1.9\">"));
+    let rust =
+        |name| folder.aurt(["export", "rust", "of_mdh/rd_calibrated.json", "--name", name, "--out", "crate"]);
+    rust("core").refused(&["`core`", "is a word or a crate of Rust"]);
+    rust("own").succeeded();
+    assert!(folder.read("crate/src/lib.rs").contains("pub fn step(state: &mut State, t: f64, q: &[f64; 6]"));
 
     // Somebody's file: an elbow that is too heavy, and joints of which nothing is known.
     let exact = folder.read("own.xml");

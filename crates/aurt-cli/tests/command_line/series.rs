@@ -82,3 +82,41 @@ fn series_without_measurement_and_in_stretches() {
         .refused(&["--series", "in stretches", "--stream-above"]);
     folder.aurt(["run", "experiment.toml", "--out", "x", "--series", "csv"]).refused(&["parquet", "mcap"]);
 }
+
+/// What a diagnosis saw is a recording again, and what it predicts with what it found is nearer to the measurement.
+#[test]
+fn a_diagnosis_writes_what_it_saw() {
+    let folder = Folder::new().with_whole_demo();
+    for (format, out) in [("parquet", "table"), ("mcap", "bag")] {
+        let run = ["diagnose", "later.toml", "--out", out, "--verdict-only", "--series", format, "--quiet"];
+        assert_eq!(folder.aurt(run).status(), 1);
+    }
+    let bag = std::fs::read(folder.path("bag/series_later_motion.mcap")).unwrap();
+    for topic in
+        ["/measured", "/predicted_before", "/predicted_after", "/residual_after", "/located", "/stands_out"]
+    {
+        assert!(bag.windows(topic.len()).any(|w| w == topic.as_bytes()), "{topic}");
+    }
+    let names = |quantity: &str| -> String {
+        let list: Vec<String> = (0..6).map(|j| format!("\"{quantity}_{j}\"")).collect();
+        format!("[{}]", list.join(", "))
+    };
+    let experiment = folder.read("experiment.toml");
+    let experiment: String =
+        experiment.lines().filter(|l| !l.starts_with("torque_constants")).map(|l| format!("{l}\n")).collect();
+    let begin = experiment.find("[recordings]").unwrap();
+    let end = begin + 12 + experiment[begin + 12..].find("\n[").unwrap_or(experiment.len() - begin - 12);
+    let errors_of = |series: &str| -> Vec<f64> {
+        let columns =
+            format!("{{ time = \"timestamp\", position = {}, measurement = {} }}", names("q"), names(series));
+        let file = "table/series_later_motion.parquet";
+        let recordings = format!(
+            "[recordings]\ncalibration = [{{ file = \"{file}\", columns = {columns}, unit = \"Nm\" }}]\n"
+        );
+        folder.write("again.toml", &format!("{}{recordings}{}", &experiment[..begin], &experiment[end..]));
+        folder.aurt(["run", "again.toml", "--out", series]).succeeded();
+        crate::support::numbers(&folder.json(&format!("{series}/metrics.json"))["recordings"][0]["nmse"])
+    };
+    let (measured, predicted) = (errors_of("measured_torque"), errors_of("predicted_after_torque"));
+    assert!(predicted.iter().zip(&measured).all(|(p, m)| p < m), "{predicted:?} {measured:?}");
+}

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use aurt_rbd::{JointKind, SerialChain};
 use aurt_traits::MeasurementUnit;
 
-use super::{
-    functions::{Function, Program},
-    tunable::Tunable,
+use crate::{
+    Source,
+    naming::for_comment,
+    program::{Body, Function, Language, Program, Tunable},
 };
-use crate::{Source, naming::for_comment};
 
 /// A comment block.
 pub(super) fn comment(lines: &[String]) -> String {
@@ -22,11 +22,38 @@ pub(super) fn comment(lines: &[String]) -> String {
 }
 
 fn prototype(name: &str, joints: usize, function: &Function) -> String {
-    let mut arguments = function.leading.clone();
+    let mut arguments = Vec::new();
+    if function.steps {
+        arguments.push(format!("{name}_state *state"));
+    }
+    arguments.extend(function.parameters.map(|count| format!("const double p[{count}]")));
+    if function.steps {
+        arguments.push("double t".into());
+    }
     arguments.extend(function.arguments.iter().map(|a| format!("const double {a}[{joints}]")));
     let (result, length) = function.result;
     arguments.push(format!("double {result}[{length}]"));
     format!("void {name}_{}({})", function.name, arguments.join(", "))
+}
+
+/// Units, frames and gravity.
+pub(crate) fn facts(source: &Source<'_>, chain: &SerialChain) -> Vec<String> {
+    let prismatic: Vec<String> = (chain.joints().iter().enumerate())
+        .filter(|(_, j)| j.kind == JointKind::Prismatic)
+        .map(|(k, _)| k.to_string())
+        .collect();
+    let torque = if source.unit == MeasurementUnit::Ampere { "A" } else { "N m" };
+    let mut lines =
+        vec![format!("Units: q in rad, qd in rad/s, qdd in rad/s^2, tau in {torque}; joints count from 0.")];
+    if !prismatic.is_empty() {
+        lines.push(format!(
+            "Prismatic joints ({}): q in m, qd in m/s, qdd in m/s^2, tau in N.",
+            prismatic.join(", ")
+        ));
+    }
+    let [x, y, z] = chain.gravity_m_s2();
+    lines.push(format!("Gravity in the base frame: {x} {y} {z} m/s^2."));
+    lines
 }
 
 /// The header; with the parameters that can be chosen, if any can.
@@ -43,21 +70,7 @@ pub(crate) fn header(
     let mut lines = vec![format!("Dynamics of {name}, written by `aurt export {target}`."), String::new()];
     lines.extend(source.provenance.lines());
     lines.push(String::new());
-    let prismatic: Vec<String> = (chain.joints().iter().enumerate())
-        .filter(|(_, j)| j.kind == JointKind::Prismatic)
-        .map(|(k, _)| k.to_string())
-        .collect();
-    let torque = if source.unit == MeasurementUnit::Ampere { "A" } else { "N m" };
-    lines
-        .push(format!("Units: q in rad, qd in rad/s, qdd in rad/s^2, tau in {torque}; joints count from 0."));
-    if !prismatic.is_empty() {
-        lines.push(format!(
-            "Prismatic joints ({}): q in m, qd in m/s, qdd in m/s^2, tau in N.",
-            prismatic.join(", ")
-        ));
-    }
-    let [x, y, z] = chain.gravity_m_s2();
-    lines.push(format!("Gravity in the base frame: {x} {y} {z} m/s^2."));
+    lines.extend(facts(source, chain));
     lines.push(
         "Arguments and results must not overlap. Nothing is allocated, nothing is remembered but in the state.".into(),
     );
@@ -82,11 +95,7 @@ pub(crate) fn header(
          void {name}_reset({name}_state *state);\n"
     );
     for function in &program.functions {
-        let o = &function.operations;
-        let cost = format!(
-            "{} multiplications, {} additions, {} calls of functions.",
-            o.multiplications, o.additions, o.calls
-        );
+        let cost = format!("{} of functions.", function.operations);
         let _ = write!(
             text,
             "\n{}{};\n",
@@ -105,7 +114,8 @@ pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
     lines.extend(source.provenance.lines());
     let mut text = comment(&lines);
     let _ = write!(text, "#include \"{name}.h\"\n\n#include <math.h>\n");
-    if functions.iter().any(|f| f.body.contains("sign_beyond(")) {
+    let bodies: Vec<String> = functions.iter().map(|f| body(name, f, program)).collect();
+    if bodies.iter().any(|b| b.contains("sign_beyond(")) {
         text.push_str(
             "\n/* The sign of v where |v| exceeds rest, else 0. */\n\
              static double sign_beyond(double v, double rest)\n{\n    \
@@ -113,7 +123,7 @@ pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
              sign = -1.0;\n    } else {\n        sign = 0.0;\n    }\n    return sign;\n}\n",
         );
     }
-    text.push_str(&program.memory.definitions());
+    text.push_str(&program.memory.definitions(Language::C));
     let _ = write!(text, "\nvoid {name}_reset({name}_state *state)\n{{\n    state->started = 0;\n");
     if program.memory.variables() > 0 {
         let _ = write!(
@@ -123,13 +133,38 @@ pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
         );
     }
     text.push_str("}\n");
-    for function in functions {
+    for (function, body) in functions.iter().zip(&bodies) {
         let _ = write!(text, "\n{}\n{{\n", prototype(name, joints, function));
-        for argument in function.arguments.iter().filter(|a| !uses(&function.body, a)) {
+        for argument in function.arguments.iter().filter(|a| !uses(body, a)) {
             let _ = writeln!(text, "    (void){argument};");
         }
-        text.push_str(&function.body);
+        text.push_str(body);
         text.push_str("}\n");
+    }
+    text
+}
+
+/// The statements of a function.
+fn body(name: &str, function: &Function, program: &Program) -> String {
+    let memory = &program.memory;
+    let mut text = String::new();
+    if function.steps && memory.is_empty() {
+        text.push_str("    (void)t;\n    state->started = 1;\n");
+    } else if function.steps {
+        let _ = writeln!(text, "    double h[{}];", memory.columns_count());
+        text.push_str("    if (state->started == 0) {\n");
+        text.push_str(&memory.beginning(Language::C));
+        text.push_str("        state->started = 1;\n    }\n");
+        text.push_str(&memory.calls(Language::C));
+        if !memory.needs_time() {
+            text.push_str("    (void)t;\n");
+        }
+    }
+    match function.body {
+        Body::Line(..) => text.push_str(&function.statements(Language::C)),
+        Body::Torque => {
+            let _ = writeln!(text, "    {name}_torque(q, qd, qdd, tau);");
+        }
     }
     text
 }

@@ -14,8 +14,9 @@ use aurt_traits::MeasurementUnit;
 
 use crate::{
     ExportError, Source,
-    c::{functions::tunable_step, text, tunable::Tunable},
+    c::text,
     naming::check_identifier,
+    program::{Tunable, tunable_step},
 };
 use variables::Variables;
 

@@ -6,7 +6,7 @@ use aurt_rbd::{JointKind, SerialChain};
 use aurt_traits::MeasurementUnit;
 
 use super::Kind;
-use crate::c::{literal, tunable::Tunable};
+use crate::program::{Tunable, literal};
 
 /// What a variable is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

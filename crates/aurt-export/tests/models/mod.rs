@@ -1,9 +1,10 @@
 //! Models to export, and what they predict.
 
-use aurt_export::c::Check;
+use aurt_export::Check;
 use aurt_friction::{
     arm_terms::{
         coulomb_asymmetric::CoulombAsymmetric,
+        coupling::Coupling,
         current_offset::CurrentOffset,
         joint_friction::JointFriction,
         joint_selection::JointSelection,
@@ -11,6 +12,7 @@ use aurt_friction::{
         payload::{Inertial, Payload},
         rotor_inertia::RotorInertia,
         spring::Spring,
+        temperature::Temperature,
         viscous_asymmetric::ViscousAsymmetric,
     },
     coulomb::{
@@ -148,9 +150,20 @@ pub fn case_with_memory(chain: SerialChain) -> Case {
     };
     let last = chain.joints().len() - 1;
     let damped = LuGreDamped { joints: JointSelection::of(vec![last]), ..LuGreDamped::default() };
+    let coupled = Coupling {
+        joint: 3,
+        partner: 1,
+        ratio: -0.4,
+        inertia: true,
+        viscous: true,
+        coulomb: true,
+        rest_velocity_rad_s: 0.01,
+    };
+    let warming = Temperature { joints: JointSelection::of(vec![0, 3]), warming_time_s: 2.0 };
     let load = Payload { link: None, parameters: Some(vec![Inertial::M, Inertial::MX]) };
-    let mut case =
-        made(chain, true, vec![Box::new(beside), Box::new(damped), Box::new(load)], stack_with_memory);
+    let terms: Vec<Box<dyn ArmTerm>> =
+        vec![Box::new(beside), Box::new(damped), Box::new(load), Box::new(coupled), Box::new(warming)];
+    let mut case = made(chain, true, terms, stack_with_memory);
     // A load that a machine can carry: arbitrary moments would make the mass matrix indefinite.
     for (parameter, value) in case.model.parameters().iter().zip(&mut case.coefficients) {
         match parameter.name.as_str() {

@@ -35,6 +35,8 @@ const ITERATIONS: usize = 25;
 const HALVINGS: u32 = 8;
 /// What a stage may leave of its equation, relative to the torques in it.
 const LEFT: f64 = 1e-9;
+/// What it leaves unless rounding, or a kink of friction, lets Newton's method come no closer.
+const CLOSE: f64 = 1e-12;
 /// A change of acceleration from which derivatives are taken, rad/s².
 const PROBE_RAD_S2: f64 = 1e-4;
 /// Velocity beyond which a motion has failed, rad/s, and distance from a command, rad.
@@ -209,8 +211,9 @@ impl Stepper<'_, '_> {
         };
         let mut here = at(guess.to_vec());
         let (mut off, mut size) = self.off(&here)?;
+        let mut no_closer = false;
         for iteration in 0..ITERATIONS {
-            if size <= LEFT {
+            if size <= CLOSE || (no_closer && size <= LEFT) {
                 return Ok(Ok(here));
             }
             let known = self.inverse.take().filter(|(for_h, _)| *for_h == h && iteration < 4);
@@ -238,7 +241,8 @@ impl Stepper<'_, '_> {
             if !poor {
                 self.inverse = Some((h, inverse));
             }
-            if next_size < size || fresh {
+            no_closer = poor && fresh;
+            if next_size < size || (fresh && size > LEFT) {
                 (here, off, size) = (next, next_off, next_size);
             }
         }

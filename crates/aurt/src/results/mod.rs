@@ -1,5 +1,6 @@
 //! What calibrations and predictions leave behind: tables in files and on the terminal.
 
+pub mod diagnosed_series;
 pub mod essential;
 pub mod metrics;
 pub mod parameters;

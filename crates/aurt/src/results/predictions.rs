@@ -100,15 +100,21 @@ impl PredictionNames {
         if let Some((_, name)) = self.named.iter().find(|(path, _)| *path == identity) {
             return (name.clone(), false);
         }
-        let stem = recording.file_stem().map_or_else(|| "recording".into(), |s| s.to_string_lossy());
-        let mut name = format!("predicted_{stem}.csv");
-        let mut number = 2;
-        while !self.taken.insert(name.to_lowercase()) {
-            name = format!("predicted_{stem}_{number}.csv");
-            number += 1;
-        }
+        let name = format!("predicted_{}.csv", self.stem(recording));
         self.named.push((identity, name.clone()));
         (name, true)
+    }
+
+    /// A new stem for a recording: that of its file, with a number if it is taken.
+    pub fn stem(&mut self, recording: &Path) -> String {
+        let stem = recording.file_stem().map_or_else(|| "recording".into(), |s| s.to_string_lossy());
+        let mut name = stem.clone().into_owned();
+        let mut number = 2;
+        while !self.taken.insert(name.to_lowercase()) {
+            name = format!("{stem}_{number}");
+            number += 1;
+        }
+        name
     }
 }
 

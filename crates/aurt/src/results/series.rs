@@ -114,46 +114,89 @@ impl Series {
         path: &Path,
         facts: &[(&str, String)],
     ) -> Result<Vec<u8>, Failure> {
+        let residual = self.residual();
+        let named = [
+            ("measured", self.measured.as_ref()),
+            ("predicted", Some(&self.predicted)),
+            ("residual", residual.as_ref()),
+        ];
+        let quantities = named.into_iter().filter_map(|(name, series)| Some((name, series?.as_slice())));
+        Written {
+            label: &self.label,
+            unit: self.unit,
+            time_s: &self.time_s,
+            origin_s: self.origin_s,
+            position_rad: &self.position_rad,
+            quantities: quantities.collect(),
+            flags: Vec::new(),
+        }
+        .to_file(format, path, facts)
+    }
+}
+
+/// What a file of series holds, quantities `[joint][sample]`.
+#[derive(Debug, Clone)]
+pub(crate) struct Written<'a> {
+    pub label: &'a str,
+    pub unit: MeasurementUnit,
+    /// Stamps, s from `origin_s`, whole s.
+    pub time_s: &'a [f64],
+    pub origin_s: f64,
+    pub position_rad: &'a [Vec<f64>],
+    /// In the unit, by their names.
+    pub quantities: Vec<(&'static str, &'a [Vec<f64>])>,
+    /// 1 where something holds, else 0.
+    pub flags: Vec<(&'static str, &'a [Vec<f64>])>,
+}
+
+impl Written<'_> {
+    /// The contents of a file, as [`Series::to_file`].
+    pub fn to_file(
+        &self,
+        format: SeriesFormat,
+        path: &Path,
+        facts: &[(&str, String)],
+    ) -> Result<Vec<u8>, Failure> {
         let mut all = vec![
-            ("recording", self.label.clone()),
+            ("recording", self.label.to_owned()),
             ("unit", self.unit.symbol().to_owned()),
             ("aurt_version", env!("CARGO_PKG_VERSION").to_owned()),
         ];
         all.extend_from_slice(facts);
-        let residual = self.residual();
         match format {
             SeriesFormat::Parquet => {
                 let stamps: Vec<f64> = self.time_s.iter().map(|t| self.origin_s + t).collect();
                 let mut columns = vec![("timestamp".to_owned(), stamps.as_slice())];
                 let quantity = self.unit.quantity();
-                let quantities = [
-                    ("q".to_owned(), Some(&self.position_rad)),
-                    (format!("measured_{quantity}"), self.measured.as_ref()),
-                    (format!("predicted_{quantity}"), Some(&self.predicted)),
-                    (format!("residual_{quantity}"), residual.as_ref()),
-                ];
-                for (name, series) in &quantities {
-                    for (joint, values) in series.iter().flat_map(|s| s.iter().enumerate()) {
-                        columns.push((format!("{name}_{joint}"), values));
-                    }
+                let series = std::iter::once(("q".to_owned(), self.position_rad))
+                    .chain(
+                        self.quantities.iter().map(|(name, series)| (format!("{name}_{quantity}"), *series)),
+                    )
+                    .chain(self.flags.iter().map(|(name, series)| ((*name).to_owned(), *series)));
+                for (name, series) in series {
+                    let of_joints = series.iter().enumerate();
+                    columns.extend(
+                        of_joints.map(|(joint, values)| (format!("{name}_{joint}"), values.as_slice())),
+                    );
                 }
                 Ok(parquet(&columns, &all))
             }
             SeriesFormat::Mcap => {
-                let joints: Vec<String> = (0..self.predicted.len()).map(|j| format!("joint_{j}")).collect();
-                let named = [
-                    ("/measured", self.measured.as_ref()),
-                    ("/predicted", Some(&self.predicted)),
-                    ("/residual", residual.as_ref()),
-                ];
+                let joints: Vec<String> =
+                    (0..self.position_rad.len()).map(|j| format!("joint_{j}")).collect();
+                let named: Vec<(String, &[Vec<f64>])> = (self.quantities.iter().chain(&self.flags))
+                    .map(|(name, series)| (format!("/{name}"), *series))
+                    .collect();
                 let topics: Vec<JointTopic<'_>> = named
                     .iter()
-                    .filter_map(|(name, effort)| {
-                        let position = self.position_rad.as_slice();
-                        effort.map(|effort| JointTopic { name, position, velocity: &[], effort })
+                    .map(|(name, effort)| JointTopic {
+                        name,
+                        position: self.position_rad,
+                        velocity: &[],
+                        effort,
                     })
                     .collect();
-                Ok(mcap(path, &self.time_s, self.origin_s, &joints, &topics, &all)?)
+                Ok(mcap(path, self.time_s, self.origin_s, &joints, &topics, &all)?)
             }
         }
     }

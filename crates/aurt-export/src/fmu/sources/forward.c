@@ -23,6 +23,8 @@
 #define HALVINGS 8
 /* What a stage may leave of its equation, relative to the torques in it. */
 #define LEFT 1e-9
+/* What it leaves unless rounding, or a kink of friction, lets Newton's method come no closer. */
+#define CLOSE 1e-12
 /* A change of acceleration from which derivatives are taken, rad/s^2. */
 #define PROBE 1e-4
 /* Velocity beyond which a motion has failed, rad/s. */
@@ -173,6 +175,7 @@ static int solve(component *c, const stage *s, motion *here)
 {
     double off[N];
     double size;
+    int no_closer = 0;
     int iteration;
     int j;
     int k;
@@ -185,7 +188,7 @@ static int solve(component *c, const stage *s, motion *here)
         double next_off[N];
         double change[N];
         motion next = *here;
-        if (size <= LEFT) {
+        if (size <= CLOSE || (no_closer != 0 && size <= LEFT)) {
             return 1;
         }
         c->inverse_step = 0.0;
@@ -214,7 +217,8 @@ static int solve(component *c, const stage *s, motion *here)
         if (next_size <= 0.3 * size) {
             c->inverse_step = s->h;
         }
-        if (next_size < size || known == 0) {
+        no_closer = known == 0 && next_size > 0.3 * size;
+        if (next_size < size || (known == 0 && size > LEFT)) {
             *here = next;
             size = next_size;
             for (j = 0; j < N; ++j) {

@@ -4,8 +4,9 @@ use aurt_rbd::{INERTIAL_PARAMETERS, SerialChain};
 use aurt_traits::{ColumnGroup, LoadTorque};
 
 use super::{
-    arm_terms::{Coordinates, Joint, Writer},
+    arm_terms::{Coordinates, Joint, Writer, couple},
     friction::{self, At},
+    language::Language,
     memory::Memory,
     newton_euler::{Posture, Vector},
     tape::{Operations, Tape, Value, ZERO},
@@ -20,16 +21,36 @@ pub(crate) struct Function {
     pub name: &'static str,
     /// What it gives, as its comment says.
     pub summary: &'static str,
-    /// Arguments before those of the motion, as C has them.
-    pub leading: Vec<String>,
+    /// Whether it takes the state and the time of a sample.
+    pub steps: bool,
+    /// Number of parameters that it takes.
+    pub parameters: Option<usize>,
     /// Its arguments of one value a joint.
     pub arguments: &'static [&'static str],
     /// Its result and that result's length.
     pub result: (&'static str, usize),
-    /// Its statements.
-    pub body: String,
-    /// What they cost, functions that it calls aside.
+    /// What it does, after the memory has moved on to the sample.
+    pub body: Body,
+    /// What that costs, functions that it calls aside.
     pub operations: Operations,
+}
+
+/// What a function does.
+#[derive(Debug, Clone)]
+pub(crate) enum Body {
+    /// A line of operations with its results.
+    Line(Tape, Vec<Value>),
+    /// What the function `torque` does.
+    Torque,
+}
+
+impl Function {
+    /// The statements of a line; none for [`Body::Torque`].
+    pub fn statements(&self, language: Language) -> String {
+        let Body::Line(tape, results) = &self.body else { return String::new() };
+        let targets: Vec<String> = (0..results.len()).map(|k| format!("{}[{k}]", self.result.0)).collect();
+        tape.statements(language, &targets, results)
+    }
 }
 
 const MOTION: &[&str] = &["q", "qd", "qdd"];
@@ -41,10 +62,18 @@ pub(crate) struct Program {
     pub memory: Memory,
 }
 
+impl Program {
+    /// What each function costs; `prefix` stands before their names.
+    pub fn costs(&self, prefix: &str) -> Vec<String> {
+        let priced = self.functions.iter().filter(|f| f.operations != Operations::default());
+        priced.map(|f| format!("{prefix}{}: {}", f.name, f.operations)).collect()
+    }
+}
+
 /// All functions of a model, its constants folded.
 ///
 /// # Errors
-/// What cannot be written in C, by its name.
+/// What cannot be written, by its name.
 pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, ExportError> {
     let joints = chain.joints().len();
     let (step, memory) = step(source, chain, None)?;
@@ -55,13 +84,13 @@ pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, E
         "Torque of bodies and rotors alone: M(q) qdd + c(q, qd) + g(q).",
         |parts| parts.bodies_and_rotors(),
     )?;
-    let of_posture = [gravity(source, chain)?, mass_matrix(source, chain, joints)?];
+    let of_bodies = [gravity(source, chain)?, mass_matrix(source, chain, joints)?, regressor(source, chain)?];
     let mut functions = Vec::new();
     if memory.is_empty() {
         let torque = Function {
             name: "torque",
             summary: "Torque of the drives, as `aurt predict` gives it: bodies, rotors, friction and all else.",
-            leading: Vec::new(),
+            steps: false,
             ..step.clone()
         };
         let friction = motion_function(
@@ -71,15 +100,13 @@ pub(crate) fn all(source: &Source<'_>, chain: &SerialChain) -> Result<Program, E
             "Torque of everything else: friction at the load of this motion, springs, offsets.",
             |parts| parts.rest(),
         )?;
-        let call = format!("{}    {}_torque(q, qd, qdd, tau);\n", memory.statements(), source.name);
-        let step = Function { body: call, operations: Operations::default(), ..step };
+        let step = Function { body: Body::Torque, operations: Operations::default(), ..step };
         functions.extend([torque, rigid_body, friction]);
-        functions.extend(of_posture);
+        functions.extend(of_bodies);
         functions.push(step);
     } else {
-        let body = format!("{}{}", memory.statements(), step.body);
-        functions.extend([Function { body, ..step }, rigid_body]);
-        functions.extend(of_posture);
+        functions.extend([step, rigid_body]);
+        functions.extend(of_bodies);
     }
     Ok(Program { functions, memory })
 }
@@ -94,8 +121,7 @@ pub(crate) fn tunable_step(
     tunable: &Tunable,
 ) -> Result<Program, ExportError> {
     let (step, memory) = step(source, chain, Some(tunable))?;
-    let body = format!("{}{}", memory.statements(), step.body);
-    Ok(Program { functions: vec![Function { body, ..step }], memory })
+    Ok(Program { functions: vec![step], memory })
 }
 
 /// The step function, with the statements of the torque alone, and what is remembered.
@@ -111,11 +137,9 @@ fn step(
     }
     let summary = "Torque of the drives at time t, s, as `aurt predict` gives it for the samples of a series, one after \
                    another.";
-    let mut made = function("step", summary, MOTION, "tau", &parts.tape, &sum);
-    made.leading.push(format!("{}_state *state", source.name));
-    made.leading.extend(tunable.map(|t| format!("const double p[{}]", t.parameters().len())));
-    made.leading.push("double t".into());
-    Ok((made, parts.memory))
+    let made = function("step", summary, MOTION, "tau", parts.tape, sum);
+    let parameters = tunable.map(|t| t.parameters().len());
+    Ok((Function { steps: true, parameters, ..made }, parts.memory))
 }
 
 /// The parts of the torque of a motion on one tape, so that they share what they have in common.
@@ -230,6 +254,10 @@ impl<'a> Parts<'a> {
         let wanted = |term: &dyn aurt_traits::ArmTerm| term.name() != "payload" && which(term);
         for (k, term) in model.arm_terms().iter().enumerate().filter(|(_, term)| wanted(&***term)) {
             let own = &coefficients[model.group(ColumnGroup::ArmTerm(k))];
+            if term.name() == "coupling" {
+                couple(&mut self.tape, &**term, own, &self.coordinates, torque)?;
+                continue;
+            }
             let acting = term.joints(model.joints());
             let per_joint = own.len() / acting.len().max(1);
             for (joint, own) in acting.iter().zip(own.chunks(per_joint.max(1))) {
@@ -253,7 +281,7 @@ fn motion_function(
 ) -> Result<Function, ExportError> {
     let mut parts = Parts::new(source, chain, None)?;
     let results = results(&mut parts)?;
-    Ok(function(name, summary, MOTION, "tau", &parts.tape, &results))
+    Ok(function(name, summary, MOTION, "tau", parts.tape, results))
 }
 
 /// Standard parameters of the bodies as constants.
@@ -271,7 +299,7 @@ fn gravity(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportE
     let down = chain.gravity_m_s2().map(Value::Constant);
     let torque = posture.torque(&mut tape, &standard, down, &rest, &rest);
     let summary = "Torque of the bodies' weight, g(q).";
-    Ok(function("gravity", summary, &MOTION[..1], "tau", &tape, &torque))
+    Ok(function("gravity", summary, &MOTION[..1], "tau", tape, torque))
 }
 
 fn mass_matrix(source: &Source<'_>, chain: &SerialChain, joints: usize) -> Result<Function, ExportError> {
@@ -295,7 +323,23 @@ fn mass_matrix(source: &Source<'_>, chain: &SerialChain, joints: usize) -> Resul
         entries[diagonal] = tape.add(entries[diagonal], Value::Constant(rotors[column]));
     }
     let summary = "Mass matrix M(q) of bodies and rotors, row after row.";
-    Ok(function("mass_matrix", summary, &MOTION[..1], "m", &tape, &entries))
+    Ok(function("mass_matrix", summary, &MOTION[..1], "m", tape, entries))
+}
+
+fn regressor(source: &Source<'_>, chain: &SerialChain) -> Result<Function, ExportError> {
+    let mut parts = Parts::new(source, chain, None)?;
+    let columns = source.model.base().len();
+    let mut entries = vec![ZERO; chain.joints().len() * columns];
+    for column in 0..columns {
+        let mut unit = vec![ZERO; parts.values.len()];
+        unit[column] = Value::Constant(1.0);
+        for (joint, torque) in parts.bodies(&unit, false)?.into_iter().enumerate() {
+            entries[joint * columns + column] = torque;
+        }
+    }
+    let summary = "Columns of the base parameters of the bodies, row after row, a joint a row: their torque is Y(q, qd, qdd) \
+                   times the parameters.";
+    Ok(function("regressor", summary, MOTION, "y", parts.tape, entries))
 }
 
 fn function(
@@ -303,17 +347,18 @@ fn function(
     summary: &'static str,
     arguments: &'static [&'static str],
     result: &'static str,
-    tape: &Tape,
-    results: &[Value],
+    tape: Tape,
+    results: Vec<Value>,
 ) -> Function {
-    let targets: Vec<String> = (0..results.len()).map(|k| format!("{result}[{k}]")).collect();
+    let operations = tape.operations(&results);
     Function {
         name,
         summary,
-        leading: Vec::new(),
+        steps: false,
+        parameters: None,
         arguments,
         result: (result, results.len()),
-        body: tape.statements(&targets, results),
-        operations: tape.operations(results),
+        body: Body::Line(tape, results),
+        operations,
     }
 }

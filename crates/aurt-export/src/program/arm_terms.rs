@@ -1,11 +1,12 @@
 //! Arm terms of which each joint has columns of its own.
 
 use aurt_traits::{ArmTerm, JointStack};
+use serde_json::Value as Json;
 
 use super::{
     friction::{self, At, decay, described, number, unknown},
     memory::Memory,
-    tape::{Function, Tape, Value},
+    tape::{Function, Tape, Value, ZERO},
 };
 use crate::ExportError;
 
@@ -18,8 +19,8 @@ pub(crate) struct Coordinates {
 }
 
 /// The arm terms that can be written.
-const KNOWN: &str = "coulomb_asymmetric, current_offset, joint_friction, lugre_damped, payload, rotor_inertia, spring, \
-                     viscous_asymmetric";
+const KNOWN: &str = "coulomb_asymmetric, coupling, current_offset, joint_friction, lugre_damped, payload, rotor_inertia, \
+                     spring, temperature, viscous_asymmetric";
 
 /// What a term is written with at one of its joints.
 pub(crate) struct Writer<'a> {
@@ -70,7 +71,7 @@ impl Writer<'_> {
             "current_offset" => Ok(vec![Value::Constant(1.0)]),
             "spring" => {
                 let description = described(serde_json::to_value(term), place)?;
-                let rest = description.get("rest_rad").and_then(serde_json::Value::as_f64);
+                let rest = description.get("rest_rad").and_then(Json::as_f64);
                 let turned = tape.subtract(at.position, Value::Constant(rest.unwrap_or(0.0)));
                 let constant = rest.is_none().then_some(Value::Constant(-1.0));
                 Ok([Some(turned), constant].into_iter().flatten().collect())
@@ -81,6 +82,17 @@ impl Writer<'_> {
                 let rest = number(&description, "rest_velocity_rad_s", &place)?;
                 let sign = tape.call(Function::SignBeyond, &[at.velocity, Value::Constant(rest)]);
                 Ok(parts(tape, sign))
+            }
+            "temperature" => {
+                let description = described(serde_json::to_value(term), place.clone())?;
+                let warming_time = number(&description, "warming_time_s", &place)?;
+                let warmth = self.memory.warmth(tape, place_of, warming_time);
+                let sign = tape.call(Function::SignBeyond, &[at.velocity, ZERO]);
+                Ok([sign, at.velocity]
+                    .into_iter()
+                    .zip(warmth.into_iter().cycle())
+                    .map(|(a, b)| tape.multiply(a, b))
+                    .collect())
             }
             name @ "lugre_damped" => {
                 let description = described(serde_json::to_value(term), place.clone())?;
@@ -101,6 +113,43 @@ impl Writer<'_> {
             name => Err(unknown(place, name, term.state_len(self.joints), KNOWN)),
         }
     }
+}
+
+/// Adds the torque of the term `coupling`, of a motor that turns with ω = q̇_j + ratio q̇_k, to its two joints.
+///
+/// # Errors
+/// [`ExportError::Model`] if the description lacks a parameter.
+pub(crate) fn couple(
+    tape: &mut Tape,
+    term: &dyn ArmTerm,
+    coefficients: &[Value],
+    at: &[Coordinates],
+    torque: &mut [Value],
+) -> Result<(), ExportError> {
+    let place = "arm term";
+    let description = described(serde_json::to_value(term), place.to_owned())?;
+    let [joint, partner] = [number(&description, "joint", place)?, number(&description, "partner", place)?];
+    let (joint, partner) = (joint as usize, partner as usize);
+    let ratio = Value::Constant(number(&description, "ratio", place)?);
+    let rest = Value::Constant(number(&description, "rest_velocity_rad_s", place)?);
+    let mut motor = |own: Value, other: Value| {
+        let geared = tape.multiply(ratio, other);
+        tape.add(own, geared)
+    };
+    let acceleration = motor(at[joint].acceleration, at[partner].acceleration);
+    let velocity = motor(at[joint].velocity, at[partner].velocity);
+    let sign = tape.call(Function::SignBeyond, &[velocity, rest]);
+    let parts = [("inertia", acceleration), ("viscous", velocity), ("coulomb", sign)];
+    let wanted = parts.iter().filter(|(key, _)| description.get(key).and_then(Json::as_bool) != Some(false));
+    let mut force = ZERO;
+    for ((_, column), coefficient) in wanted.zip(coefficients) {
+        let part = tape.multiply(*coefficient, *column);
+        force = tape.add(force, part);
+    }
+    let geared = tape.multiply(ratio, force);
+    torque[joint] = tape.add(torque[joint], force);
+    torque[partner] = tape.add(torque[partner], geared);
+    Ok(())
 }
 
 /// The stack that the term `joint_friction` is made of.

@@ -2,6 +2,8 @@
 
 use std::{collections::HashMap, fmt::Write};
 
+use super::language::Language;
+
 /// A value of a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Value {
@@ -13,7 +15,7 @@ pub(crate) enum Value {
 
 pub(crate) const ZERO: Value = Value::Constant(0.0);
 
-/// A function of `math.h`, or the one that the source defines.
+/// A function of `math.h`, by its name there, or the one that the source defines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Function {
     Sin,
@@ -69,13 +71,20 @@ impl From<Value> for Key {
 
 /// Operations that a program needs at run time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Operations {
+pub(crate) struct Operations {
     /// Multiplications and divisions.
     pub multiplications: usize,
     /// Additions and subtractions.
     pub additions: usize,
     /// Calls of functions.
     pub calls: usize,
+}
+
+impl std::fmt::Display for Operations {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { multiplications, additions, calls } = self;
+        write!(f, "{multiplications} multiplications, {additions} additions, {calls} calls")
+    }
 }
 
 /// A program in the making.
@@ -86,7 +95,7 @@ pub(crate) struct Tape {
 }
 
 impl Tape {
-    /// An argument of the function, as it is written in C.
+    /// An argument of the function, as C and Rust write it.
     pub fn input(&mut self, text: String) -> Value {
         self.push(Operation::Input(text))
     }
@@ -192,7 +201,7 @@ impl Tape {
     }
 
     /// The statements that assign `results` to `targets`, without those that no result needs.
-    pub fn statements(&self, targets: &[String], results: &[Value]) -> String {
+    pub fn statements(&self, language: Language, targets: &[String], results: &[Value]) -> String {
         let needed = self.needed(results);
         let mut text = String::new();
         let names = self.names(&needed);
@@ -200,8 +209,8 @@ impl Tape {
             if !needed[node] || matches!(operation, Operation::Input(_)) {
                 continue;
             }
-            let _ =
-                writeln!(text, "    const double {} = {};", names[node], self.right_side(operation, &names));
+            let value = self.right_side(operation, &names);
+            let _ = writeln!(text, "    {}", language.binding(&names[node], &value));
         }
         for (target, result) in targets.iter().zip(results) {
             let _ = writeln!(text, "    {target} = {};", written((*result).into(), &names));
@@ -298,7 +307,7 @@ fn written(key: Key, names: &[String]) -> String {
     }
 }
 
-/// A finite number as C writes it, with all its digits.
+/// A finite number as C and Rust write it, with all its digits.
 pub(crate) fn literal(number: f64) -> String {
     // Minus zero would read as a negation of nothing.
     let number = if number == 0.0 { 0.0 } else { number };
@@ -325,7 +334,7 @@ mod tests {
         assert_eq!(first, second);
         let difference = tape.add(y, minus);
         let sum = tape.add(first, difference);
-        let text = tape.statements(&["out".into()], &[sum]);
+        let text = tape.statements(Language::C, &["out".into()], &[sum]);
         assert_eq!(
             text,
             "    const double t1 = 2.0 * x[0];\n    const double t2 = y[0] - x[0];\n    \

@@ -187,7 +187,7 @@ pub(crate) fn unknown(place: String, name: &str, state: usize, known: &str) -> E
     let reason = if state > 0 {
         "it has memory of its own kind, which this export does not know"
     } else {
-        "its equation is not known to this export (a plugin, or a model that is not written in C yet)"
+        "its equation is not known to this export (a plugin, or a model that is not written as a source yet)"
     };
     ExportError::Model { place, model: name.to_owned(), reason, known: known.to_owned() }
 }

@@ -1,4 +1,4 @@
-//! What of a model stays open in its C: coefficients beyond those of the bodies, gravity, a load.
+//! What of a model stays open in the C of a unit: coefficients beyond those of the bodies, gravity, a load.
 
 use aurt_rbd::SerialChain;
 use aurt_traits::MeasurementUnit;

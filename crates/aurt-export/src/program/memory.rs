@@ -1,4 +1,4 @@
-//! Friction with memory: what it keeps from step to step, and its laws in C.
+//! Friction with memory: what it keeps from step to step, and the calls of its laws.
 
 use std::fmt::Write;
 
@@ -6,6 +6,7 @@ use serde_json::Value as Json;
 
 use super::{
     friction::number,
+    language::{Language, list},
     tape::{Tape, Value, literal},
 };
 use crate::ExportError;
@@ -13,11 +14,30 @@ use crate::ExportError;
 /// A law of `aurt-friction` with its shape parameters, by the equations of that crate.
 #[derive(Debug, Clone, PartialEq)]
 enum Law {
-    Dahl { presliding: f64 },
-    LuGre { presliding: f64, curve: [f64; 3] },
-    BoucWen { presliding: f64, exponent: f64, beta: f64 },
-    MaxwellSlip { thresholds: Vec<f64> },
-    Gms { thresholds: Vec<f64>, curve: [f64; 3], attraction: f64 },
+    Dahl {
+        presliding: f64,
+    },
+    LuGre {
+        presliding: f64,
+        curve: [f64; 3],
+    },
+    BoucWen {
+        presliding: f64,
+        exponent: f64,
+        beta: f64,
+    },
+    MaxwellSlip {
+        thresholds: Vec<f64>,
+    },
+    Gms {
+        thresholds: Vec<f64>,
+        curve: [f64; 3],
+        attraction: f64,
+    },
+    /// ln(1 + t/T) with the time since the series began.
+    Warmth {
+        warming_time: f64,
+    },
 }
 
 /// A law at a joint: its variables begin at `state`, its columns at `column`.
@@ -85,96 +105,108 @@ impl Memory {
             },
             _ => return Ok(None),
         };
+        Ok(Some(self.add(tape, joint, law)))
+    }
+
+    /// ln(1 + t/T), t being the time since the series began.
+    pub fn warmth(&mut self, tape: &mut Tape, joint: usize, warming_time: f64) -> Vec<Value> {
+        self.add(tape, joint, Law::Warmth { warming_time })
+    }
+
+    fn add(&mut self, tape: &mut Tape, joint: usize, law: Law) -> Vec<Value> {
         let (variables, columns) = law.sizes();
         let (state, column) = (self.variables, self.columns);
         self.elements.push(Element { joint, law, state, column });
         self.variables += variables;
         self.columns += columns;
-        Ok(Some((column..self.columns).map(|k| tape.input(format!("h[{k}]"))).collect()))
+        (column..self.columns).map(|k| tape.input(format!("h[{k}]"))).collect()
     }
 
     /// The functions and tables that the laws need, at file scope.
-    pub fn definitions(&self) -> String {
+    pub fn definitions(&self, language: Language) -> String {
         let mut text = String::new();
         let mut written: Vec<&str> = Vec::new();
-        for code in self.elements.iter().flat_map(|e| e.law.functions()) {
-            if !written.contains(code) {
-                text.push_str(code);
-                written.push(code);
+        for name in self.elements.iter().flat_map(|e| e.law.functions()) {
+            if !written.contains(name) {
+                text.push_str(code(language, name));
+                written.push(name);
             }
         }
         for element in &self.elements {
             if let Law::MaxwellSlip { thresholds } | Law::Gms { thresholds, .. } = &element.law {
-                let values: Vec<String> = thresholds.iter().map(|t| literal(*t)).collect();
-                let _ = write!(
-                    text,
-                    "\nstatic const double thresholds_{}[{}] = {{{}}};\n",
-                    element.column,
-                    values.len(),
-                    values.join(", ")
-                );
+                text.push_str(&language.table_definition(&element.table(), thresholds));
             }
         }
         text
     }
 
-    /// The statements that begin a series at its first sample and move the memory on to the present one.
-    pub fn statements(&self) -> String {
+    /// The statements that begin a series at its first sample.
+    pub fn beginning(&self, language: Language) -> String {
         let mut text = String::new();
-        if self.elements.is_empty() {
-            return "    (void)t;\n    state->started = 1;\n".into();
-        }
-        let _ = writeln!(text, "    double h[{}];", self.columns);
-        text.push_str("    if (state->started == 0) {\n");
         for element in &self.elements {
+            let member = |variable: usize| language.member(&format!("m[{}]", element.state + variable));
             for variable in element.law.positions() {
-                let place = element.state + variable;
-                let _ = writeln!(text, "        state->m[{place}] = q[{}];", element.joint);
+                let _ = writeln!(text, "        {} = q[{}];", member(variable), element.joint);
             }
             if let Some(variable) = element.law.time() {
-                let _ = writeln!(text, "        state->m[{}] = t;", element.state + variable);
+                let _ = writeln!(text, "        {} = t;", member(variable));
             }
         }
-        text.push_str("        state->started = 1;\n    }\n");
-        for element in &self.elements {
-            let _ = writeln!(text, "    {};", element.call());
-        }
-        if !text.contains("= t;") {
-            text.push_str("    (void)t;\n");
-        }
         text
+    }
+
+    /// The statements that move the memory on to the present sample and give the columns `h`.
+    pub fn calls(&self, language: Language) -> String {
+        self.elements.iter().map(|element| format!("    {};\n", element.call(language))).collect()
+    }
+
+    /// Whether the time of a sample matters.
+    pub fn needs_time(&self) -> bool {
+        self.elements.iter().any(|element| element.law.time().is_some())
+    }
+
+    /// Number of columns.
+    pub const fn columns_count(&self) -> usize {
+        self.columns
     }
 }
 
 impl Element {
-    fn call(&self) -> String {
+    fn table(&self) -> String {
+        format!("thresholds_{}", self.column)
+    }
+
+    fn call(&self, language: Language) -> String {
         let Self { joint, law, state, column } = self;
-        let memory = format!("&state->m[{state}]");
+        let (variables, columns) = law.sizes();
+        let memory = language.changed(&language.member("m"), *state, variables);
+        let results = language.changed("h", *column, columns);
         let sample = format!("t, q[{joint}], qd[{joint}]");
-        let numbers = |values: &[f64]| values.iter().map(|v| literal(*v)).collect::<Vec<String>>().join(", ");
         match law {
             Law::Dahl { presliding } => {
                 format!("h[{column}] = dahl({memory}, q[{joint}], {})", literal(*presliding))
             }
-            Law::LuGre { presliding, curve } => format!(
-                "h[{column}] = lugre({memory}, {sample}, {}, {})",
-                literal(*presliding),
-                numbers(curve)
-            ),
-            Law::BoucWen { presliding, exponent, beta } => format!(
-                "h[{column}] = bouc_wen({memory}, q[{joint}], {})",
-                numbers(&[*presliding, *exponent, *beta])
-            ),
-            Law::MaxwellSlip { thresholds } => format!(
-                "maxwell_slip({memory}, q[{joint}], thresholds_{column}, {}, &h[{column}])",
-                thresholds.len()
-            ),
-            Law::Gms { thresholds, curve, attraction } => format!(
-                "gms({memory}, {sample}, thresholds_{column}, {}, {}, {}, &h[{column}])",
-                thresholds.len(),
-                numbers(curve),
-                literal(*attraction)
-            ),
+            Law::LuGre { presliding, curve } => {
+                let shape = [&[*presliding], curve.as_slice()].concat();
+                format!("h[{column}] = lugre({memory}, {sample}, {})", list(&shape))
+            }
+            Law::BoucWen { presliding, exponent, beta } => {
+                let shape = list(&[*presliding, *exponent, *beta]);
+                format!("h[{column}] = bouc_wen({memory}, q[{joint}], {shape})")
+            }
+            Law::MaxwellSlip { thresholds } => {
+                let table = language.table(&self.table(), thresholds.len());
+                format!("maxwell_slip({memory}, q[{joint}], {table}, {results})")
+            }
+            Law::Gms { thresholds, curve, attraction } => {
+                let table = language.table(&self.table(), thresholds.len());
+                let shape = list(&[curve.as_slice(), &[*attraction]].concat());
+                format!("gms({memory}, {sample}, {table}, {shape}, {results})")
+            }
+            Law::Warmth { warming_time } => {
+                let began = language.member(&format!("m[{state}]"));
+                format!("h[{column}] = warmth(t - {began}, {})", literal(*warming_time))
+            }
         }
     }
 }
@@ -187,6 +219,7 @@ impl Law {
             Self::LuGre { .. } => (3, 1),
             Self::MaxwellSlip { thresholds } => (thresholds.len(), thresholds.len()),
             Self::Gms { thresholds, .. } => (2 + 2 * thresholds.len(), thresholds.len()),
+            Self::Warmth { .. } => (1, 1),
         }
     }
 
@@ -196,26 +229,28 @@ impl Law {
             Self::Dahl { .. } | Self::BoucWen { .. } | Self::Gms { .. } => 1..2,
             Self::LuGre { .. } => 2..3,
             Self::MaxwellSlip { thresholds } => 0..thresholds.len(),
+            Self::Warmth { .. } => 0..0,
         }
     }
 
-    /// The variable that holds the previous sample's time.
+    /// The variable that holds the time of the previous sample, or of the first one.
     const fn time(&self) -> Option<usize> {
         match self {
             Self::LuGre { .. } => Some(1),
-            Self::Gms { .. } => Some(0),
+            Self::Gms { .. } | Self::Warmth { .. } => Some(0),
             _ => None,
         }
     }
 
-    /// The texts of the functions that the law needs, in order.
+    /// The functions that the law needs, in order; `within_one` is one of Rust alone.
     const fn functions(&self) -> &'static [&'static str] {
         match self {
-            Self::Dahl { .. } => &[RELAX, DAHL],
-            Self::LuGre { .. } => &[RELAX, LEVEL, MEAN_VELOCITY, LUGRE],
-            Self::BoucWen { .. } => &[BOUC_WEN],
-            Self::MaxwellSlip { .. } => &[MAXWELL_SLIP],
-            Self::Gms { .. } => &[LEVEL, MEAN_VELOCITY, GMS],
+            Self::Dahl { .. } => &["within_one", "relax", "dahl"],
+            Self::LuGre { .. } => &["within_one", "relax", "level", "mean_velocity", "lugre"],
+            Self::BoucWen { .. } => &["bouc_wen"],
+            Self::MaxwellSlip { .. } => &["within_one", "maxwell_slip"],
+            Self::Warmth { .. } => &["warmth"],
+            Self::Gms { .. } => &["within_one", "level", "mean_velocity", "gms"],
         }
     }
 }
@@ -232,11 +267,19 @@ fn thresholds(description: &Json) -> Vec<f64> {
     (0..elements).map(|i| smallest * (largest / smallest).powf(i as f64 / last)).collect()
 }
 
-const RELAX: &str = include_str!("laws/relax.c");
-const DAHL: &str = include_str!("laws/dahl.c");
-const LEVEL: &str = include_str!("laws/level.c");
-const MEAN_VELOCITY: &str = include_str!("laws/mean_velocity.c");
-const LUGRE: &str = include_str!("laws/lugre.c");
-const BOUC_WEN: &str = include_str!("laws/bouc_wen.c");
-const MAXWELL_SLIP: &str = include_str!("laws/maxwell_slip.c");
-const GMS: &str = include_str!("laws/gms.c");
+/// The text of a function of [`Law::functions`].
+fn code(language: Language, name: &str) -> &'static str {
+    macro_rules! laws {
+        ($($name:literal),*) => {
+            match (language, name) {
+                $(
+                    (Language::C, $name) => include_str!(concat!("../c/laws/", $name, ".c")),
+                    (Language::Rust, $name) => include_str!(concat!("../rust/laws/", $name, ".rs")),
+                )*
+                (Language::Rust, "within_one") => include_str!("../rust/laws/within_one.rs"),
+                _ => "",
+            }
+        };
+    }
+    laws!("bouc_wen", "dahl", "gms", "level", "lugre", "maxwell_slip", "mean_velocity", "relax", "warmth")
+}

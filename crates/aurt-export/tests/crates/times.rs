@@ -1,0 +1,86 @@
+//! Times of the crate beside those of the C.
+
+use std::{path::Path, process::Command};
+
+use aurt_export::{Export, c, rust};
+
+use super::super::{models::*, provenance, source, write};
+
+const FUNCTIONS: [&str; 4] = ["torque", "rigid_body_torque", "mass_matrix", "regressor"];
+
+/// A program that prints ns per evaluation of each function along a line through the positions, of the fastest thousand.
+const C: &str = r#"#include "machine.h"
+#include <stdio.h>
+#include <time.h>
+#define TIME(call) { double sum = 0.0, best = 1e9; int round, k; for (round = 0; round < 300; ++round) { \
+    clock_t start = clock(); double took; for (k = 0; k < 1000; ++k) { q[0] = 1e-3 * k; call; sum += out[0]; } \
+    took = 1e6 * (double)(clock() - start) / CLOCKS_PER_SEC; best = took < best ? took : best; } \
+    printf("%.1f\n", best); if (sum == 0.5) return 1; }
+int main(void)
+{
+    static double out[1000];
+    double q[] = {0.1, -0.7, 1.1, 0.3, -0.4, 0.2}, v[] = {0.5, -0.3, 0.4, 0.6, -0.2, 0.1}, a[] = {1, 2, -1, 3, -2, 1};
+    TIME(machine_torque(q, v, a, out)) TIME(machine_rigid_body_torque(q, v, a, out))
+    TIME(machine_mass_matrix(q, out)) TIME(machine_regressor(q, v, a, out))
+    return 0;
+}
+"#;
+const RUST: &str = r#"macro_rules! time { ($q:ident, $call:expr) => {{
+    let (mut best, mut sum) = (f64::INFINITY, 0.0);
+    for _ in 0..300 {
+        let start = std::time::Instant::now();
+        for k in 0..1000 { $q[0] = 1e-3 * k as f64; sum += std::hint::black_box($call)[0]; }
+        best = best.min(start.elapsed().as_secs_f64() * 1e6);
+    }
+    println!("{best:.1}");
+    assert!(sum != 0.5);
+}}; }
+fn main() {
+    let (mut q, v, a) = ([0.1, -0.7, 1.1, 0.3, -0.4, 0.2], [0.5, -0.3, 0.4, 0.6, -0.2, 0.1], [1.0, 2.0, -1.0, 3.0, -2.0, 1.0]);
+    time!(q, machine::torque(&q, &v, &a));
+    time!(q, machine::rigid_body_torque(&q, &v, &a));
+    time!(q, machine::mass_matrix(&q));
+    time!(q, machine::regressor(&q, &v, &a));
+}
+"#;
+
+fn run(folder: &Path, program: &str, arguments: &[&str]) -> String {
+    let run = Command::new(program).args(arguments).current_dir(folder).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    String::from_utf8_lossy(&run.stdout).into_owned()
+}
+
+#[test]
+#[ignore = "times differ from machine to machine; docs/export.md has those of one"]
+fn times_of_the_crate_and_of_the_c() {
+    let (case, provenance) = (case(arm(), true), provenance());
+    let source = source(&case, &provenance);
+    let folder = tempfile::tempdir().unwrap();
+    let stored = checks(&case, 1);
+    for Export { files, lost, notes } in
+        [c::export(&source, &stored), rust::export(&source, &stored)].map(Result::unwrap)
+    {
+        write(&Export { files, lost, notes }, folder.path());
+    }
+    std::fs::write(folder.path().join("time.c"), C).unwrap();
+    std::fs::write(folder.path().join("time.rs"), RUST).unwrap();
+    run(folder.path(), "cc", &["-std=c99", "-O2", "time.c", "machine.c", "-o", "c", "-lm"]);
+    let library = ["--edition=2021", "--crate-type=rlib", "--crate-name=machine", "-Copt-level=3"];
+    run(folder.path(), "rustc", &[&library[..], &["--cfg=feature=\"std\"", "src/lib.rs"]].concat());
+    run(
+        folder.path(),
+        "rustc",
+        &["--edition=2021", "-Copt-level=3", "-L.", "--extern=machine", "time.rs", "-o", "rs"],
+    );
+    let mut best = [[f64::INFINITY; 4]; 2];
+    for _ in 0..9 {
+        for (program, best) in ["./c", "./rs"].iter().zip(&mut best) {
+            let program = folder.path().join(program);
+            let text = run(folder.path(), program.to_str().unwrap(), &[]);
+            text.lines().zip(best).for_each(|(line, best)| *best = best.min(line.parse().unwrap()));
+        }
+    }
+    for (name, (c, rust)) in FUNCTIONS.iter().zip(best[0].iter().zip(&best[1])) {
+        println!("{name}: C {c} ns, Rust {rust} ns, Rust over C {:.2}", rust / c);
+    }
+}
