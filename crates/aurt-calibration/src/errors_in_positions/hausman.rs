@@ -42,6 +42,9 @@ pub struct Hausman {
     pub probability: f64,
 }
 
+/// Coefficients and their covariance, column-major.
+type Estimated = (Vec<f64>, Vec<f64>);
+
 impl Hausman {
     /// Whether least squares is biased, by a test that says so of 5 % of the recordings with exact positions.
     #[must_use]
@@ -148,7 +151,7 @@ impl Tested<'_> {
     }
 
     /// ζ̂_IV and (ZᵀΩ⁻¹W)⁻¹, column-major.
-    pub(crate) fn instrumental(&self) -> Result<Option<(Vec<f64>, Vec<f64>)>, CalibrationError> {
+    pub(crate) fn instrumental(&self) -> Result<Option<Estimated>, CalibrationError> {
         let n = self.coefficients.len();
         let joints = self.pairs(self.load, self.options)?;
         let [plain, crossed] = sum(&self.products(&joints), n);
