@@ -86,7 +86,11 @@ fn series_without_measurement_and_in_stretches() {
 /// What a diagnosis saw is a recording again, and what it predicts with what it found is nearer to the measurement.
 #[test]
 fn a_diagnosis_writes_what_it_saw() {
-    let folder = Folder::new().with_whole_demo();
+    let folder = Folder::new().with_whole_demo().with_demo(&[
+        "later.toml",
+        "later_motion.csv",
+        "later_other_motion.csv",
+    ]);
     for (format, out) in [("parquet", "table"), ("mcap", "bag")] {
         let run = ["diagnose", "later.toml", "--out", out, "--verdict-only", "--series", format, "--quiet"];
         assert_eq!(folder.aurt(run).status(), 1);
