@@ -29,10 +29,10 @@ use thiserror::Error;
 
 use crate::{
     journal::Journal,
-    staging::{Staged, StagedFolder, folder_of, is_of_the_system, meant, sync_folder, write_special},
+    staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
     unfinished::publishing,
 };
-pub use crate::{journal::clear_unfinished, unfinished::abandon};
+pub use crate::{journal::clear_unfinished, staging::StagedFolder, unfinished::abandon};
 
 /// What names of staged files begin with.
 pub const STAGED: &str = ".aurt-";
@@ -191,7 +191,7 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
     fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
     clear_unfinished(parent);
     let staging = StagedFolder::new(parent)?;
-    let staged = staging.folder.path();
+    let staged = staging.path();
     for (name, contents) in files {
         let path = staged.join(name);
         let fail = || WriteError::at(&folder.join(name));

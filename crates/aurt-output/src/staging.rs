@@ -51,22 +51,33 @@ pub(crate) fn sync_folder(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// A folder to stage files in, with the mark of this process.
+/// A folder to make files in before they are moved to their places. It is removed when it is dropped or the command is
+/// interrupted; [`clear_unfinished`](crate::clear_unfinished) removes that of a killed process.
 #[derive(Debug)]
-pub(crate) struct StagedFolder {
-    pub(crate) folder: TempDir,
+pub struct StagedFolder {
+    folder: TempDir,
     _marked: Option<File>,
     _unfinished: Unfinished,
 }
 
 impl StagedFolder {
-    pub(crate) fn new(parent: &Path) -> Result<Self, WriteError> {
+    /// Makes one in a folder that exists.
+    ///
+    /// # Errors
+    /// [`WriteError`] with `parent`.
+    pub fn new(parent: &Path) -> Result<Self, WriteError> {
         let (folder, unfinished) =
             Unfinished::made(|| named(PART, 0o777).tempdir_in(parent), |folder| folder.path())
                 .map_err(WriteError::at(parent))?;
         let marked = File::open(folder.path()).ok();
         marked.iter().for_each(mark);
         Ok(Self { folder, _marked: marked, _unfinished: unfinished })
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.path()
     }
 }
 

@@ -183,13 +183,18 @@ pub enum SimulationError {
 impl SimulationError {
     /// What TOML says of a text, with its place.
     pub(crate) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Self {
-        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        Self::at(path, text, error.span().map_or(0, |span| span.start), error.message().to_owned())
+    }
+
+    /// What is wrong at a byte of a text.
+    pub(crate) fn at(path: &Path, text: &str, byte: usize, reason: String) -> Self {
+        let before = text.get(..byte).unwrap_or_default();
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         Self::Syntax {
             path: path.to_owned(),
             line: before.matches('\n').count() + 1,
             column: before[line_start..].chars().count() + 1,
-            reason: error.message().to_owned(),
+            reason,
         }
     }
 

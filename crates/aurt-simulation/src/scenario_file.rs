@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use serde::Deserialize;
+use toml::Spanned;
 
-use crate::effects::read_effect;
+use crate::effects::{Effect, read_effect};
 use crate::error::Complaints;
 use crate::plant::Controller;
 use crate::sensors::Logger;
@@ -115,23 +116,54 @@ impl ScenarioFile {
         Self::parse(&text, path)
     }
 
+    /// Reads a scenario from a file, planned and checked.
+    ///
+    /// # Errors
+    /// As [`Self::read`] and [`Self::scenario`], with the place of the table that is wrong.
+    pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, SimulationError> {
+        let path = path.as_ref();
+        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
+            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
+        Self::parse(&text, path)?.planned().map_err(|(table, index, error)| {
+            let reason = error.to_string();
+            SimulationError::at(path, &text, Places::of(&text).begin(table, index), reason)
+        })
+    }
+
     /// The robot, with its changes.
     ///
     /// # Errors
     /// [`SimulationError::UnknownRobot`], [`SimulationError::NoSuchPart`], and what [`Robot::validate`] says.
     pub fn changed_robot(&self) -> Result<Robot, SimulationError> {
-        let mut robot = Robot::named(&self.robot)?.with_rotors(self.rotors.unwrap_or(Rotors::Geared));
-        let mut complaints = Complaints::default();
-        for change in &self.links {
+        self.changed().map_err(|(_, _, error)| error)
+    }
+
+    /// The scenario, planned and checked.
+    ///
+    /// # Errors
+    /// The first thing about it that cannot be.
+    pub fn scenario(&self) -> Result<Scenario, SimulationError> {
+        self.planned().map_err(|(_, _, error)| error)
+    }
+
+    fn changed(&self) -> Result<Robot, Wrong> {
+        let named = Robot::named(&self.robot).map_err(|error| ("robot", 0, error))?;
+        let mut robot = named.with_rotors(self.rotors.unwrap_or(Rotors::Geared));
+        for (k, change) in self.links.iter().enumerate() {
+            let mut complaints = Complaints::default();
             complaints.link("`[[link]]`", change.index, &robot.name, robot.links.len());
-            let Some(link) = robot.links.get_mut(change.index) else { continue };
+            complaints.finish().map_err(|error| ("link", k, error))?;
+            let link = &mut robot.links[change.index];
             set(&mut link.mass_kg, change.mass_kg);
             set(&mut link.com_m, change.com_m);
             set(&mut link.inertia_at_com_kg_m2, change.inertia_at_com_kg_m2);
+            robot.validate().map_err(|error| ("link", k, error))?;
         }
-        for change in &self.drives {
+        for (k, change) in self.drives.iter().enumerate() {
+            let mut complaints = Complaints::default();
             complaints.joint("`[[drive]]`", change.joint, &robot.name, robot.drives.len());
-            let Some(drive) = robot.drives.get_mut(change.joint) else { continue };
+            complaints.finish().map_err(|error| ("drive", k, error))?;
+            let drive = &mut robot.drives[change.joint];
             set(&mut drive.rotor_inertia_kg_m2, change.rotor_inertia_kg_m2);
             set(&mut drive.torque_constant_nm_per_a, change.torque_constant_nm_per_a);
             set(&mut drive.coulomb_nm, change.coulomb_nm);
@@ -141,38 +173,76 @@ impl ScenarioFile {
             set(&mut drive.encoder_resolution_rad, change.encoder_resolution_rad);
             set(&mut drive.encoder_noise_rad, change.encoder_noise_rad);
             set(&mut drive.torque_noise_nm, change.torque_noise_nm);
+            robot.validate().map_err(|error| ("drive", k, error))?;
         }
-        complaints.finish()?;
-        robot.validate()?;
+        robot.validate().map_err(|error| ("robot", 0, error))?;
         Ok(robot)
     }
 
-    /// The scenario, planned and checked.
-    ///
-    /// # Errors
-    /// Everything about it that cannot be.
-    pub fn scenario(&self) -> Result<Scenario, SimulationError> {
-        let robot = self.changed_robot()?;
-        self.logger.validate()?;
-        self.controller.validate()?;
-        let trajectory = self.motion.plan(&robot, self.seed)?;
+    fn planned(&self) -> Result<Scenario, Wrong> {
+        let robot = self.changed()?;
+        self.logger.validate().map_err(|error| ("logger", 0, error))?;
+        self.controller.validate().map_err(|error| ("controller", 0, error))?;
+        let trajectory = self.motion.plan(&robot, self.seed).map_err(|error| ("motion", 0, error))?;
         let mut scenario = Scenario::new(robot, trajectory, self.seed);
         scenario.controller = self.controller;
         scenario.logger = self.logger;
-        for effect in &self.effects {
-            let mut fields = serde_json::to_value(effect).unwrap_or_default();
-            let name = fields.as_object_mut().and_then(|fields| fields.remove("name"));
-            let Some(name) = name.as_ref().and_then(|name| name.as_str()) else {
-                return Err(SimulationError::Unreadable {
-                    path: "`[[effect]]`".into(),
-                    reason: "it needs a `name`, the identifier of an effect".into(),
-                });
-            };
-            let effect = read_effect(name, fields)?;
-            effect.validate(&scenario.robot)?;
-            scenario.effects.push(effect);
+        for (k, effect) in self.effects.iter().enumerate() {
+            let effect = effect_of(effect).and_then(|effect| {
+                effect.validate(&scenario.robot)?;
+                Ok(effect)
+            });
+            scenario.effects.push(effect.map_err(|error| ("effect", k, error))?);
         }
         Ok(scenario)
+    }
+}
+
+/// What cannot be, with the key and the place in its list of the table that says it.
+type Wrong = (&'static str, usize, SimulationError);
+
+fn effect_of(table: &toml::Table) -> Result<Box<dyn Effect>, SimulationError> {
+    let mut fields = serde_json::to_value(table).unwrap_or_default();
+    let name = fields.as_object_mut().and_then(|fields| fields.remove("name"));
+    let Some(name) = name.as_ref().and_then(|name| name.as_str()) else {
+        return Err(SimulationError::Unreadable {
+            path: "`[[effect]]`".into(),
+            reason: "it needs a `name`, the identifier of an effect".into(),
+        });
+    };
+    read_effect(name, fields)
+}
+
+/// Where the tables of a scenario stand.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Places {
+    robot: Option<Spanned<toml::Value>>,
+    motion: Option<Spanned<toml::Value>>,
+    controller: Option<Spanned<toml::Value>>,
+    logger: Option<Spanned<toml::Value>>,
+    link: Vec<Spanned<toml::Value>>,
+    drive: Vec<Spanned<toml::Value>>,
+    effect: Vec<Spanned<toml::Value>>,
+}
+
+impl Places {
+    fn of(text: &str) -> Self {
+        toml::from_str(text).unwrap_or_default()
+    }
+
+    /// The byte at which a table begins; 0 if it is not written.
+    fn begin(&self, table: &str, index: usize) -> usize {
+        let found = match table {
+            "robot" => self.robot.as_ref(),
+            "motion" => self.motion.as_ref(),
+            "controller" => self.controller.as_ref(),
+            "logger" => self.logger.as_ref(),
+            "link" => self.link.get(index),
+            "drive" => self.drive.get(index),
+            _ => self.effect.get(index),
+        };
+        found.map_or(0, |value| value.span().start)
     }
 }
 

@@ -30,10 +30,9 @@ pub fn read(path: &Path, joints: usize, stamps_s: &[f64]) -> Result<Vec<Vec<f64>
     let of = |prefix: &&str| {
         (0..joints).map(|j| table.column(&format!("{prefix}{j}"))).collect::<Option<Vec<usize>>>()
     };
-    let columns = PREFIXES
-        .iter()
-        .find_map(of)
-        .ok_or_else(|| table.refuse(None, None, format!("has no prediction columns for {joints} joints")))?;
+    let columns = PREFIXES.iter().find_map(of).ok_or_else(|| {
+        table.refuse(Some(table.header_line), None, format!("has no prediction columns for {joints} joints"))
+    })?;
     let time = TIME.iter().find_map(|name| table.column(name));
     let first_s = stamps_s.first().copied().unwrap_or(0.0);
     let last_s = stamps_s.last().copied().unwrap_or(0.0);

@@ -13,6 +13,8 @@ pub struct TableFile {
     text: String,
     separator: Option<char>,
     remedy: &'static str,
+    /// Line of the header, from 1.
+    pub header_line: usize,
     /// Names of the columns, in their order.
     pub names: Vec<String>,
 }
@@ -39,10 +41,12 @@ impl TableFile {
         };
         let text = read_text(path, MOST_MODEL_BYTES)
             .map_err(|error| refuse(None, format!("cannot be read: {error}")))?;
-        let mut table = Self { path: path.to_owned(), text, separator: None, remedy, names: Vec::new() };
+        let path = path.to_owned();
+        let mut table = Self { path, text, separator: None, remedy, header_line: 1, names: Vec::new() };
         let Some((line, header)) = lines(&table.text).next() else {
             return Err(refuse(None, "is empty".into()));
         };
+        table.header_line = line;
         table.separator = [';', ',', '\t'].into_iter().find(|c| header.contains(*c));
         let names: Vec<String> = table.cells(header).into_iter().map(str::to_owned).collect();
         let mut sorted: Vec<&String> = names.iter().collect();

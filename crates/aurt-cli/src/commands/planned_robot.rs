@@ -248,9 +248,9 @@ fn read_limits(path: &Path, joints: usize) -> Result<Vec<MotionLimits>, Failure>
     )?;
     let mut places = [0; 4];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
-        *place = table
-            .column(column)
-            .ok_or_else(|| table.refuse(None, None, format!("has no column `{column}`")))?;
+        *place = table.column(column).ok_or_else(|| {
+            table.refuse(Some(table.header_line), None, format!("has no column `{column}`"))
+        })?;
     }
     let mut limits = Vec::new();
     for row in table.rows() {

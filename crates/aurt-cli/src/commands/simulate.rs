@@ -67,9 +67,7 @@ impl Simulate {
 
     fn scenario(&self, path: &Path, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[path])?;
-        let scenario = ScenarioFile::read(path)
-            .and_then(|file| file.scenario())
-            .map_err(|error| Failure::from(error).in_file(path))?;
+        let scenario = ScenarioFile::read_scenario(path)?;
         let progress = session.terminal.progress(1);
         progress.step("simulating the robot");
         let recording = simulate(&scenario).map_err(|error| Failure::from(error).in_file(path))?;

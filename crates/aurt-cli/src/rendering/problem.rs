@@ -156,6 +156,13 @@ fn found(failure: &Failure) -> Vec<Problem> {
         Failure::Plugins(Error::Read { path, source }) if source.kind() == ErrorKind::NotFound => {
             vec![missing(path)]
         }
+        Failure::Plugins(Error::Plugins(error)) => {
+            let path = match &**error {
+                aurt_plugins::Error::Library { path, .. } => Some(path.clone()),
+                _ => None,
+            };
+            vec![Problem { path, ..Problem::plain(failure) }]
+        }
         Failure::Plugins(Error::Read { path, .. } | Error::Write { path, .. })
         | Failure::NotFinite { path, .. }
         | Failure::Output { path, .. }
@@ -172,7 +179,8 @@ fn found(failure: &Failure) -> Vec<Problem> {
                 excerpt: Excerpt::of_place(path, *line, *column),
                 help: None,
             }],
-            SimulationError::Io { path, .. } => {
+            SimulationError::Unreadable { path, .. } if !path.is_file() => vec![Problem::plain(error)],
+            SimulationError::Io { path, .. } | SimulationError::Unreadable { path, .. } => {
                 vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
             }
             SimulationError::Several(errors) => errors.iter().map(Problem::plain).collect(),

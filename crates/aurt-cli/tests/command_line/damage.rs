@@ -6,6 +6,7 @@ use std::{
     fs,
     io::Read,
     os::unix::{ffi::OsStringExt, fs::symlink},
+    path::Path,
     process::{Command, Stdio},
     time::{Duration, Instant},
 };
@@ -159,6 +160,62 @@ fn limits_are_radians_and_rows_are_whole() {
     refusal("-3,3,1,3\n-3,x,1,3\n", &["limits.csv", "`x` is no finite number"]);
     folder.write("limits.csv", &format!("{header}-3,3,1,3\n-3,3,1,3\n"));
     folder.aurt(words(excite)).succeeded();
+}
+
+#[test]
+fn programs_are_told_the_place_of_what_is_wrong() {
+    let folder = Folder::new();
+    let scenario = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 3.0\nharmonics = 5\n\
+                    top_hz = 0.8\nshare = 0.5\n[[effect]]\nname = \"current_offset\"\njoints = [1]\noffset_nm = [3.0]\n";
+    let second = "[[effect]]\nname = \"current_offset\"\njoints = [7]\noffset_nm = [3.0]\n";
+    let plan = |of: &str| format!("[recordings]\n[nulls]\n{of}\n");
+    let excite = "excite --robot ur10e --kind sweeps --seed 1 --out m --limits";
+    for (file, text, line, command) in [
+        ("s.toml", format!("{scenario}{second}"), Some(13), "simulate --out m --scenario"),
+        ("s.toml", scenario.replace("two_link", "three_link"), Some(1), "simulate --out m --scenario"),
+        ("s.toml", scenario.replace("share = 0.5", "share = 5.0"), Some(3), "simulate --out m --scenario"),
+        (
+            "p.toml",
+            plan("count = 1\nrobots = [\"nobody\"]"),
+            Some(4),
+            "conceal --seed 1 --cases c --sealed s --plan",
+        ),
+        ("p.toml", plan("count = 9999999"), None, "conceal --seed 1 --cases c --sealed s --plan"),
+        ("l.csv", "# limits\nlower_rad\n".to_owned(), Some(2), excite),
+        ("l.so", "no library".to_owned(), None, "models --plugin"),
+    ] {
+        folder.write(file, &text);
+        let run = folder.aurt(words(&format!("--json {command} {file}")));
+        let document: serde_json::Value = serde_json::from_str(&run.stdout()).unwrap();
+        let problem = &document["error"]["problems"][0];
+        assert_eq!((problem["file"].as_str(), problem["line"].as_u64()), (Some(file), line), "{document}");
+        let message = problem["message"].as_str().unwrap();
+        assert_eq!(message.matches(file).count(), 1, "{message}");
+    }
+    assert_eq!(folder.names(), ["l.csv", "l.so", "p.toml", "s.toml"]);
+}
+
+#[test]
+fn the_keys_that_the_pages_list_are_in_the_files() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let folder = Folder::new();
+    folder.aurt(words("demo --out demo --quiet")).succeeded();
+    let metrics = folder.json("demo/metrics.json");
+    let page = fs::read_to_string(docs.join("file-formats.md")).unwrap();
+    let beside = page.split("Beside these stand").nth(1).unwrap().split(';').next().unwrap();
+    for key in beside.split('`').skip(1).step_by(2) {
+        assert!(!metrics[key].is_null(), "metrics.json has no {key}");
+    }
+    let verdict = folder.json("demo/diagnosis/verdict.json");
+    let page = fs::read_to_string(docs.join("diagnosis.md")).unwrap();
+    let table = page.split("`verdict.json` has:").nth(1).unwrap();
+    let rows =
+        table.lines().skip_while(|line| !line.starts_with("| `")).take_while(|line| line.starts_with('|'));
+    for row in rows.filter(|row| !row.contains("the key is absent")) {
+        for key in row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2) {
+            assert!(!verdict[key].is_null(), "verdict.json has no {key}");
+        }
+    }
 }
 
 #[test]

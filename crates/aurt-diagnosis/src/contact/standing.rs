@@ -63,9 +63,13 @@ pub fn find_standing_contacts(view: &StandingRows<'_>) -> Vec<Contact> {
         if share > LONGEST_SHARE {
             continue;
         }
+        let spans = stretches(&speaks, (JOINED_S * view.rows.rate_hz) as usize);
+        if spans.is_empty() {
+            continue;
+        }
         let usable: Vec<Vec<bool>> =
             vec![(0..count).map(|k| rest.contains(&k)).collect(); view.residual.len()];
-        for span in stretches(&speaks, (JOINED_S * view.rows.rate_hz) as usize) {
+        for span in spans {
             let span = [span[0] + rest.start, span[1] + rest.start];
             found.extend(contact(view, &bound, &usable, span));
         }

@@ -120,21 +120,28 @@ impl Parts<'_> {
             if recording.role == Role::Validation || recording.simulated.is_some() {
                 continue;
             }
-            let standing = RecordingRows::evaluate_standing(name, recording.role, data, model, &load, &own)?;
-            let Some(rows) = standing else { continue };
-            let end = self.partition.end_of_fit[r];
-            let rows = rows.part(0..end.min(rows.rows()));
-            let stands = |k: usize| rows.joints.iter().all(|j| j.counts[k]);
-            if !(0..rows.rows()).any(stands) {
+            let at_rest = self.at_rest(model, selected, &coefficients, recording.role);
+            // Rows of all columns are what a diagnosis holds most of; these need few.
+            let wanted = |c: usize| {
+                c >= self.layout.first_instrument || at_rest.get(c).is_some_and(|value| *value != 0.0)
+            };
+            let role = recording.role;
+            let standing = RecordingRows::evaluate_standing(name, role, data, (model, &load), &own, &wanted)?;
+            let Some(mut standing) = standing else { continue };
+            let end = self.partition.end_of_fit[r].min(standing.rows());
+            let stands = |k: usize| standing.joints.iter().all(|j| j.counts[k]);
+            if !(0..end).any(stands) {
                 continue;
             }
-            let at_rest = self.at_rest(model, selected, &coefficients, recording.role);
-            let residual: Vec<Vec<f64>> = (0..rows.joints.len())
-                .map(|j| {
-                    let columns = self.layout.rows[j].iter();
-                    rows.joints[j].residual(columns.map(|c| at_rest.get(*c).copied().unwrap_or(0.0)))
-                })
-                .collect();
+            let mut residual = Vec::with_capacity(standing.joints.len());
+            for (joint, columns) in standing.joints.iter_mut().zip(&self.layout.rows) {
+                let columns = columns.iter().filter(|c| wanted(**c));
+                let mut left = joint.residual(columns.map(|c| at_rest.get(*c).copied().unwrap_or(0.0)));
+                left.truncate(end);
+                residual.push(left);
+                joint.data = Vec::new();
+            }
+            let rows = standing.part(0..end);
             // Laws that were selected beside the model's own level take part of it over, and hold at rest as well.
             let level =
                 |j: usize, of: &[f64]| OwnFriction::of(self.question.model, j, of).coulomb_nm.max(0.0);

@@ -146,8 +146,8 @@ impl RecordingRows {
         Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion(data))
     }
 
-    /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. `None` where
-    /// the joints never all stand.
+    /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. Of the model's
+    /// columns only those of the `wanted` coefficients are made. `None` where the joints never all stand.
     ///
     /// # Errors
     /// If a segment has no measurement, or a model fails.
@@ -155,9 +155,9 @@ impl RecordingRows {
         name: &str,
         role: Role,
         data: &Preprocessed,
-        model: &RobotModel,
-        load: &LoadTorque,
+        (model, load): (&RobotModel, &LoadTorque),
         baseline: &Fit<'_>,
+        wanted: &dyn Fn(usize) -> bool,
     ) -> Result<Option<Self>, DiagnosisError> {
         let stands: Vec<Vec<bool>> =
             (0..model.joints()).map(|j| stands(&velocity(data, j), row_rate_hz(data))).collect();
@@ -165,7 +165,7 @@ impl RecordingRows {
         if !(0..count).any(|k| stands.iter().all(|joint| joint[k])) {
             return Ok(None);
         }
-        let mut rows = Self::evaluate_all(name, role, data, model, load, Some(baseline))?;
+        let mut rows = Self::evaluate_columns(name, role, data, (model, load), Some(baseline), wanted)?;
         for (joint, stands) in rows.joints.iter_mut().zip(stands) {
             joint.counts = stands;
         }
@@ -206,10 +206,22 @@ impl RecordingRows {
         load: &LoadTorque,
         baseline: Option<&Fit<'_>>,
     ) -> Result<Self, DiagnosisError> {
+        Self::evaluate_columns(name, role, data, (model, load), baseline, &|_| true)
+    }
+
+    fn evaluate_columns(
+        name: &str,
+        role: Role,
+        data: &Preprocessed,
+        (model, load): (&RobotModel, &LoadTorque),
+        baseline: Option<&Fit<'_>>,
+        wanted: &dyn Fn(usize) -> bool,
+    ) -> Result<Self, DiagnosisError> {
         let rows: usize = data.segments.iter().map(Segment::rows).sum();
         let mut joints: Vec<JointRows> = (0..model.joints())
             .map(|j| {
-                let columns = model.row_columns(j).len() + Instrument::ALL.len();
+                let columns =
+                    model.row_columns(j).iter().filter(|c| wanted(**c)).count() + Instrument::ALL.len();
                 JointRows { data: vec![0.0; rows * columns], ..JointRows::default() }
             })
             .collect();
@@ -235,8 +247,8 @@ impl RecordingRows {
             }
             for_each_row_block(model, segment, load, |block| {
                 for (j, joint) in joints.iter_mut().enumerate() {
-                    let slots = model.row_slots(j);
-                    for (k, slot) in slots.enumerate() {
+                    let slots = model.row_slots(j).zip(model.row_columns(j));
+                    for (k, (slot, _)) in slots.filter(|(_, column)| wanted(**column)).enumerate() {
                         let start = k * rows + first + block.first_row;
                         joint.data[start..start + block.rows].copy_from_slice(block.column(slot));
                     }
@@ -245,8 +257,10 @@ impl RecordingRows {
             if let Some(baseline) = baseline {
                 let mut columns: Vec<&mut [f64]> = joints
                     .iter_mut()
-                    .enumerate()
-                    .map(|(j, joint)| &mut joint.data[model.row_columns(j).len() * rows..])
+                    .map(|joint| {
+                        let own = joint.data.len() - Instrument::ALL.len() * rows;
+                        &mut joint.data[own..]
+                    })
                     .collect();
                 instrument_rows(segment, baseline, &mut columns, rows, first..first + count)?;
             }

@@ -107,6 +107,12 @@ impl Plan {
             SimulationError::Unreadable { reason, .. } => {
                 SimulationError::Unreadable { path: path.as_ref().into(), reason }
             }
+            // A name stands in quotes where it is written.
+            SimulationError::UnknownRobot { ref name, .. }
+            | SimulationError::UnknownEffect { ref name, .. } => {
+                let begin = text.find(&format!("\"{name}\"")).unwrap_or(0);
+                SimulationError::at(path.as_ref(), text, begin, error.to_string())
+            }
             other => other,
         })?;
         Ok(plan)

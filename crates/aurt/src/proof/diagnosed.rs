@@ -100,10 +100,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
 /// Makes a case beside its place and moves it there when it is complete; the reason if it cannot be made.
 fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<Result<(), String>, Failure> {
     let fail = |path: PathBuf| move |source| Failure::Write { path, source };
-    let building = tempfile::Builder::new()
-        .prefix(".making-")
-        .tempdir_in(place.root())
-        .map_err(fail(place.root().to_owned()))?;
+    let building = aurt_output::StagedFolder::new(place.root())?;
     let (cases, sealed) = (building.path().join("cases"), building.path().join("sealed"));
     for folder in [&cases, &sealed] {
         fs::create_dir_all(folder).map_err(fail(folder.clone()))?;
