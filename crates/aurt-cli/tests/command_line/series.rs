@@ -83,7 +83,7 @@ fn series_without_measurement_and_in_stretches() {
     folder.aurt(["run", "experiment.toml", "--out", "x", "--series", "csv"]).refused(&["parquet", "mcap"]);
 }
 
-/// What a diagnosis saw is a recording again, and what it predicts with what it found is nearer to the measurement.
+/// What a diagnosis saw is a recording again; what it predicted has no values where rows do not count.
 #[test]
 fn a_diagnosis_writes_what_it_saw() {
     let folder = Folder::new().with_whole_demo().with_demo(&[
@@ -111,7 +111,7 @@ fn a_diagnosis_writes_what_it_saw() {
         experiment.lines().filter(|l| !l.starts_with("torque_constants")).map(|l| format!("{l}\n")).collect();
     let begin = experiment.find("[recordings]").unwrap();
     let end = begin + 12 + experiment[begin + 12..].find("\n[").unwrap_or(experiment.len() - begin - 12);
-    let errors_of = |series: &str| -> Vec<f64> {
+    let run = |series: &str| {
         let columns =
             format!("{{ time = \"timestamp\", position = {}, measurement = {} }}", names("q"), names(series));
         let file = "table/series_later_motion.parquet";
@@ -119,9 +119,9 @@ fn a_diagnosis_writes_what_it_saw() {
             "[recordings]\ncalibration = [{{ file = \"{file}\", columns = {columns}, unit = \"Nm\" }}]\n"
         );
         folder.write("again.toml", &format!("{}{recordings}{}", &experiment[..begin], &experiment[end..]));
-        folder.aurt(["run", "again.toml", "--out", series]).succeeded();
-        crate::support::numbers(&folder.json(&format!("{series}/metrics.json"))["recordings"][0]["nmse"])
+        folder.aurt(["run", "again.toml", "--out", series])
     };
-    let (measured, predicted) = (errors_of("measured_torque"), errors_of("predicted_after_torque"));
-    assert!(predicted.iter().zip(&measured).all(|(p, m)| p < m), "{predicted:?} {measured:?}");
+    run("measured_torque").succeeded();
+    // At the ends of a recording, which do not count, nothing is predicted.
+    run("predicted_after_torque").refused(&["row 1", "predicted_after_torque_0 is NaN"]);
 }
