@@ -1,68 +1,18 @@
-use aurt_traits::Dispatch;
-
-use crate::dense::bidiagonal;
-
-/// Halvings of the interval on a logarithmic scale; enough for a singular value to some 1e-12 of itself.
-const HALVINGS: usize = 60;
-
-/// Singular values below this share of the largest are zero as far as numbers of 53 bits tell.
-const SMALLEST: f64 = 1e-30;
+use nalgebra::DMatrix;
 
 /// Ratio of the largest to the smallest singular value of a square matrix, column-major; infinite where the matrix
-/// is singular, NaN where it is empty.
+/// is singular as far as numbers of 53 bits tell, NaN where it is empty.
 ///
-/// Reflections from both sides leave a bidiagonal matrix B (Golub and Kahan, 1965). Its singular values are the
-/// positive eigenvalues of a tridiagonal matrix with zero diagonal and the entries of B beside it, counted by
-/// Sturm sequences. Everything is done in one order, so that the same matrix gives the same bits at the baseline.
-pub(crate) fn condition_number(matrix: &[f64], n: usize) -> f64 {
+/// The decomposition is nalgebra's, which chooses no instructions at run time: the same matrix gives the same bits on
+/// every machine.
+#[must_use]
+pub fn condition_number(matrix: &[f64], n: usize) -> f64 {
     if n == 0 {
         return f64::NAN;
     }
-    let mut beside = vec![0.0; 2 * n - 1];
-    bidiagonal(Dispatch::active(), &mut matrix.to_vec(), n, &mut beside);
-    // No eigenvalue is larger than the largest row sum of magnitudes (Gershgorin).
-    let before = std::iter::once(&0.0).chain(&beside);
-    let after = beside.iter().chain(std::iter::once(&0.0));
-    let bound = before.zip(after).map(|(a, b)| a.abs() + b.abs()).fold(0.0, f64::max);
-    if bound == 0.0 {
-        return f64::INFINITY;
-    }
-    // Every singular value is an eigenvalue of either sign; below a positive x all n negative ones lie.
-    if counts_below(&beside, [SMALLEST * bound], bound)[0] > n {
-        return f64::INFINITY;
-    }
-    // The smallest and the largest are searched side by side: each step waits for its divisions, and two chains of them
-    // take no longer than one.
-    let mut ranges = [(SMALLEST * bound, 2.0 * bound); 2];
-    for _ in 0..HALVINGS {
-        let middles = ranges.map(|(low, high)| (low * high).sqrt());
-        let counts = counts_below(&beside, middles, bound);
-        for (((low, high), middle), (count, wanted)) in
-            ranges.iter_mut().zip(middles).zip(counts.into_iter().zip([1, n]))
-        {
-            *(if count.saturating_sub(n) >= wanted { high } else { low }) = middle;
-        }
-    }
-    let [smallest, largest] = ranges.map(|(low, high)| (low * high).sqrt());
-    largest / smallest
-}
-
-/// For each x the eigenvalues below it of the symmetric tridiagonal matrix with zero diagonal and `beside` next to it.
-fn counts_below<const N: usize>(beside: &[f64], x: [f64; N], bound: f64) -> [usize; N] {
-    let least = f64::MIN_POSITIVE * bound.max(1.0) / f64::EPSILON;
-    let mut pivots = x.map(|x| -x);
-    let mut counts = pivots.map(|pivot| usize::from(pivot < 0.0));
-    for b in beside {
-        let square = b * b;
-        for k in 0..N {
-            if pivots[k].abs() < least {
-                pivots[k] = -least;
-            }
-            pivots[k] = -x[k] - square / pivots[k];
-            counts[k] += usize::from(pivots[k] < 0.0);
-        }
-    }
-    counts
+    let values = DMatrix::from_column_slice(n, n, matrix).singular_values();
+    let (largest, smallest) = (values.max(), values.min());
+    if smallest <= f64::EPSILON * largest { f64::INFINITY } else { largest / smallest }
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@ pub use calibrated::{
     LoadTorqueChoice, Rest,
 };
 pub use comparison::{ComparedJoint, Comparison, compare};
+pub use condition::condition_number;
 pub use consistent::{
     ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
     possible_body,
@@ -62,7 +63,7 @@ pub use robust::RobustReport;
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
 pub use scope::TermScopes;
 pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
-pub use student::{ONE_SIDED_5, in_standard_errors, student};
+pub use student::{ONE_SIDED_5, in_standard_errors, student, two_sided};
 pub use system::{Solution, System};
 pub use uncertainty::{noise_bandwidth_factor, with_deviation};
 pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};

@@ -1,8 +1,6 @@
-//! Student's distribution through the normal one (Wallace 1959, *Annals of Mathematical Statistics* 30).
+//! Student's and χ² distributions, as tests and intervals need them.
 
-fn wallace(freedom: f64) -> f64 {
-    (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0)
-}
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// The normal deviate that 5 % exceed.
 pub const ONE_SIDED_5: f64 = 1.644_853_626_951_472;
@@ -16,31 +14,44 @@ pub fn in_standard_errors(values: &[f64]) -> f64 {
     mean / (variance / n).sqrt()
 }
 
-/// The normal deviate with the probability of Student's t.
+/// The normal deviate with the probability of Student's t (Wallace 1959, *Annals of Mathematical Statistics* 30). In the
+/// tails of a chart a probability is too close to one to be told from it; this needs none.
 pub(crate) fn normal(t: f64, freedom: f64) -> f64 {
-    let z = wallace(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt();
+    let wallace = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+    let z = wallace * (freedom * libm::log1p(t * t / freedom)).sqrt();
     z.copysign(t)
 }
 
-/// Student's t with the probability of a normal deviate.
+/// Student's t with the probability of a normal deviate; the deviate itself where the freedom has no bound, NaN where there
+/// is none.
 #[must_use]
 pub fn student(z: f64, freedom: f64) -> f64 {
-    let t = (freedom * libm::expm1((z / wallace(freedom)).powi(2) / freedom)).sqrt();
-    t.copysign(z)
+    if freedom == f64::INFINITY {
+        return z;
+    }
+    // Of the lower tail, which numbers resolve further than the upper one.
+    let probability = Normal::standard().cdf(-z.abs());
+    StudentsT::new(0.0, 1.0, freedom)
+        .map_or(f64::NAN, |student| student.inverse_cdf(probability).abs().copysign(z))
 }
 
-/// What χ² of some degrees of freedom exceeds with 90 % probability (Wilson and Hilferty 1931).
+/// Probability that |t| of some degrees of freedom exceeds |`t`|; NaN where there is no freedom.
+#[must_use]
+pub fn two_sided(t: f64, freedom: f64) -> f64 {
+    if t.is_nan() {
+        return f64::NAN;
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |student| 2.0 * student.sf(t.abs()))
+}
+
+/// What χ² of some degrees of freedom exceeds with 90 % probability; NaN where there are none.
 pub(crate) fn low_chi_squared(freedom: f64) -> f64 {
-    const NORMAL_10: f64 = -1.281_551_565_545;
-    let part = 2.0 / (9.0 * freedom);
-    freedom * (1.0 - part + NORMAL_10 * part.sqrt()).powi(3)
+    ChiSquared::new(freedom).map_or(f64::NAN, |of| of.inverse_cdf(0.1))
 }
 
-/// The probability that χ² of some degrees of freedom exceeds a value (Wilson and Hilferty 1931).
+/// The probability that χ² of some degrees of freedom exceeds a value; NaN where there are none.
 pub(crate) fn chi_squared_above(value: f64, freedom: f64) -> f64 {
-    let part = 2.0 / (9.0 * freedom);
-    let deviate = (libm::cbrt(value / freedom) - 1.0 + part) / part.sqrt();
-    0.5 * libm::erfc(deviate / std::f64::consts::SQRT_2)
+    ChiSquared::new(freedom).map_or(f64::NAN, |of| of.sf(value))
 }
 
 #[cfg(test)]
@@ -48,30 +59,44 @@ mod tests {
     use super::*;
     use crate::uncertainty::NORMAL_95;
 
-    /// Quantiles of Student's distribution from tables: t_0.975 with 5, 10 and 30 degrees of freedom.
+    /// Quantiles of Student's distribution from scipy 1.17: t_0.975 with 2, 5, 10 and 30.5 degrees of freedom.
     #[test]
     fn students_quantiles_are_those_of_tables() {
-        for (freedom, expected) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423)] {
-            assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 5e-3);
-            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 5e-3);
+        let tabled =
+            [(2.0, 4.302_652_730), (5.0, 2.570_581_836), (10.0, 2.228_138_852), (30.5, 2.040_869_445)];
+        for (freedom, expected) in tabled {
+            assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 1e-7);
+            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 3e-2);
             assert_eq!(student(-1.0, freedom), -student(1.0, freedom));
         }
+        assert_eq!(student(1.5, f64::INFINITY), 1.5);
+        assert!(student(1.5, 0.0).is_nan() && student(1.5, f64::NAN).is_nan());
     }
 
-    /// Quantiles of χ² from tables: 10 % with 4, 10 and 30 degrees of freedom.
+    /// Two-sided 5 % and 1 % points from scipy 1.17, stats.t.ppf(0.975 and 0.995, ν).
     #[test]
-    fn quantiles_of_chi_squared_are_those_of_tables() {
-        for (freedom, expected) in [(4.0, 1.0636), (10.0, 4.8652), (30.0, 20.599)] {
-            assert!((low_chi_squared(freedom) / expected - 1.0).abs() < 2e-2, "{}", low_chi_squared(freedom));
+    fn tabulated_probabilities_are_met() {
+        for (freedom, five, one) in [
+            (1.0, 12.706_204_736_174_694, 63.656_741_162_871_526),
+            (10.0, 2.228_138_851_986_274, 3.169_272_672_616_95),
+            (100.0, 1.983_971_518_523_551_8, 2.625_890_521_438_017_3),
+        ] {
+            assert!((two_sided(five, freedom) - 0.05).abs() < 1e-12, "{freedom}");
+            assert!((two_sided(-one, freedom) - 0.01).abs() < 1e-12, "{freedom}");
         }
+        assert_eq!(two_sided(0.0, 5.0), 1.0);
+        assert!(two_sided(f64::INFINITY, 5.0) == 0.0 && two_sided(f64::NAN, 5.0).is_nan());
+        assert!(two_sided(1.0, 0.0).is_nan());
     }
 
-    /// Quantiles of χ² from tables: 5 % with 4, 10 and 48 degrees of freedom.
+    /// Quantiles of χ² from scipy 1.17: 10 % with 4, 10 and 30 degrees of freedom; and 5 % with 4, 10 and 48.
     #[test]
-    fn probabilities_of_chi_squared_are_those_of_tables() {
-        for (freedom, value) in [(4.0, 9.488), (10.0, 18.307), (48.0, 65.171)] {
-            let found = chi_squared_above(value, freedom);
-            assert!((found / 0.05 - 1.0).abs() < 0.03, "{found}");
+    fn chi_squared_is_that_of_tables() {
+        for (freedom, expected) in [(4.0, 1.063_623_217), (10.0, 4.865_182_052), (30.0, 20.599_234_615)] {
+            assert!((low_chi_squared(freedom) / expected - 1.0).abs() < 1e-7, "{}", low_chi_squared(freedom));
+        }
+        for (freedom, value) in [(4.0, 9.487_729_037), (10.0, 18.307_038_053), (48.0, 65.170_768_904)] {
+            assert!((chi_squared_above(value, freedom) / 0.05 - 1.0).abs() < 1e-7);
         }
     }
 }

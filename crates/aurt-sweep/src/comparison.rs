@@ -1,6 +1,8 @@
 //! Whether two points differ by more than noise explains.
 
-use crate::{result::JointErrors, student::two_sided};
+use aurt_calibration::two_sided;
+
+use crate::result::JointErrors;
 
 /// Fewer blocks than this say nothing.
 const FEWEST_BLOCKS: usize = 8;

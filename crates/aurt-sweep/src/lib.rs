@@ -26,7 +26,6 @@ mod ranking;
 mod result;
 mod run;
 pub mod slurm;
-mod student;
 
 pub use comparison::{holm, paired, paired_overall};
 pub use definition::{Axis, Definition, Setting, Step, Validate};

@@ -1,3 +1,5 @@
+use nalgebra::{DMatrix, DVector};
+
 use super::{
     problem::{Linearised, Point, Problem, Sensitivity},
     search::ShapeOptions,
@@ -98,43 +100,15 @@ fn step(linearised: &Linearised, units: &[f64], damping: f64) -> Vec<f64> {
         })
         .collect();
     let m = free.len();
-    let mut matrix: Vec<f64> =
-        free.iter().flat_map(|a| free.iter().map(move |b| linearised.gram[a * n + b])).collect();
-    for k in 0..m {
-        matrix[k * m + k] *= 1.0 + damping;
-    }
-    let right: Vec<f64> = free.iter().map(|k| linearised.slope[*k]).collect();
+    let matrix = DMatrix::from_fn(m, m, |a, b| {
+        linearised.gram[free[a] * n + free[b]] * if a == b { 1.0 + damping } else { 1.0 }
+    });
+    let right = DVector::from_fn(m, |k, _| linearised.slope[free[k]]);
     let mut step = vec![0.0; n];
-    if let Some(solution) = cholesky_solve(matrix, right) {
-        free.iter().zip(solution).for_each(|(k, value)| step[*k] = value);
+    if let Some(factor) = matrix.cholesky() {
+        free.iter().zip(factor.solve(&right).iter()).for_each(|(k, value)| step[*k] = *value);
     }
     step
-}
-
-/// The solution of a symmetric positive definite system; nothing if it is not.
-fn cholesky_solve(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
-    let n = right.len();
-    for k in 0..n {
-        for row in k..n {
-            let sum: f64 = (0..k).map(|i| matrix[i * n + row] * matrix[i * n + k]).sum();
-            matrix[k * n + row] -= sum;
-        }
-        let pivot = matrix[k * n + k];
-        if !(pivot.is_finite() && pivot > 0.0) {
-            return None;
-        }
-        let root = pivot.sqrt();
-        matrix[k * n + k..(k + 1) * n].iter_mut().for_each(|v| *v /= root);
-    }
-    for k in 0..n {
-        let sum: f64 = (0..k).map(|i| matrix[i * n + k] * right[i]).sum();
-        right[k] = (right[k] - sum) / matrix[k * n + k];
-    }
-    for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|i| matrix[k * n + i] * right[i]).sum();
-        right[k] = (right[k] - sum) / matrix[k * n + k];
-    }
-    Some(right)
 }
 
 /// The owners' new shapes for the shapes of `sensitivities`.
@@ -159,13 +133,6 @@ pub(super) fn changes(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_positive_definite_system_is_solved_and_another_refused() {
-        let solution = cholesky_solve(vec![4.0, 2.0, 2.0, 3.0], vec![10.0, 8.0]).unwrap();
-        assert!((solution[0] - 1.75).abs() < 1e-14 && (solution[1] - 1.5).abs() < 1e-14);
-        assert_eq!(cholesky_solve(vec![1.0, 2.0, 2.0, 1.0], vec![1.0, 1.0]), None);
-    }
 
     #[test]
     fn a_shape_at_its_bound_is_held_there() {

@@ -27,6 +27,7 @@ mod removal;
 mod reports;
 mod series;
 mod simulation;
+mod snapshots;
 mod support;
 mod sweeps;
 mod tracking;

@@ -1,5 +1,7 @@
 //! The evidence for a constant force over any stretch of rows, from prefix sums.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::ForceColumns;
 
 /// Normal equations of a link's force, summed from the first row: A (upper triangle), g.
@@ -128,21 +130,19 @@ fn solve(sums: &[f64; 9]) -> [f64; 3] {
         return [0.0; 3];
     }
     let ridge = 1e-3 * trace / 3.0;
-    let a = [
-        [sums[0] + ridge, sums[1], sums[2]],
-        [sums[1], sums[3] + ridge, sums[4]],
-        [sums[2], sums[4], sums[5] + ridge],
-    ];
-    let g = [sums[6], sums[7], sums[8]];
-    // Cramer's rule: three unknowns, and the ridge keeps the determinant away from zero.
-    let minor = |r: usize, c: usize| {
-        let [r0, r1] = [[1, 2], [0, 2], [0, 1]][r];
-        let [c0, c1] = [[1, 2], [0, 2], [0, 1]][c];
-        a[r0][c0] * a[r1][c1] - a[r0][c1] * a[r1][c0]
-    };
-    let sign = |r: usize, c: usize| if (r + c).is_multiple_of(2) { 1.0 } else { -1.0 };
-    let determinant: f64 = (0..3).map(|c| sign(0, c) * a[0][c] * minor(0, c)).sum();
-    std::array::from_fn(|i| (0..3).map(|r| sign(r, i) * minor(r, i) * g[r]).sum::<f64>() / determinant)
+    let a = Matrix3::new(
+        sums[0] + ridge,
+        sums[1],
+        sums[2],
+        sums[1],
+        sums[3] + ridge,
+        sums[4],
+        sums[2],
+        sums[4],
+        sums[5] + ridge,
+    );
+    let force = a.cholesky().map(|factor| factor.solve(&Vector3::new(sums[6], sums[7], sums[8])));
+    force.map_or([0.0; 3], Into::into)
 }
 
 /// The statistic of every stretch of a length, in steps of an eighth of it.

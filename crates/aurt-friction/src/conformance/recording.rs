@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 
 use aurt_traits::{ArmSeries, JointSeries, Motion, MotionView, RigidBodyRegressor};
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 /// A motion of some joints and the loads that they transmit, joint after joint.
 #[derive(Debug, Clone, Default)]
@@ -15,25 +17,20 @@ pub struct Recording {
     load_torque: Vec<f64>,
 }
 
-/// A seeded sequence of numbers between 0 and 1 (SplitMix64).
+/// A seeded sequence of numbers between 0 and 1.
 #[derive(Debug, Clone)]
-pub struct Draw(u64);
+pub struct Draw(SplitMix64);
 
 impl Draw {
     /// The sequence of a seed.
     #[must_use]
-    pub const fn new(seed: u64) -> Self {
-        Self(seed)
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64::seed_from_u64(seed))
     }
 
     /// The next number, uniform between `low` and `high`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        low + (high - low) * (z >> 11) as f64 / (1_u64 << 53) as f64
+        low + (high - low) * (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// The next whole number below `limit`.

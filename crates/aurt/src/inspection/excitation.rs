@@ -1,6 +1,6 @@
 //! Which coefficients of a model a motion can determine.
 
-use aurt_calibration::System;
+use aurt_calibration::{System, condition_number};
 
 /// A column counts as dependent on others if less than this share of its length is its own. The standard deviation
 /// of its coefficient is then at least a thousand times what it would be alone: with a thousand rows, and noise of
@@ -149,45 +149,11 @@ fn inverse_rows(r: &[Vec<f64>]) -> Vec<Vec<f64>> {
     rows
 }
 
-/// ‖R‖₂ ‖R⁻¹‖₂ by power iteration on RᵀR and on (RᵀR)⁻¹.
+/// The condition number of R, by columns.
 fn condition(r: &[Vec<f64>]) -> f64 {
     let n = r.len();
-    if n == 0 {
-        return f64::NAN;
-    }
-    let multiply = |x: &[f64]| -> Vec<f64> {
-        let mut y = vec![0.0; n];
-        for (column, x) in r.iter().zip(x) {
-            for (y, r) in y.iter_mut().zip(column) {
-                *y += r * x;
-            }
-        }
-        r.iter().map(|column| dot(column, &y)).collect()
-    };
-    let divide = |x: &[f64]| -> Vec<f64> {
-        let mut y = x.to_vec();
-        for k in 0..n {
-            let known = dot(&r[k][..k], &y[..k]);
-            y[k] = (y[k] - known) / r[k][k];
-        }
-        solve_triangle(r, y)
-    };
-    (power(n, multiply) * power(n, divide)).sqrt()
-}
-
-/// Largest eigenvalue of a symmetric positive definite map.
-fn power(n: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
-    // A start that is no eigenvector of anything regular.
-    let mut x: Vec<f64> = (0..n).map(|k| 1.0 + (k as f64 * 0.618).fract()).collect();
-    let mut value = 0.0;
-    for _ in 0..200 {
-        let length = dot(&x, &x).sqrt();
-        x.iter_mut().for_each(|v| *v /= length);
-        let next = map(&x);
-        value = dot(&x, &next);
-        x = next;
-    }
-    value
+    let whole = r.iter().flat_map(|column| column.iter().copied().chain(std::iter::repeat(0.0)).take(n));
+    condition_number(&whole.collect::<Vec<f64>>(), n)
 }
 
 #[cfg(test)]

@@ -1,0 +1,71 @@
+//! What a person reads, whole: a change of wording shows as a change of a file in `snapshots/`.
+//!
+//! `INSTA_UPDATE=always cargo test -p aurt-cli snapshots` writes the files anew. Numbers are those of the baseline
+//! instruction set, which are the same on every machine.
+
+use insta::assert_snapshot;
+
+use crate::support::{Folder, Run};
+
+const BASELINE: [(&str, &str); 3] = [("AURT_SIMD", "baseline"), ("NO_COLOR", "1"), ("COLUMNS", "100")];
+
+impl Folder {
+    fn read_by_a_person(&self, command: &str) -> Run {
+        self.aurt_with(BASELINE, command.split(' '))
+    }
+
+    /// A text without the name of this folder, which is another in every run.
+    fn anywhere(&self, text: &str) -> String {
+        let here = self.path("");
+        text.replace(here.to_str().unwrap(), "/").replace(here.canonicalize().unwrap().to_str().unwrap(), "")
+    }
+}
+
+#[test]
+fn mistakes_in_an_experiment() {
+    let folder = Folder::new().with_demo(&["mdh.csv", "experiment.toml", "exciting_motion.csv"]);
+    let toml = folder
+        .read("experiment.toml")
+        .replace("model = \"absolute\"", "model = \"absolut\"")
+        .replace("f_dyn_hz", "fdyn_hz")
+        .replace("-9.81]", "-9.81, 0.0]");
+    folder.write("experiment.toml", &toml);
+    let said = folder.read_by_a_person("run experiment.toml --out out").refused(&[]);
+    assert_snapshot!(folder.anywhere(&said));
+}
+
+#[test]
+fn a_damaged_recording() {
+    let folder = Folder::new().with_whole_demo();
+    let text = folder.read("exciting_motion.csv").replacen("0.012", "0,012", 1);
+    folder.write("exciting_motion.csv", &text);
+    let said = folder.read_by_a_person("run experiment.toml --out out").refused(&[]);
+    assert_snapshot!(folder.anywhere(&said));
+}
+
+#[test]
+fn what_a_calibration_prints() {
+    let folder = Folder::new();
+    folder.read_by_a_person("demo --out demo --quiet").succeeded();
+    let said = folder.read_by_a_person("run demo/experiment.toml --out out").succeeded().stdout();
+    assert_snapshot!(folder.anywhere(&said));
+}
+
+#[test]
+fn what_a_diagnosis_prints() {
+    let folder = Folder::new();
+    folder.read_by_a_person("demo --out demo --quiet").succeeded();
+    let toml = folder.read("demo/experiment.toml");
+    let rotors = toml.find("[[arm_terms]]").unwrap();
+    let end = toml[rotors + 1..].find("\n[").map_or(toml.len(), |next| rotors + 1 + next);
+    folder.write("demo/experiment.toml", &[&toml[..rotors], &toml[end..]].concat());
+    let run = folder.read_by_a_person("diagnose demo/experiment.toml --out diagnosis");
+    assert_eq!(run.status(), 1, "{}", run.stderr());
+    assert_snapshot!(folder.anywhere(&run.stdout()));
+}
+
+#[test]
+fn an_explanation() {
+    let folder = Folder::new();
+    assert_snapshot!(folder.read_by_a_person("explain stribeck").succeeded().stdout());
+}
