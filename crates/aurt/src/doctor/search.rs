@@ -149,10 +149,9 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
     {
         score = Some(search.reconsidered(setup, &mut found.steps, last));
     }
-    if found.steps.is_empty() {
-        // A calibrated model that explains its recordings is doubted only if another robot explains them better.
-        let in_one = if matches!(thorough, Thorough::AllJoints) { None } else { search.in_one(&now) };
-        let step = in_one.or_else(|| search.likelier(&now));
+    // To compare robots takes seconds, many times as long as a calibration: `run` leaves that to `check`.
+    if found.steps.is_empty() && !matches!(thorough, Thorough::AllJoints) {
+        let step = search.in_one(&now).or_else(|| search.likelier(&now));
         if let Some(step) = step {
             score = Some(step.after.clone());
             found.steps.push(step);
