@@ -3,6 +3,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::{CalibrationError, JointFactor, condition::condition_number, dense, factor::dot};
 
+/// A column that is not longer than this is zero: what exponentials leave far from where they act (1e-160) is no motion.
+const LEAST_LENGTH: f64 = 1e-100;
+
 /// The least-squares problem of a whole robot: one [`JointFactor`] per joint over common coefficients.
 ///
 /// Weights per joint, subsets of columns and merged recordings are all answered from the factors, without
@@ -166,8 +169,10 @@ impl System {
         }
         let scales: Vec<f64> = stacked.chunks_exact(rows).map(|c| dot(c, c).sqrt()).collect();
         for (column, scale) in stacked.chunks_exact_mut(rows).take(n).zip(&scales) {
-            if *scale > 0.0 {
+            if *scale > LEAST_LENGTH {
                 column.iter_mut().for_each(|v| *v /= scale);
+            } else {
+                column.fill(0.0);
             }
         }
         let heights: Vec<usize> = (0..n).map(|c| order.partition_point(|(first, ..)| *first <= c)).collect();
@@ -364,6 +369,18 @@ mod tests {
         assert_eq!(solution.excited, [true, true, false, true]);
         assert!(solution.residual_sum.iter().all(|r| *r < 1e-20));
         assert!(solution.condition_number >= 1.0);
+    }
+
+    #[test]
+    fn a_column_of_what_is_left_of_an_exponential_is_none() {
+        let n = 200;
+        let (a, y) = (series(0.0, n), series(0.4, n));
+        let gone: Vec<f64> = series(0.2, n).iter().map(|v| 1e-160 * v).collect();
+        let mut factor = JointFactor::new(vec![0, 1]);
+        factor.push(|k| [&a, &gone][k].as_slice(), &y, |_| true);
+        let solution = System::new(2, vec![factor]).solve(&[1.0], |_| true).unwrap();
+        assert_eq!(solution.excited, [true, false]);
+        assert_eq!(solution.coefficients[1], 0.0);
     }
 
     #[test]

@@ -58,6 +58,8 @@ pub(crate) fn calibrated_parameters(
         .map(|(k, parameter)| {
             let (value, excited) = (solution.coefficients[k], solution.excited[k]);
             let std_dev = excited.then(|| (solution.covariance[k * n + k] * bandwidth_factor).sqrt());
+            // JSON has no infinity, and a result without one can be read again.
+            let std_dev = std_dev.filter(|s| s.is_finite());
             CalibratedParameter {
                 name: parameter.name.clone(),
                 unit: unit.express(&parameter.unit),

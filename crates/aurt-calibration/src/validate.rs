@@ -136,6 +136,8 @@ pub fn predict(
 
 /// A little beyond the covered range is no extrapolation worth a warning.
 const RANGE_MARGIN: f64 = 1.05;
+/// A joint that is never faster stands, rad/s.
+const REST_RAD_S: f64 = 0.01;
 
 /// Warnings for joints that move faster or carry more than in calibration.
 ///
@@ -178,7 +180,13 @@ pub(crate) fn forget_unread(model: &RobotModel, load: &mut [f64]) {
 pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) -> Vec<String> {
     let mut warnings = Vec::new();
     for (joint, range) in calibration.ranges.iter().enumerate() {
-        if velocity[joint] > RANGE_MARGIN * range.velocity_rad_s {
+        // A joint that stands shows the noise of its sensor, and a ratio of two of these says nothing.
+        if velocity[joint] > REST_RAD_S && range.velocity_rad_s <= REST_RAD_S {
+            warnings.push(format!(
+                "joint {joint} moves at up to {:.2} rad/s, and stood still in calibration: nothing is known of its friction",
+                velocity[joint]
+            ));
+        } else if velocity[joint] > (RANGE_MARGIN * range.velocity_rad_s).max(REST_RAD_S) {
             warnings.push(format!(
                 "joint {joint} moves at up to {:.2} rad/s, {:.1} times the {:.2} rad/s that calibration \
                  covered: its friction is extrapolated",

@@ -176,6 +176,7 @@ fn floors_at(
             let raw = recorded(seed);
             let data = NamedRecording { name: format!("{seed}"), data: preprocess(&raw, &options).unwrap() };
             let options = options.clone();
+            let (raw, data) = (Arc::new(raw), Arc::new(data));
             QuestionedRecording { role: Role::Calibration, raw, data, options, simulated: None, spoilt: None }
         })
         .collect();

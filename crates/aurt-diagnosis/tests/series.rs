@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_diagnosis::{
@@ -18,7 +21,14 @@ fn questioned(folder: &Path, name: &str, role: Role) -> QuestionedRecording {
     let raw = read_recording(&folder.join(name), &ReadOptions::default()).unwrap();
     let options = PreprocessOptions { trim_rest: true, ..PreprocessOptions::new(F_DYN_HZ) };
     let data = NamedRecording { name: name.into(), data: preprocess(&raw, &options).unwrap() };
-    QuestionedRecording { role, raw, data, options, simulated: None, spoilt: None }
+    QuestionedRecording {
+        role,
+        raw: Arc::new(raw),
+        data: Arc::new(data),
+        options,
+        simulated: None,
+        spoilt: None,
+    }
 }
 
 /// Root mean square of the rows that count.

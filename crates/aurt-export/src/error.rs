@@ -12,7 +12,9 @@ pub enum ExportError {
     )]
     Amperes,
     /// The rigid bodies are no serial chain.
-    #[error("the rigid bodies of the model are no serial chain, the only kind that can be exported")]
+    #[error(
+        "the rigid bodies of the model are no serial chain in which no joints follow others, the only kind that can be exported"
+    )]
     NoChain,
     /// A name that the target cannot use.
     #[error(

@@ -25,7 +25,7 @@ pub enum RbdError {
     /// A chain in which joints follow others where one is needed whose joints all move on their own.
     #[error(
         "{followers} of the chain's {joints} joints follow another (mimic), which this does not know; models of such chains are \
-         calibrated, validated and predicted, but not diagnosed, simulated or exported"
+         calibrated, validated, predicted and diagnosed, but not exported, and no effects are injected into them"
     )]
     Coupled {
         /// Number of joints.

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -20,10 +20,12 @@ pub enum RecordingError {
         source: std::io::Error,
     },
     /// The path is a directory.
-    #[error("{path} is a directory, not a recording; name a file in it (or the folder of a LeRobot data set, which has meta/info.json)", path = path.display())]
+    #[error("{path} is a directory, not a recording; {remedy}", path = path.display(), remedy = in_folder(path, inside))]
     Directory {
         /// The path.
         path: PathBuf,
+        /// The recordings that lie in it, by their names.
+        inside: Vec<String>,
     },
     /// The file has no rows.
     #[error("{path} holds no rows of data ({found}); a recording has a header line and one row per sample", path = path.display())]
@@ -387,4 +389,16 @@ fn list(names: &[String]) -> String {
 /// The place of a header; files that are no text have none (line 0).
 fn at(line: usize) -> String {
     if line == 0 { String::new() } else { format!(", line {line}") }
+}
+
+/// What to name in the place of a folder.
+fn in_folder(folder: &Path, inside: &[String]) -> String {
+    match inside {
+        [] => "name a file in it (or the folder of a LeRobot data set, which has meta/info.json)".into(),
+        [one] => format!("name the recording in it: {}", folder.join(one).display()),
+        [first, ..] => {
+            let first = folder.join(first);
+            format!("name one of the {} recordings in it, e.g. {}", inside.len(), first.display())
+        }
+    }
 }

@@ -59,10 +59,26 @@ pub struct RecordingInput<'a> {
     pub file: File,
 }
 
+/// Endings of files that are recordings.
+const ENDINGS: [&str; 8] = ["mcap", "db3", "parquet", "npz", "npy", "mat", "csv", "tsv"];
+
+/// The files of a folder that look like recordings, by their names; those of a bag first, which say what they are.
+fn recordings_in(folder: &Path) -> Vec<String> {
+    let rank = |name: &str| {
+        let ending = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
+        ENDINGS.iter().position(|known| *known == ending)
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter(|e| e.path().is_file()).filter_map(|e| e.file_name().into_string().ok());
+    let mut found: Vec<(usize, String)> = names.filter_map(|n| Some((rank(&n)?, n))).collect();
+    found.sort();
+    found.into_iter().map(|(_, name)| name).collect()
+}
+
 impl<'a> RecordingInput<'a> {
     pub(crate) fn open(path: &'a Path) -> Result<Self, RecordingError> {
         if path.is_dir() {
-            return Err(RecordingError::Directory { path: path.to_owned() });
+            return Err(RecordingError::Directory { path: path.to_owned(), inside: recordings_in(path) });
         }
         let unreadable = |source| unreadable(path, source);
         let mut file = aurt_files::open(path).map_err(unreadable)?;

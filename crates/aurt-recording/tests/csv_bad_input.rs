@@ -44,6 +44,16 @@ fn files_that_are_none() {
     assert!(missing.to_string().contains("none.csv"));
     let directory = read_recording(folder.path(), &ReadOptions::default()).unwrap_err();
     assert!(matches!(directory, RecordingError::Directory { .. }), "{directory}");
+    assert!(directory.to_string().contains("name a file in it"), "{directory}");
+    // The folder of a bag is named by those who recorded it.
+    for (name, said) in
+        [("bag_0.mcap", "name the recording in it: "), ("bag_1.mcap", "one of the 2 recordings")]
+    {
+        std::fs::write(folder.path().join("metadata.yaml"), "").unwrap();
+        std::fs::write(folder.path().join(name), "").unwrap();
+        let error = read_recording(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains(said) && error.contains("bag_0.mcap"), "{error}");
+    }
 }
 
 #[test]

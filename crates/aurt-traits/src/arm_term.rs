@@ -88,6 +88,15 @@ pub trait ArmTerm: Debug + Send + Sync {
     /// Every complaint, not only the first.
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>>;
 
+    /// The same on rigid bodies of `links` links, which are more than joints where joints follow others.
+    ///
+    /// # Errors
+    /// Every complaint, not only the first.
+    fn validate_on(&self, robot_joints: usize, links: usize) -> Result<(), Vec<ModelError>> {
+        let _ = links;
+        self.validate(robot_joints)
+    }
+
     /// The parameters in which the term is not linear.
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
         Vec::new()

@@ -140,7 +140,8 @@ impl RobotModel {
                 found: stacks.len(),
             });
         }
-        errors.extend(arm_terms.iter().filter_map(|t| t.validate(joints).err()).flatten());
+        let links = rigid_body.bodies().len().max(joints);
+        errors.extend(arm_terms.iter().filter_map(|t| t.validate_on(joints, links).err()).flatten());
         if !errors.is_empty() {
             return Err(errors);
         }

@@ -109,12 +109,14 @@ fn of_description(
     let carried = carry_over(&*dynamics.rigid_body, &dynamics.base, &*own, standard)?;
     let worst = (0..joints).max_by(|a, b| carried.left[*a].total_cmp(&carried.left[*b])).unwrap_or(0);
     if carried.left[worst] > SAME_ARM {
+        let left = 100.0 * carried.left[worst];
+        let said = if left < 100.0 {
+            format!("{left:.0} % of the torque of joint {worst} are left by any masses")
+        } else {
+            format!("no masses explain anything of the torque of joint {worst}")
+        };
         return Err(refuse(
-            format!(
-                "is of another arm than `[robot]`: with its lengths and axes {:.0} % of the torque of joint {worst} are left by \
-                 any masses",
-                100.0 * carried.left[worst]
-            ),
+            format!("is of another arm than `[robot]`: with its lengths and axes {said}"),
             "compare lengths, axes, their directions, zero positions, and `gravity_m_s2` in the base frames of both, or make \
              the file the geometry itself: `[robot] urdf` or `mjcf`",
         ));

@@ -1,6 +1,9 @@
 //! Diagnosing: where a model and recordings differ, what physics is missing, and the model that has it.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use aurt_diagnosis::{
     Answer, Improvement, Learnt, Method, Question, QuestionedRecording, RecordingSeries, Role,
@@ -8,7 +11,6 @@ use aurt_diagnosis::{
     with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
-use aurt_rbd::RobotDescription;
 use aurt_report::Page;
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Map, Value, json};
@@ -128,8 +130,6 @@ pub fn diagnose_experiment(
     options: &DiagnosisOptions,
     progress: &Progress,
 ) -> Result<Diagnosis, Failure> {
-    // Effects are sought joint by joint and link by link, which are not the same where joints follow others.
-    experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?;
     let structure = match &options.frozen {
         Some(calibrated) => calibrated.model.clone(),
         None => experiment.robot_model()?,
@@ -292,8 +292,8 @@ pub(crate) fn questioned_recordings(
         };
         recordings.push(QuestionedRecording {
             role,
-            raw,
-            data,
+            raw: Arc::new(raw),
+            data: Arc::new(data),
             options: pipeline.options(loaded.recording.unit, purpose),
             simulated,
             spoilt: None,

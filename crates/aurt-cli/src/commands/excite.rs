@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use aurt_simulation::{
     Motion, Robot, Trajectory,
-    trajectory::{ExcitationOptions, MultiSineOptions, excite},
+    trajectory::{ExcitationOptions, MultiSineOptions, excite, excite_bodies},
 };
+use aurt_traits::RigidBodyRegressor;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -88,7 +89,7 @@ impl Excite {
     /// Plans.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &self.which.inputs())?;
-        let PlannedRobot { robot, notes, knows_torques } = self.which.planned()?;
+        let PlannedRobot { robot, bodies, notes, knows_torques } = self.which.planned()?;
         if self.torque_limits && !knows_torques {
             return Err(Failure::Argument {
                 option: "--torque-limits",
@@ -96,7 +97,7 @@ impl Excite {
                 remedy: "leave it out; check the planned motion in the robot's own simulator".into(),
             });
         }
-        let (trajectory, condition) = self.trajectory(&robot, session)?;
+        let (trajectory, condition) = self.trajectory(&robot, bodies.as_deref(), session)?;
         if self.torque_limits {
             trajectory.check_torque(&robot)?;
         }
@@ -148,6 +149,7 @@ impl Excite {
     fn trajectory(
         &self,
         robot: &Robot,
+        bodies: Option<&dyn RigidBodyRegressor>,
         session: &Session<'_>,
     ) -> Result<(Trajectory, Option<[f64; 2]>), Failure> {
         let Self { duration_s, share, harmonics, top_hz, .. } = *self;
@@ -159,9 +161,11 @@ impl Excite {
                     torque_limits: self.torque_limits,
                 };
                 let progress = session.terminal.progress(self.tries);
-                let found = excite(robot, &options, self.seed, &mut |_, best| {
-                    progress.step(format!("condition number {best:.1}"));
-                })?;
+                let heard = &mut |_, best: f64| progress.step(format!("condition number {best:.1}"));
+                let found = match bodies {
+                    Some(bodies) => excite_bodies(robot, bodies, &options, self.seed, heard)?,
+                    None => excite(robot, &options, self.seed, heard)?,
+                };
                 drop(progress);
                 let condition = [found.first_condition_number, found.condition_number];
                 return Ok((found.trajectory, Some(condition)));

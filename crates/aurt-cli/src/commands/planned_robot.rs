@@ -1,11 +1,15 @@
 //! The robot that `aurt excite` plans motions for: geometry and limits, each from where it is stated.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use aurt::table_file::TableFile;
-use aurt_rbd::{JointKind, MdhRow, MdhRows, MdhTable};
+use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
 use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};
+use aurt_traits::RigidBodyRegressor;
 use clap::Args;
 
 use super::compile_rbd::Rows;
@@ -52,6 +56,8 @@ pub struct PlannedRobotOptions {
 pub struct PlannedRobot {
     /// Geometry and limits.
     pub robot: Robot,
+    /// The rigid bodies, where they are not the robot's chain: joints follow others.
+    pub bodies: Option<Arc<dyn RigidBodyRegressor>>,
     /// Where the limits are from, and what was supplied to them.
     pub notes: Vec<String>,
     /// Whether the drives' torques are known.
@@ -99,7 +105,7 @@ impl PlannedRobotOptions {
                     robot.gravity_m_s2 = gravity;
                 }
                 let notes = vec![format!("limits: those of {asked}, as it is simulated")];
-                Ok(PlannedRobot { robot, notes, knows_torques: true })
+                Ok(PlannedRobot { robot, bodies: None, notes, knows_torques: true })
             }
             (_, Some(known)) => self.of_description(&known.description(), known.name),
             (Ok(_), None) => Err(refuse(
@@ -128,7 +134,7 @@ impl PlannedRobotOptions {
         let rows = in_next_reading(table);
         let (limits, note) = self.limits_of_file(rows.len())?.unwrap_or_default();
         let robot = Robot::of_geometry("your robot", rows, gravity, &limits);
-        Ok(PlannedRobot { robot, notes: vec![note], knows_torques: false })
+        Ok(PlannedRobot { robot, bodies: None, notes: vec![note], knows_torques: false })
     }
 
     /// The limits of the table that was given, and a note that says so.
@@ -138,13 +144,21 @@ impl PlannedRobotOptions {
     }
 
     fn of_description(&self, described: &DescribedRobot, from: &str) -> Result<PlannedRobot, Failure> {
-        let as_mdh = described.as_mdh(self.gravity.map_or(UPRIGHT_M_S2, |g| g.0))?;
-        let (limits, notes) = match self.limits_of_file(described.joints.len())? {
+        let gravity_m_s2 = self.gravity.map_or(UPRIGHT_M_S2, |g| g.0);
+        let (limits, mut notes) = match self.limits_of_file(described.joint_names.len())? {
             Some((limits, note)) => (limits, vec![note]),
             None => self.limits_of(described, from)?,
         };
+        if !described.couplings.is_empty() {
+            let followers = described.joints.len() - described.joint_names.len();
+            notes.push(format!("{followers} joints follow others (mimic) and are no columns of the motion"));
+            let bodies = Some(described.rigid_body(gravity_m_s2)?);
+            let robot = Robot::of_limits(&described.name, &limits);
+            return Ok(PlannedRobot { robot, bodies, notes, knows_torques: false });
+        }
+        let as_mdh = described.as_mdh(gravity_m_s2)?;
         let robot = Robot::of_geometry(&described.name, as_mdh.rows, as_mdh.gravity_m_s2, &limits);
-        Ok(PlannedRobot { robot, notes, knows_torques: false })
+        Ok(PlannedRobot { robot, bodies: None, notes, knows_torques: false })
     }
 
     /// The limits that a description states, with what it leaves open; a note for each thing that was supplied.
@@ -162,10 +176,11 @@ impl PlannedRobotOptions {
         }
         let (mut limits, mut endless, mut without_speed, mut without_range) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let named = described.joint_names.iter().zip(&described.joints).zip(&described.limits);
-        for ((name, joint), stated) in named {
+        for (coordinate, (name, stated)) in described.joint_names.iter().zip(&described.limits).enumerate() {
+            let own = described.couplings.iter().position(|c| *c == Coupling::own(coordinate));
+            let kind = described.joints[own.unwrap_or(coordinate)].kind;
             let position_rad = stated.position_rad.unwrap_or_else(|| {
-                let list = if joint.kind == JointKind::Revolute { &mut endless } else { &mut without_range };
+                let list = if kind == JointKind::Revolute { &mut endless } else { &mut without_range };
                 list.push(name.as_str());
                 [-HALF_TURN_RAD, HALF_TURN_RAD]
             });

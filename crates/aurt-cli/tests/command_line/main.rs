@@ -6,6 +6,7 @@ mod bad_model_file;
 mod bad_recording;
 mod chain;
 mod checks;
+mod coupled;
 mod damage;
 mod descriptions;
 mod diagnosis;

@@ -28,8 +28,10 @@ pub fn force_columns(
     let still = vec![0.0; position.len()];
     let rest = Motion::new(joints, rows.time_s.clone(), position, still.clone(), still)?;
     let standard = body.standard_parameters();
-    let masses: Vec<usize> =
-        (0..joints).filter_map(|link| standard.iter().position(|p| p.name == format!("m_{link}"))).collect();
+    // Where joints follow others there are more links than joints that move on their own.
+    let masses: Vec<usize> = (0..standard.len())
+        .map_while(|link| standard.iter().position(|p| p.name == format!("m_{link}")))
+        .collect();
     let mut links: Vec<ForceColumns> =
         masses.iter().map(|_| ForceColumns { axes: [const { Vec::new() }; 3] }).collect();
     for axis in 0..3 {

@@ -1,5 +1,8 @@
 //! Detectors that can be asked alone: faults of recordings.
 
+use std::sync::Arc;
+
+use aurt_calibration::NamedRecording;
 use aurt_recording::{Recording, preprocess};
 
 use crate::error::DiagnosisError;
@@ -30,8 +33,9 @@ impl Prepared<'_> {
         for (recording, raw) in self.question.recordings.iter().zip(altered) {
             let mut seen = recording.clone();
             if raw.samples() > 0 {
-                seen.data.data = preprocess(raw, &recording.options)?;
-                seen.raw = raw.clone();
+                let data = preprocess(raw, &recording.options)?;
+                seen.data = Arc::new(NamedRecording { name: recording.data.name.clone(), data });
+                seen.raw = Arc::new(raw.clone());
             }
             recordings.push(seen);
         }

@@ -119,7 +119,7 @@ impl<'a> Prepared<'a> {
     pub fn rows_of(&self, recording: usize, torque: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, DiagnosisError> {
         let seen = &self.recordings[recording];
         let original = seen.spoilt.as_ref().map_or(&seen.raw, |s| &s.original);
-        let added = Recording { measurement: Some(torque), ..original.clone() };
+        let added = Recording { measurement: Some(torque), ..(**original).clone() };
         let repaired = seen.spoilt.as_ref().and_then(|s| s.faults.repaired(&added));
         // An offset is of the measurement as a whole.
         let options = PreprocessOptions { offsets: None, ..seen.options.clone() };

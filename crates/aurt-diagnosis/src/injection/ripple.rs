@@ -47,6 +47,7 @@ impl Prepared<'_> {
             }
             let context = Context {
                 joints: joint + 1,
+                links: 0,
                 recordings: &recordings,
                 residual: &left,
                 inertial: &[],

@@ -1,6 +1,7 @@
 //! Trials against whole diagnoses, on a planar arm of two links that lacks nothing.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_experiment::{Experiment, Registry};
@@ -97,7 +98,14 @@ fn recording(model: &RobotModel, seed: u64, seconds: f64) -> Recording {
 fn questioned(role: Role, raw: Recording) -> QuestionedRecording {
     let options = PreprocessOptions::new(F_DYN_HZ);
     let data = NamedRecording { name: format!("{role:?}"), data: preprocess(&raw, &options).unwrap() };
-    QuestionedRecording { role, raw, data, options, simulated: None, spoilt: None }
+    QuestionedRecording {
+        role,
+        raw: Arc::new(raw),
+        data: Arc::new(data),
+        options,
+        simulated: None,
+        spoilt: None,
+    }
 }
 
 fn recordings(model: &RobotModel) -> Vec<QuestionedRecording> {
@@ -124,7 +132,7 @@ fn spring(raw: &Recording, nm_rad: f64) -> Vec<Vec<f64>> {
 }
 
 fn with_spring(recording: &QuestionedRecording, nm_rad: f64) -> QuestionedRecording {
-    let mut raw = recording.raw.clone();
+    let mut raw = (*recording.raw).clone();
     let added = spring(&raw, nm_rad);
     for (series, added) in raw.measurement.iter_mut().flatten().zip(added) {
         series.iter_mut().zip(added).for_each(|(y, e)| *y += e);
@@ -206,7 +214,7 @@ fn a_constant_larger_than_dry_friction_is_no_friction() {
     let registry = Registry::linked().unwrap();
     let mut recordings = recordings(&model);
     for r in [1, 2] {
-        let mut raw = recordings[r].raw.clone();
+        let mut raw = (*recordings[r].raw).clone();
         raw.measurement.iter_mut().flatten().nth(1).unwrap().iter_mut().for_each(|y| *y += 6.0);
         recordings[r] = questioned(recordings[r].role, raw);
     }

@@ -1,5 +1,7 @@
 //! A diagnosis of the recordings with an effect, from what is known of them as they are.
 
+use std::sync::Arc;
+
 use crate::contact::{Contact, ContactOptions, ContactRows, find_contacts};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, weighted_fit};
@@ -234,7 +236,7 @@ impl Prepared<'_> {
         let mut recordings = self.recordings.clone();
         for (recording, added) in recordings.iter_mut().zip(added) {
             let mut first = 0;
-            for segment in &mut recording.data.data.segments {
+            for segment in &mut Arc::make_mut(&mut recording.data).data.segments {
                 let kept = segment.rows();
                 for (series, added) in segment.measurement.iter_mut().flatten().zip(added) {
                     let added = &added[first..first + kept];

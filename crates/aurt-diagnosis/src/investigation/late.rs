@@ -4,6 +4,9 @@
 //! look like it to first order. The measurement itself, shifted by one delay after the other, does not: what a model
 //! leaves has a minimum at the true delay, on most joints, with the friction that lags allowed for on all of them.
 
+use std::sync::Arc;
+
+use aurt_calibration::NamedRecording;
 use aurt_recording::{Segment, preprocess};
 
 use crate::error::DiagnosisError;
@@ -117,7 +120,8 @@ impl Delay {
                 let delays =
                     shifted.options.delay_s.get_or_insert_with(|| vec![0.0; question.model.joints()]);
                 delays.iter_mut().for_each(|delay| *delay += self.delay_s);
-                shifted.data.data = preprocess(&shifted.raw, &shifted.options)?;
+                let data = preprocess(&shifted.raw, &shifted.options)?;
+                shifted.data = Arc::new(NamedRecording { name: recording.data.name.clone(), data });
                 Ok(shifted)
             })
             .collect()

@@ -248,10 +248,13 @@ fn investigate_as_it_is(
         .collect();
     let predicted = predicted::shares(question, &baseline, &own_rows, &own_partition);
     let fitted: Vec<usize> = (0..own_rows.len()).filter(|r| own_rows[*r].role != Role::Validation).collect();
-    let context_rows: Vec<RecordingRows> = fitted.iter().map(|r| own_rows[*r].clone()).collect();
+    // Effects propose by motions; the columns of the rows are what takes the memory.
+    let context_rows: Vec<RecordingRows> = fitted.iter().map(|r| own_rows[*r].without_columns()).collect();
+    drop(own_rows);
     let context_residual: Vec<Vec<Vec<f64>>> = fitted.iter().map(|r| residual[*r].clone()).collect();
     let context = Context {
         joints: question.model.joints(),
+        links: question.model.rigid_body().bodies().len(),
         recordings: &context_rows,
         residual: &context_residual,
         inertial: &inertial,

@@ -112,6 +112,26 @@ impl RecordingRows {
         }
     }
 
+    /// The motion of the rows, without what models make of it.
+    pub(crate) fn without_columns(&self) -> Self {
+        let joint = |joint: &JointRows| JointRows {
+            data: Vec::new(),
+            measurement: joint.measurement.clone(),
+            position_rad: joint.position_rad.clone(),
+            velocity_rad_s: joint.velocity_rad_s.clone(),
+            acceleration_rad_s2: joint.acceleration_rad_s2.clone(),
+            counts: joint.counts.clone(),
+        };
+        Self {
+            name: self.name.clone(),
+            role: self.role,
+            rate_hz: self.rate_hz,
+            time_s: self.time_s.clone(),
+            segment_starts: self.segment_starts.clone(),
+            joints: self.joints.iter().map(joint).collect(),
+        }
+    }
+
     /// These rows and those that follow, to be drawn.
     pub(crate) fn followed_by(&self, rest: &Self) -> Self {
         if self.rows() == 0 || rest.rows() == 0 {

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording};
 use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use aurt_traits::{MeasurementUnit, RobotModel};
@@ -12,10 +14,10 @@ use crate::request::SelectionOptions;
 pub struct QuestionedRecording {
     /// Its part.
     pub role: Role,
-    /// The recording as read.
-    pub raw: Recording,
+    /// The recording as read. Copies of a question share it: of a long recording it is a good part of the memory.
+    pub raw: Arc<Recording>,
     /// The recording, preprocessed with `options`.
-    pub data: NamedRecording,
+    pub data: Arc<NamedRecording>,
     /// How it was preprocessed.
     pub options: PreprocessOptions,
     /// What another simulator predicts for it at its own time stamps, `[joint][sample]`; the question is then
@@ -29,7 +31,7 @@ pub struct QuestionedRecording {
 #[derive(Debug, Clone)]
 pub struct Spoilt {
     /// The recording as read.
-    pub original: Recording,
+    pub original: Arc<Recording>,
     /// Its faults.
     pub faults: RecordingFaults,
     /// The value of each joint's measurement that never changes: what was logged there is no measurement, and the joint's
@@ -59,8 +61,9 @@ impl QuestionedRecording {
         let mut repaired = self.clone();
         // A simulator's prediction belongs to the stamps as they are.
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
-            repaired.data.data = preprocess(&raw, &self.options)?;
-            repaired.raw = raw;
+            let data = preprocess(&raw, &self.options)?;
+            repaired.data = Arc::new(NamedRecording { name: self.data.name.clone(), data });
+            repaired.raw = Arc::new(raw);
         }
         repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant }));
         Ok(repaired)

@@ -1,5 +1,7 @@
 //! What links that move against their motors ask of the drives, taken out of the measurement.
 
+use std::sync::Arc;
+
 use super::gravity::GravityGradients;
 use super::link::Drive;
 use super::series::FullRate;
@@ -46,7 +48,7 @@ pub(crate) fn undone(
 ) -> Result<Vec<QuestionedRecording>, DiagnosisError> {
     let mut recordings = question.recordings.to_vec();
     for piece in pieces(question, fit, inertial, |_| true)? {
-        let segments = &mut recordings[piece.recording].data.data.segments;
+        let segments = &mut Arc::make_mut(&mut recordings[piece.recording].data).data.segments;
         let same = |s: &&mut aurt_recording::Segment| {
             s.motion.view().time_s().first() == piece.segment.motion.view().time_s().first()
         };

@@ -45,6 +45,15 @@ impl Geometry {
         }
     }
 
+    /// Number of links: one of each joint, those that follow others too.
+    #[must_use]
+    pub fn links(&self) -> usize {
+        match self {
+            Self::Mdh { table, .. } => table.rows.len(),
+            Self::Urdf { robot, .. } | Self::Known(robot) => robot.joints.len(),
+        }
+    }
+
     fn description(&self) -> &dyn RobotDescription {
         match self {
             Self::Mdh { table, .. } => table,

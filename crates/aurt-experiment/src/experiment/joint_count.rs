@@ -19,8 +19,8 @@ pub(super) enum JointCheck {
 }
 
 impl JointCheck {
-    /// What is wrong for a robot of `joints` joints.
-    pub(super) fn complaints(self, joints: usize) -> Vec<Complaint> {
+    /// What is wrong for a robot of `joints` joints and `links` links, which are more where joints follow others.
+    pub(super) fn complaints(self, joints: usize, links: usize) -> Vec<Complaint> {
         match self {
             Self::Length { key, found, span } if found != joints => vec![Complaint::new(
                 span,
@@ -34,7 +34,7 @@ impl JointCheck {
                 ]
             }
             Self::ArmTerm { term, table } => {
-                let complaints = term.validate(joints).err().unwrap_or_default();
+                let complaints = term.validate_on(joints, links).err().unwrap_or_default();
                 BuildError::invalid(&table, complaints).into_iter().map(Complaint::from).collect()
             }
             Self::Length { .. } | Self::Joint { .. } => Vec::new(),

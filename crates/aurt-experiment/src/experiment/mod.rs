@@ -96,10 +96,10 @@ impl Experiment {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let reader = Reader::new(folder);
         let experiment = read_sections(&root, &reader, path, text, registry);
-        let (experiment, joints) = experiment;
+        let (experiment, sizes) = experiment;
         let (mut complaints, checks) = reader.into_complaints();
-        if let Some(joints) = joints {
-            complaints.extend(checks.into_iter().flat_map(|check| check.complaints(joints)));
+        if let Some((joints, links)) = sizes {
+            complaints.extend(checks.into_iter().flat_map(|check| check.complaints(joints, links)));
         }
         experiment.filter(|_| complaints.is_empty()).ok_or_else(|| fail(complaints))
     }
@@ -132,19 +132,21 @@ fn syntax(text: &str) -> Result<Node, Vec<Complaint>> {
     Err(unreadable.into_iter().map(|span| Complaint::new(span, "the number is too large")).collect())
 }
 
-/// All sections, and the number of joints as soon as that can be known; no experiment where a section is unusable.
+/// All sections, and the numbers of joints and links as soon as they can be known; no experiment where a section is unusable.
 fn read_sections(
     root: &Node,
     reader: &Reader,
     path: &Path,
     text: &str,
     registry: &mut Registry,
-) -> (Option<Experiment>, Option<usize>) {
+) -> (Option<Experiment>, Option<(usize, usize)>) {
     let Some(mut top) = Section::new(reader, root, "the experiment") else { return (None, None) };
     read_schema(&mut top);
     let libraries = read_libraries(&mut top, registry);
     top.require("robot", "[robot] with `mdh` (or `urdf`, `mjcf`, `name`) and `gravity_m_s2`");
     let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
+    let links = robot.as_ref().map_or(0, |robot| robot.geometry.links());
+    let sizes = joints.map(|joints| (joints, links.max(joints)));
     let dynamics = top.section("joint_dynamics");
     let joint_dynamics = JointDynamics::read(dynamics, reader, registry);
     let (arm_terms, arm_term_recordings) = read_arm_terms(&mut top, registry).into_iter().unzip();
@@ -175,7 +177,7 @@ fn read_sections(
         libraries,
         sweep,
     });
-    (experiment, joints)
+    (experiment, sizes)
 }
 
 fn read_schema(top: &mut Section<'_, '_>) {

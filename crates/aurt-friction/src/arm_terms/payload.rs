@@ -7,7 +7,7 @@
 //! # Parameters
 //! | key | unit | meaning |
 //! |---|---|---|
-//! | `link` | – | link that carries the body; the last unless given |
+//! | `link` | – | link that carries the body, of all links, those of joints that follow others too; the last unless given |
 //! | `parameters` | – | which of `XX XY XZ YY YZ ZZ mX mY mZ m` are columns; all ten unless given |
 //!
 //! # Columns
@@ -117,7 +117,7 @@ impl ArmTerm for Payload {
     }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        (0..=self.link(robot_joints)).collect()
+        (0..robot_joints.min(self.link(robot_joints) + 1)).collect()
     }
 
     fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
@@ -134,6 +134,10 @@ impl ArmTerm for Payload {
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
+        self.validate_on(robot_joints, robot_joints)
+    }
+
+    fn validate_on(&self, _robot_joints: usize, links: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |parameter: &str, reason: String| {
             complaints.push(ModelError::InvalidParameter {
@@ -142,8 +146,8 @@ impl ArmTerm for Payload {
                 reason,
             });
         };
-        if let Some(link) = self.link.filter(|link| *link >= robot_joints) {
-            let last = robot_joints.saturating_sub(1);
+        if let Some(link) = self.link.filter(|link| *link >= links) {
+            let last = links.saturating_sub(1);
             complain("link", format!("must lie between 0 and {last} (links count from 0), is {link}"));
         }
         let parameters = self.parameters();
@@ -177,13 +181,13 @@ impl ArmTerm for Payload {
         let (standard, each) = (state[0] as usize, Inertial::ALL.len());
         let links = standard / each;
         // Where joints follow others there are more links than joints that move on their own: the last is still the last.
-        let link = if links == joints { self.link(joints) } else { links.saturating_sub(1) };
-        if standard != each * links || links < joints || (links != joints && self.link.is_some()) {
+        let link = self.link.unwrap_or_else(|| links.saturating_sub(1));
+        if standard != each * links || link >= links {
             return Err(ModelError::Evaluation {
                 model: "payload".into(),
                 reason: format!(
                     "it needs a rigid body with {each} inertial parameters per link, {} in all, but this one has \
-                     {standard}; where joints follow others, leave `link` out: the last link carries the body",
+                     {standard}, and no link {link}",
                     each * joints
                 ),
             });

@@ -1,6 +1,6 @@
 //! Excitation: multi-sines whose observation matrix is as well conditioned as possible.
 
-use aurt_rbd::{SerialChain, base_parameters};
+use aurt_rbd::base_parameters;
 use aurt_traits::{BaseParameters, Motion as Series, RegressorTile, RigidBodyRegressor};
 use nalgebra::DMatrix;
 
@@ -57,11 +57,26 @@ pub fn excite(
     seed: u64,
     progress: &mut dyn FnMut(usize, f64),
 ) -> Result<Excitation, SimulationError> {
+    excite_bodies(robot, &robot.chain()?, options, seed, progress)
+}
+
+/// The same for rigid bodies that are not the robot's chain, such as one in which joints follow others: of the robot are
+/// the limits of the joints that move on their own.
+///
+/// # Errors
+/// As [`excite`].
+pub fn excite_bodies(
+    robot: &Robot,
+    bodies: &dyn RigidBodyRegressor,
+    options: &ExcitationOptions,
+    seed: u64,
+    progress: &mut dyn FnMut(usize, f64),
+) -> Result<Excitation, SimulationError> {
     let mut complaints = Complaints::default();
     complaints.within("number of multi-sines that are tried", options.tries as f64, 1.0, 1e6);
     complaints.finish()?;
     options.sines.validate()?;
-    let regressor = Regressor::new(robot, options)?;
+    let regressor = Regressor::new(robot, bodies, options)?;
     let mut random = Random::labelled(seed, "excitation");
     let mut best: Option<(f64, Vec<[f64; 2]>, MultiSine)> = None;
     let (mut first, mut refusal, mut improvements) = (f64::INFINITY, None, 0);
@@ -114,23 +129,26 @@ fn changed(shape: &[[f64; 2]], spread: f64, random: &mut Random) -> Vec<[f64; 2]
 }
 
 /// The base regressor along candidates.
-struct Regressor {
-    chain: SerialChain,
+struct Regressor<'a> {
+    bodies: &'a dyn RigidBodyRegressor,
     base: BaseParameters,
     joints: usize,
     time_s: Vec<f64>,
 }
 
-impl Regressor {
-    fn new(robot: &Robot, options: &ExcitationOptions) -> Result<Self, SimulationError> {
-        let chain = robot.chain()?;
+impl<'a> Regressor<'a> {
+    fn new(
+        robot: &Robot,
+        bodies: &'a dyn RigidBodyRegressor,
+        options: &ExcitationOptions,
+    ) -> Result<Self, SimulationError> {
         let rate_hz = SAMPLES.0.max(SAMPLES.1 * options.sines.top_hz);
         let samples = (options.sines.duration_s.clamp(1.0, 3600.0) * rate_hz) as usize;
         Ok(Self {
-            base: base_parameters(&chain, 1)?,
+            base: base_parameters(bodies, 1)?,
             joints: robot.joints(),
             time_s: (0..samples).map(|k| k as f64 / rate_hz).collect(),
-            chain,
+            bodies,
         })
     }
 
@@ -150,16 +168,16 @@ impl Regressor {
         }
         let [q, v, a] = series;
         let Ok(motion) = Series::new(n, self.time_s.clone(), q, v, a) else { return f64::INFINITY };
-        let (standard, columns) = (n * aurt_rbd::INERTIAL_PARAMETERS, self.base.len());
+        let (standard, columns) = (self.bodies.standard_parameters().len(), self.base.len());
         let mut destination = vec![RegressorTile::UNWANTED; n * standard];
         for j in 0..n {
-            for (k, p) in self.base.columns.iter().enumerate().filter(|(_, p)| self.chain.loads(**p, j)) {
+            for (k, p) in self.base.columns.iter().enumerate().filter(|(_, p)| self.bodies.loads(**p, j)) {
                 destination[j * standard + p] = (k * n + j) as u32;
             }
         }
         // Column after column, joint after joint; entries that do not load a joint stay zero.
         let mut data = vec![0.0; columns * n * samples];
-        self.chain.evaluate(
+        self.bodies.evaluate(
             motion.view(),
             &mut RegressorTile::new(&destination, standard, samples, samples, &mut data),
         );

@@ -6,7 +6,7 @@ mod multi_sine;
 mod point_to_point;
 mod velocity_profile;
 
-pub use excitation::{Excitation, ExcitationOptions, excite};
+pub use excitation::{Excitation, ExcitationOptions, excite, excite_bodies};
 pub use multi_sine::MultiSineOptions;
 
 use std::fmt::Debug;

@@ -43,7 +43,7 @@ pub fn poorly_explained(recordings: &[RecordingResult]) -> Vec<Poor> {
     worst
 }
 
-/// The sentence that says so: `This model explains 4 % of joint 2 (point_to_point.csv)`.
+/// The sentence that says so: `This model explains 4 % of joint 2 (point_to_point.csv)`, or nothing of it.
 #[must_use]
 pub fn loudly(poor: &[Poor]) -> Option<String> {
     if poor.is_empty() {
@@ -53,7 +53,12 @@ pub fn loudly(poor: &[Poor]) -> Option<String> {
         .iter()
         .map(|p| {
             let name = p.recording.rsplit(['/', '\\']).next().unwrap_or(&p.recording);
-            format!("{:.0} % of joint {} ({name})", 100.0 * p.explained, p.joint)
+            let share = if p.explained < 0.005 {
+                "nothing".to_owned()
+            } else {
+                format!("{:.0} %", 100.0 * p.explained)
+            };
+            format!("{share} of joint {} ({name})", p.joint)
         })
         .collect();
     Some(format!("This model explains {}.", each.join(", ")))

@@ -1,5 +1,7 @@
 //! Every recording in turn predicted from the others: what tells mistakes that a fit to all of them takes up.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::{
@@ -61,15 +63,26 @@ pub struct Likelier {
     pub mistake: Mistake,
     /// The factor of the error, geometric mean over joints and recordings.
     pub factor: f64,
-    /// That of the recording that it helps least.
-    pub worst: f64,
 }
 
 /// Robots and gravities without a free number, the more usual mistakes first.
 ///
 /// With a deviation σ_j of its own for each joint the likelihood of a recording is Π_j σ_j^(−n_j): the mean of ln σ_j over joints
-/// compares setups that have as many numbers to fit. A joint of little noise counts as much as one of much.
-pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
+/// compares setups that have as many numbers to fit. A joint of little noise counts as much as one of much. What holds a
+/// joint at rest knows no sign, and friction that grows with the load is larger than what a wrong length leaves: without the
+/// rows at rest, and with that friction, a zero that is a quarter turn off stands out.
+///
+/// What does not take the error of every recording to `each` is left where the first says so.
+pub fn likelier(
+    subject: &Subject,
+    bench: &Bench,
+    setup: &Setup,
+    each: f64,
+    trials: &mut usize,
+) -> Vec<Likelier> {
+    // The model of the other trials has other friction.
+    let bench = &Bench { compares: true, ..bench.clone() };
+    let setup = &Setup { model: OnceLock::new(), ..setup.clone() };
     let now: Option<Vec<Score>> = folds(setup).iter().map(|(_, fold)| bench.score(fold)).collect();
     let Some(now) = now.filter(|n| !n.is_empty()) else { return Vec::new() };
     let mistakes: Vec<Mistake> = usual(subject, setup).into_iter().filter(is_of_the_robot).collect();
@@ -78,13 +91,17 @@ pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut us
         .into_par_iter()
         .filter_map(|mistake| {
             let other = mistake.undone(setup);
-            let scores: Option<Vec<Score>> =
-                folds(&other).iter().map(|(_, fold)| bench.score(fold)).collect();
-            let gains: Vec<f64> =
-                scores?.iter().zip(&now).map(|(after, before)| gain(before, after)).collect();
+            let gains: Option<Vec<f64>> = folds(&other)
+                .iter()
+                .zip(&now)
+                .map(|((_, fold), before)| {
+                    let gain = gain(before, &bench.score(fold)?);
+                    (gain < each.ln()).then_some(gain)
+                })
+                .collect();
+            let gains = gains?;
             let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            let worst = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            Some(Likelier { mistake, factor: mean.exp(), worst: worst.exp() })
+            Some(Likelier { mistake, factor: mean.exp() })
         })
         .collect()
 }

@@ -38,7 +38,10 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::{failure::Failure, inspection::judged::plain_friction};
+use crate::{
+    failure::Failure,
+    inspection::judged::{loaded_friction, plain_friction},
+};
 
 /// What the doctor found.
 #[derive(Debug, Clone)]
@@ -80,6 +83,8 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         friction: plain_friction(registry)?,
         arm_terms: subject.arm_terms.clone(),
         scopes: subject.scopes.clone(),
+        loaded_friction: loaded_friction(registry)?,
+        compares: false,
     };
     let found = search(subject, &bench, &Setup::of(subject)?, thorough);
     Ok(Examination {

@@ -54,6 +54,8 @@ pub struct Found {
 /// A mistake that was found.
 #[derive(Debug, Clone)]
 pub struct Step {
+    /// Of another robot that is likelier: the factor of the error with which recordings are predicted from each other.
+    pub likelier: Option<f64>,
     /// The mistake.
     pub mistake: Mistake,
     /// The error once it is undone too.
@@ -137,7 +139,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
                 bench.score(&setup).unwrap_or_else(|| best.score.clone())
             };
             let alike = if k == last { best.alike.clone() } else { Vec::new() };
-            found.steps.push(Step { mistake, after, alike });
+            found.steps.push(Step { likelier: None, mistake, after, alike });
         }
         now = setup;
         score = Some(best.score);
@@ -147,6 +149,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
     {
         score = Some(search.reconsidered(setup, &mut found.steps, last));
     }
+    // To compare robots takes seconds, many times as long as a calibration: `run` leaves that to `check`.
     if found.steps.is_empty() && !matches!(thorough, Thorough::AllJoints) {
         let step = search.in_one(&now).or_else(|| search.likelier(&now));
         if let Some(step) = step {
@@ -171,18 +174,18 @@ impl Search<'_> {
             return None;
         }
         let after = self.bench.score(&one.mistake.undone(setup))?;
-        Some(Step { mistake: one.mistake, after, alike: Vec::new() })
+        Some(Step { likelier: None, mistake: one.mistake, after, alike: Vec::new() })
     }
 
     /// Another robot or gravity, told by how much likelier it makes every recording.
     fn likelier(&mut self, setup: &Setup) -> Option<Step> {
-        let tried = likelier(self.subject, self.bench, setup, &mut self.trials);
+        let tried = likelier(self.subject, self.bench, setup, EACH_LIKELIER, &mut self.trials);
         let least = tried.iter().map(|l| l.factor).min_by(f64::total_cmp).filter(|f| *f <= LIKELIER)?;
-        let near = |l: &&Likelier| l.factor <= ONE_AS_LIKELY * least && l.worst < EACH_LIKELIER;
+        let near = |l: &&Likelier| l.factor <= ONE_AS_LIKELY * least;
         let mut mistakes = tried.iter().filter(near).map(|l| l.mistake.clone());
         let mistake = mistakes.next()?;
         let after = self.bench.score(&mistake.undone(setup))?;
-        Some(Step { mistake, after, alike: mistakes.collect() })
+        Some(Step { likelier: Some(least), mistake, after, alike: mistakes.collect() })
     }
 
     /// The best that one more of the likely mistakes can do.

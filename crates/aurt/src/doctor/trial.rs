@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use aurt_calibration::{CalibrationOptions, NamedRecording, System, TermScopes, accumulate_scoped};
+use aurt_calibration::{CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped};
 use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
 use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
@@ -27,6 +27,10 @@ pub struct Bench {
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
     /// In which recordings each of them acts.
     pub scopes: TermScopes,
+    /// Friction that grows with the load too.
+    pub loaded_friction: JointStack,
+    /// Whether robots are compared: with friction that grows with the load, and by rows in which a joint moves.
+    pub compares: bool,
 }
 
 /// How well a setup explains what was measured.
@@ -58,10 +62,17 @@ impl Bench {
     pub fn score(&self, setup: &Setup) -> Option<Score> {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
-        let system = self.system(&model, &fitted)?;
+        let mut load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
+        let mut system = self.system(&model, &fitted, &load)?;
         let weights: Vec<f64> =
             measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
-        let (coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        let (mut coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        if self.compares {
+            // The bodies of the first fit are the load of the second.
+            load = LoadTorque::Fitted(coefficients);
+            system = self.system(&model, &fitted, &load)?;
+            (coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        }
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
         let joints = setup.moving_joints();
         let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
@@ -72,7 +83,7 @@ impl Bench {
             for (joint, moves) in moving.iter_mut().enumerate() {
                 *moves |= share_moving(&prepared, joint, part.options.rest_velocity_rad_s) > LEAST_MOVING;
             }
-            let judged = self.system(&model, &prepared)?;
+            let judged = self.system(&model, &prepared, &load)?;
             let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
             let alone: Vec<Option<f64>> =
                 error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
@@ -95,13 +106,15 @@ impl Bench {
             Arc::new(CoupledChain::new(chain, setup.couplings.clone()).ok()?)
         };
         let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED).ok()?;
-        let stacks = vec![self.friction.clone(); setup.moving_joints()];
+        let friction = if self.compares { &self.loaded_friction } else { &self.friction };
+        let stacks = vec![friction.clone(); setup.moving_joints()];
         dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
     }
 
-    fn system(&self, model: &RobotModel, recordings: &[NamedRecording]) -> Option<System> {
-        let load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-        accumulate_scoped(model, recordings, &self.scopes, &load, &CalibrationOptions::default()).ok()
+    fn system(&self, model: &RobotModel, recordings: &[NamedRecording], load: &LoadTorque) -> Option<System> {
+        let rest = if self.compares { Rest::Exclude } else { Rest::Keep };
+        let options = CalibrationOptions { rest, ..CalibrationOptions::default() };
+        accumulate_scoped(model, recordings, &self.scopes, load, &options).ok()
     }
 }
 

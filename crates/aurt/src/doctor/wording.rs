@@ -18,10 +18,22 @@ pub fn percent(error: f64) -> String {
 /// What a step found, by how much it helps, and what to change.
 pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String {
     let seems = seems(&step.mistake, files);
-    let error = before.map_or_else(
-        || format!("without it nothing can be fitted, with it the error is {}", percent(step.after.total)),
-        |b| format!("error {} → {}", percent(b.total), percent(step.after.total)),
-    );
+    let of_total = || {
+        before.map_or_else(
+            || {
+                format!(
+                    "without it nothing can be fitted, with it the error is {}",
+                    percent(step.after.total)
+                )
+            },
+            |b| format!("error {} → {}", percent(b.total), percent(step.after.total)),
+        )
+    };
+    // With friction that grows with the load, and where joints move; the error of the other trials hardly shows it.
+    let error = step.likelier.map_or_else(of_total, |factor| {
+        let less = 100.0 * (1.0 - factor);
+        format!("where joints move, recordings are predicted from each other with an error that is {less:.0} % smaller")
+    });
     let mut alike: Vec<String> = step.alike.iter().take(2).map(undone).collect();
     alike.retain(|a| !a.is_empty());
     let or = if alike.is_empty() {

@@ -51,6 +51,19 @@ pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
     .map_err(Failure::Models)
 }
 
+/// The same with friction that grows with the load.
+///
+/// # Errors
+/// If a model is not registered.
+pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
+    JointStack::new(
+        build::<dyn CoulombModel>(registry, json!({ "model": "absolute" }))?,
+        build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
+        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
+    )
+    .map_err(Failure::Models)
+}
+
 impl Judged {
     /// Judges motions for a model, all together: what one does not excite another may. `unit` is that of the measurement,
     /// if there is any.

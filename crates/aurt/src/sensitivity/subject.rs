@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use aurt_calibration::{CalibrationOptions, NamedRecording};
 use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
@@ -103,8 +105,8 @@ impl Subject {
             let name = self.injection.recorded()[place.number].name.clone();
             Ok(QuestionedRecording {
                 role: place.role,
-                data: NamedRecording { name, data: preprocess(&raw, options)? },
-                raw,
+                data: Arc::new(NamedRecording { name, data: preprocess(&raw, options)? }),
+                raw: Arc::new(raw),
                 options: options.clone(),
                 simulated: None,
                 spoilt: None,

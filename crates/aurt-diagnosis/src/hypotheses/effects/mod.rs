@@ -86,6 +86,8 @@ pub enum Kind {
 pub struct Context<'a> {
     /// Number of joints.
     pub joints: usize,
+    /// Number of links, which are more than the joints where joints follow others.
+    pub links: usize,
     /// The recordings' rows.
     pub recordings: &'a [RecordingRows],
     /// Residual of the baseline, `[recording][joint]`.

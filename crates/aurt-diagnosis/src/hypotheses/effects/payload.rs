@@ -67,7 +67,7 @@ impl Effect for Payload {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        (0..context.joints)
+        (0..context.links)
             .map(|link| {
                 Proposal {
                     joints: (0..context.joints).collect(),

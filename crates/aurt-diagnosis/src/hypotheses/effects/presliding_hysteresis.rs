@@ -121,6 +121,7 @@ mod tests {
     fn thresholds_are_sought_where_positions_are_told_apart() {
         let context = Context {
             joints: 3,
+            links: 3,
             recordings: &[],
             residual: &[],
             inertial: &[],
