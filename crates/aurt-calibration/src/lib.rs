@@ -19,6 +19,7 @@ mod errors_in_positions;
 mod essential;
 mod excitation;
 mod factor;
+mod gains;
 mod long;
 mod metrics;
 mod physical;
@@ -52,6 +53,7 @@ pub use errors_in_positions::{Hausman, JointPositionNoise, ParameterBias, Positi
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use factor::JointFactor;
+pub use gains::{Decided, Gain, Gains, GainsError, GainsOf, KnownLoad, decidable_gains, estimate_gains};
 pub use long::{calibrate_long, validate_long};
 pub use metrics::{JointMetrics, Metrics};
 pub use recursive::{

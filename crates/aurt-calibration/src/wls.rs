@@ -275,11 +275,7 @@ fn without_position_noise(
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
     let solution = &estimate.solution;
     let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
-    match correct(&fitted, is_used) {
-        Ok(corrected) => Ok(Some(corrected)),
-        Err(CalibrationError::NoisyPositions { .. }) if !is_used => Ok(None),
-        Err(error) => Err(error),
-    }
+    correct(&fitted, is_used).map(Some)
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.
@@ -310,6 +306,7 @@ fn remember(
         bread: &plain.covariance,
         sigma: (options.estimator == Estimator::Irls).then_some(estimate.sigma.as_slice()),
         instruments: options.estimator == Estimator::Iv,
+        lift: None,
     })?;
     let n = plain.coefficients.len();
     // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.

@@ -75,7 +75,7 @@ pub fn parse(words: impl Iterator<Item = OsString>) -> Result<Arguments, clap::E
 }
 
 /// The options whose value is a vector.
-const VECTOR_OPTIONS: [&str; 2] = ["--gravity", "--torque-constants"];
+const VECTOR_OPTIONS: [&str; 3] = ["--gravity", "--torque-constants", "--centre-of-mass-m"];
 
 /// Joins the words that follow a vector option to one value, `--gravity 0 0 -9.81` to `--gravity=0 0 -9.81`:
 /// negative numbers look like options to clap, and so do quoted vectors that begin with one. Commands with such
@@ -163,6 +163,25 @@ pub fn parse_positive(text: &str) -> Result<f64, String> {
         Ok(x) => Err(format!("must be above zero, is {x}")),
         Err(_) => Err("expected a number".into()),
     }
+}
+
+/// Zero or a number above it.
+pub fn parse_not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
+        Ok(x) => Err(format!("must not be below zero, is {x}")),
+        Err(_) => Err("expected a number".into()),
+    }
+}
+
+/// A place, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position(pub [f64; 3]);
+
+/// Three coordinates in m.
+pub fn parse_position(text: &str) -> Result<Position, String> {
+    let wrong = |n: Vec<f64>| format!("expected three numbers, x y z in m, found {}", n.len());
+    parse_numbers(text)?.try_into().map(Position).map_err(wrong)
 }
 
 /// A share strictly between none and all.

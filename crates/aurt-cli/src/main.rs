@@ -16,7 +16,7 @@ mod failure {
 use std::process::ExitCode;
 
 use aurt::{
-    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, glossary,
+    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, gains, glossary,
     injected, inspection, origins, output, proof, reports, results, sensitivity, streaming, sweeping,
     tracking,
 };

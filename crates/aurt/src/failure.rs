@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_calibration::CalibrationError;
+use aurt_calibration::{CalibrationError, GainsError};
 use aurt_diagnosis::DiagnosisError;
 use aurt_experiment::{BuildError, ExperimentErrors};
 use aurt_export::ExportError;
@@ -41,6 +41,9 @@ pub enum Failure {
     /// Calibration, validation or prediction.
     #[error(transparent)]
     Calibration(Box<CalibrationError>),
+    /// Gains of the drives.
+    #[error(transparent)]
+    Gains(Box<GainsError>),
     /// A simulation.
     #[error(transparent)]
     Simulation(Box<SimulationError>),

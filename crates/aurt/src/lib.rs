@@ -43,6 +43,7 @@ pub mod exporting;
 mod failure;
 pub mod first_experiment;
 pub mod fitting;
+pub mod gains;
 pub mod glossary;
 pub mod injected;
 pub mod inspection;

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use aurt_recording::Segment;
 use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
@@ -33,6 +35,31 @@ pub(crate) struct Observed<'a> {
     pub sigma: Option<&'a [f64]>,
     /// Whether residuals were multiplied by instruments rather than by the regressor.
     pub instruments: bool,
+    /// What was fitted, where that is not the coefficients themselves; `bread` is over this then.
+    pub lift: Option<&'a Lift>,
+}
+
+/// Quantities that were fitted: the rows of joint j turn with them as W_j B_j.
+pub(crate) struct Lift {
+    /// B_jᵀ, quantities × coefficients.
+    pub transposed: Vec<DMatrix<f64>>,
+    /// Quantities whose deviations widen together where the model misfits.
+    pub groups: Vec<Range<usize>>,
+}
+
+impl Observed<'_> {
+    /// What turns with the fitted quantities instead of the coefficients.
+    fn lifted(&self, joint: usize, of_coefficients: DMatrix<f64>) -> DMatrix<f64> {
+        match self.lift {
+            Some(lift) => product(&lift.transposed[joint], &of_coefficients),
+            None => of_coefficients,
+        }
+    }
+
+    fn groups(&self) -> Vec<Range<usize>> {
+        let of_model = || self.model.groups().iter().map(|(_, range)| range.clone()).collect();
+        self.lift.map_or_else(of_model, |lift| lift.groups.clone())
+    }
 }
 
 /// A segment with how often it is listed.
@@ -64,7 +91,8 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
             *residual *= Loss::Tukey.weight(*residual / sigma);
         }
     }
-    let bread = DMatrix::from_column_slice(n, n, bread);
+    let size = observed.lift.and_then(|lift| lift.transposed.first()).map_or(n, DMatrix::nrows);
+    let bread = DMatrix::from_column_slice(size, size, bread);
 
     let parts: Vec<DMatrix<f64>> = (0..model.joints())
         .into_par_iter()
@@ -81,7 +109,7 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
                 fold(&mut factor, &rows[joint], &noise, piece.times);
             }
             // Rows of A⁻¹ S Cᵀ: what each unit of independent noise moves.
-            let middle = root_of_gram(&factor, n);
+            let middle = observed.lifted(joint, root_of_gram(&factor, n));
             let pulled = product(&bread, &middle);
             // The fit took up part of the noise, and the residual shows the rest.
             let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
@@ -93,16 +121,16 @@ pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationE
             covariance / (1.0 - share.clamp(0.0, 0.9))
         })
         .collect();
-    let mut covariance = parts.into_iter().fold(DMatrix::zeros(n, n), |sum, part| sum + part);
+    let mut covariance = parts.into_iter().fold(DMatrix::zeros(size, size), |sum, part| sum + part);
 
     let steps = steps(observed, &pieces, &rows, &bread);
-    let groups: Vec<_> = model.groups().iter().map(|(_, range)| range.clone()).collect();
-    let mut deviation = DVector::from_element(n, 1.0);
+    let groups = observed.groups();
+    let mut deviation = DVector::from_element(size, 1.0);
     for (group, factor) in groups.iter().zip(factors(&steps, &covariance, &groups)) {
         group.clone().for_each(|k| deviation[k] = factor.sqrt());
     }
-    for c in 0..n {
-        for r in 0..n {
+    for c in 0..size {
+        for r in 0..size {
             covariance[(r, c)] *= deviation[r] * deviation[c];
         }
     }
@@ -190,16 +218,18 @@ fn steps(
         let parts = (count as f64 / length as f64).round().max(1.0) as usize;
         for part in 0..parts {
             let range = part * count / parts..(part + 1) * count / parts;
-            let mut score = DVector::zeros(n);
+            let mut total = DVector::zeros(bread.nrows());
             for (joint, rows) in rows.iter().enumerate() {
+                let mut score = DMatrix::zeros(n, 1);
                 let weight = piece.times * observed.weights[joint].powi(2);
                 let left = &rows.residual[range.clone()];
                 for (column, values) in observed.model.row_columns(joint).iter().zip(&rows.columns) {
                     let product: f64 = values[range.clone()].iter().zip(left).map(|(w, e)| w * e).sum();
                     score[*column] += weight * product;
                 }
+                total += observed.lifted(joint, score).column(0);
             }
-            steps.push(bread * score);
+            steps.push(bread * total);
         }
     }
     steps

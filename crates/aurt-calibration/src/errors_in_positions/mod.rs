@@ -123,11 +123,16 @@ pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, 
     let worst =
         joints.iter().enumerate().max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
     let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
-    let (coefficients, bread) = corrected
-        .solve(&fitted.solution.excited)
-        .ok_or(CalibrationError::NoisyPositions { joint, percent: 100.0 * share })?;
     let hausman = if draws > 0 { agreement(fitted)? } else { None };
-    Ok(Corrected { coefficients, bread, joints, draws, hausman })
+    match corrected.solve(&fitted.solution.excited) {
+        Some((coefficients, bread)) => Ok(Corrected { coefficients, bread, joints, draws, hausman }),
+        None if thorough => Err(CalibrationError::NoisyPositions { joint, percent: 100.0 * share }),
+        // Noise that leaves nothing to correct by is noise to be told of all the more.
+        None => {
+            let Solution { coefficients, covariance, .. } = fitted.solution.clone();
+            Ok(Corrected { coefficients, bread: covariance, joints, draws: 0, hausman })
+        }
+    }
 }
 
 /// Whether instruments agree, where the recordings are long enough for their filter.
@@ -166,6 +171,12 @@ impl PositionBias {
         }
     }
 
+    /// Whether there is so much noise that its bias cannot be told.
+    #[must_use]
+    pub fn is_untold(&self) -> bool {
+        self.parameters.is_empty() && self.joints.iter().any(|j| j.acceleration_share >= NEGLIGIBLE_SHARE)
+    }
+
     /// The coefficients whose intervals suffer, the worst first.
     #[must_use]
     pub fn notable(&self) -> Vec<&ParameterBias> {
@@ -193,6 +204,17 @@ impl PositionBias {
     pub(crate) fn warning(&self) -> Option<String> {
         const NAMED: usize = 3;
         let notable = self.notable();
+        if notable.is_empty() {
+            let is_biased = self.hausman.as_ref().is_some_and(Hausman::is_biased);
+            return (is_biased || self.is_untold()).then(|| {
+                let test = if is_biased { ", and instrumental variables do not agree with them" } else { "" };
+                let size = if self.is_untold() { " by more than can be told" } else { "" };
+                format!(
+                    "noise of the positions biases coefficients of the rigid bodies{size}: their intervals hold the truth less \
+                     often than they say{test}; lower f_dyn, for which `aurt check` knows a value"
+                )
+            });
+        }
         let worst: Vec<String> = notable
             .iter()
             .take(NAMED)

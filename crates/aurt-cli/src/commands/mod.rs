@@ -14,6 +14,7 @@ mod diagnose;
 mod excite;
 mod explain;
 mod export;
+mod gains;
 mod init;
 mod man;
 mod models;
@@ -55,6 +56,7 @@ pub enum Command {
     Sweep(sweep::Sweep),
     Sensitivity(sensitivity::Sensitivity),
     Track(track::Track),
+    Gains(gains::GainsCommand),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Conceal(conceal::Conceal),
@@ -73,7 +75,7 @@ pub enum Command {
 /// The commands by what they are for, as `--help` shows them.
 pub const GROUPS: [(&str, &[&str]); 8] = [
     ("Start here", &["demo", "init", "check", "run"]),
-    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track"]),
+    ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track", "gains"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Models in other programs", &["export"]),
     ("Proof", &["prove", "conceal", "score"]),
@@ -120,6 +122,7 @@ impl Command {
             Self::Diagnose(command) => command.run(session),
             Self::Sensitivity(command) => command.run(session),
             Self::Track(command) => command.run(session),
+            Self::Gains(command) => command.run(session),
             Self::Simulate(command) => command.run(session),
             Self::Excite(command) => command.run(session),
             Self::Conceal(command) => command.run(session),

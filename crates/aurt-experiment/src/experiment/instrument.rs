@@ -2,11 +2,11 @@ use super::{joint_count::JointCheck, section::Section};
 
 /// `[instrument]`: what is known of the instrument that measured the joints.
 ///
-/// Preprocessing makes of joint j's raw measurement y_j(t) = gains\[j\] · (raw_j(t + delay_s\[j\]) − offsets\[j\]);
+/// Preprocessing makes of joint j's raw measurement y_j(t) = (raw_j(t + delay_s\[j\]) − offsets\[j\]) / gains\[j\];
 /// torque constants, if the robot has them, multiply that.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Instrument {
-    /// `gains`: true per measured value, one per joint, 1 by default.
+    /// `gains`: measured per true value, one per joint, 1 by default.
     pub gains: Option<Vec<f64>>,
     /// `offsets`: what the instrument shows at zero, one per joint, in the raw unit, 0 by default.
     pub offsets: Option<Vec<f64>>,

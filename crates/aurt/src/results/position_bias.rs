@@ -40,6 +40,9 @@ pub fn sentence(report: &PositionBias) -> String {
             significant(p.deviations.abs(), 2),
             p.name
         ),
+        None if report.is_untold() => {
+            format!("{noise}; how much it biases the rigid bodies cannot be told{test}")
+        }
         None => format!("{noise}; it does not bias the rigid bodies{test}"),
     }
 }
