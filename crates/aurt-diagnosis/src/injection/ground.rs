@@ -4,6 +4,7 @@ use crate::evidence::problem::Problem;
 use crate::evidence::residuals::share;
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
+use crate::search::chance::Chance;
 use crate::search::ground::{Beside, Ground, Recorded};
 
 /// The rows of a trial. What is left of a trial once its effect is in the model is what is left of the recordings as they
@@ -11,8 +12,8 @@ use crate::search::ground::{Beside, Ground, Recorded};
 /// whose measurement has not changed.
 pub(super) struct Known<'a, 'b> {
     pub(super) recorded: Recorded<'b>,
-    /// The scores that chance reaches, ascending.
-    pub(super) chance: &'a [f64],
+    /// The scores that chance reaches.
+    pub(super) chance: &'a Chance,
     /// Share of independent rows of each joint.
     pub(super) shares: &'a [f64],
     /// Joints whose measurement has changed.
@@ -33,8 +34,8 @@ impl Ground for Known<'_, '_> {
         shares
     }
 
-    fn scores_by_chance(&self, _: &[Group], _: &[Switch], _: &[f64], _: &SelectionOptions) -> Vec<f64> {
-        self.chance.to_vec()
+    fn scores_by_chance(&self, _: &[Group], _: &[Switch], _: &[f64], _: &SelectionOptions) -> Chance {
+        self.chance.clone()
     }
 
     fn estimate(&mut self, group: &Group, beside: &Beside<'_>) -> bool {

@@ -10,6 +10,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Investigation, investigate};
 use crate::noise::floor::noise_floor;
 use crate::request::{Question, QuestionedRecording};
+use crate::search::chance::Chance;
 use crate::search::null::Judge;
 use crate::verdict::{Verdict, write_verdict};
 
@@ -25,8 +26,8 @@ pub struct Prepared<'a> {
     pub(super) recordings: Vec<QuestionedRecording>,
     pub(super) reference: Investigation,
     verdict: Verdict,
-    /// The best scores that chance reaches, ascending.
-    pub(super) chance: Vec<f64>,
+    /// The best scores that chance reaches.
+    pub(super) chance: Chance,
     /// Share of independent rows of what the final model leaves, joint by joint.
     pub(super) shares: Vec<f64>,
     /// What noise leaves, before it is bounded by what a model leaves, `[recording][joint]`.

@@ -10,6 +10,7 @@ use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::{Question, SelectionOptions};
+use crate::search::chance::Chance;
 use crate::search::null::Judge;
 use crate::search::shapes::Estimate;
 
@@ -22,15 +23,14 @@ pub trait Ground: Sync {
     /// coefficients.
     fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64>;
 
-    /// The best scores that chance reaches with some groups beside a model, ascending; none where there are no rows to
-    /// tell.
+    /// The best scores that chance reaches with some groups beside a model; none where there are no rows to tell.
     fn scores_by_chance(
         &self,
         groups: &[Group],
         switches: &[Switch],
         floor: &[f64],
         options: &SelectionOptions,
-    ) -> Vec<f64>;
+    ) -> Chance;
 
     /// Estimates the shapes of a group's law beside the other switches of a model; whether they have moved.
     fn estimate(&mut self, group: &Group, beside: &Beside<'_>) -> bool;
@@ -75,7 +75,7 @@ impl Ground for Recorded<'_> {
         switches: &[Switch],
         floor: &[f64],
         options: &SelectionOptions,
-    ) -> Vec<f64> {
+    ) -> Chance {
         let (rows, partition, layout) = (&*self.rows, self.partition, self.layout);
         let judge = Judge { problem: &self.problem, groups, rows, partition, layout, floor, options };
         let (fit, _) = weighted_fit(&self.problem, switches, floor);

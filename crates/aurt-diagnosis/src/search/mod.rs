@@ -1,5 +1,6 @@
 //! Which hypotheses describe the recordings.
 
+pub(crate) mod chance;
 pub(crate) mod ground;
 pub(crate) mod null;
 pub(crate) mod registered;
@@ -10,5 +11,6 @@ pub(crate) mod shapes;
 #[cfg(test)]
 mod tests;
 
+pub use chance::Chance;
 pub use ground::{Beside, Ground};
 pub use selection::{Chosen, Selection, Selector};

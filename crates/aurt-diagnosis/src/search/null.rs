@@ -1,7 +1,7 @@
 //! What a score is worth: the best score that chance reaches, and a test on rows that nothing was fitted to.
 
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::null::by_chance;
+use crate::evidence::null::{ByChance, by_chance};
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::group::{Group, Switch};
@@ -9,6 +9,7 @@ use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::SelectionOptions;
+use crate::search::chance::Chance;
 
 /// What was selected, on the rows that it was selected from.
 pub(crate) struct Judge<'a> {
@@ -22,18 +23,29 @@ pub(crate) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// The best scores that chance reaches beside a model, of one shift each, ascending. The score is selection's,
-    /// Σ_j ½ n_eff log(before / after), both not below the floor.
-    pub(crate) fn scores_by_chance(&self, switches: &[Switch], shares: &[f64]) -> Vec<f64> {
+    /// The best scores that chance reaches beside a model. The score is selection's, Σ_j ½ n_eff log(before / after), both
+    /// not below the floor.
+    pub(crate) fn scores_by_chance(&self, switches: &[Switch], shares: &[f64]) -> Chance {
         let effective: Vec<f64> =
             (0..shares.len()).map(|j| 0.5 * shares[j] * self.problem.rows(j, false)).collect();
-        self.best_by_chance(switches, |before, after| {
+        let score = |before: &[f64], after: &[f64]| -> f64 {
             let of_joint = |j: usize| {
                 let floor = self.floor[j].max(f64::MIN_POSITIVE);
                 effective[j] * (before[j].max(floor) / after[j].max(floor)).ln()
             };
             (0..before.len()).map(of_joint).sum()
-        })
+        };
+        let best = |c: &ByChance| {
+            let mut best = vec![0.0_f64; shares.len()];
+            for (group, after) in self.groups.iter().zip(&c.after) {
+                let score = score(&c.before, after);
+                for joint in group.joints.iter().filter(|_| score.is_finite()) {
+                    best[*joint] = best[*joint].max(score);
+                }
+            }
+            best
+        };
+        Chance::new(self.by_chance(switches).iter().map(best).collect())
     }
 
     /// The largest value, over all hypotheses, that a measure of improvement has by chance; of one shift each, ascending.
@@ -42,19 +54,21 @@ impl Judge<'_> {
         switches: &[Switch],
         measure: impl Fn(&[f64], &[f64]) -> f64,
     ) -> Vec<f64> {
+        let best = |c: &ByChance| {
+            let scores = c.after.iter().map(|after| measure(&c.before, after));
+            scores.filter(|s| s.is_finite()).fold(0.0, f64::max)
+        };
+        let mut scores: Vec<f64> = self.by_chance(switches).iter().map(best).collect();
+        scores.sort_by(f64::total_cmp);
+        scores
+    }
+
+    fn by_chance(&self, switches: &[Switch]) -> Vec<ByChance> {
         let (fit, weights) = weighted_fit(self.problem, switches, self.floor);
         let left: Vec<Vec<Vec<f64>>> =
             self.rows.iter().map(|r| residuals(r, self.layout, switches, &fit.coefficients)).collect();
         let residual = (self.rows, self.partition, &left[..]);
-        let chance =
-            by_chance(self.problem, switches, self.groups, &weights, residual, self.options.null_shifts);
-        let best = |c: &crate::evidence::null::ByChance| {
-            let scores = c.after.iter().map(|after| measure(&c.before, after));
-            scores.filter(|s| s.is_finite()).fold(0.0, f64::max)
-        };
-        let mut scores: Vec<f64> = chance.iter().map(best).collect();
-        scores.sort_by(f64::total_cmp);
-        scores
+        by_chance(self.problem, switches, self.groups, &weights, residual, self.options.null_shifts)
     }
 
     /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
@@ -116,12 +130,6 @@ pub(crate) fn quantile(ascending: &[f64], share: f64) -> f64 {
     place.checked_sub(1).and_then(|k| ascending.get(k)).copied().unwrap_or(0.0)
 }
 
-/// The probability that chance reaches a score: (1 + times it did) / (1 + times it was tried).
-pub(crate) fn p_null(ascending: &[f64], score: f64) -> f64 {
-    let reached = ascending.len() - ascending.partition_point(|s| *s < score);
-    (1 + reached) as f64 / (1 + ascending.len()) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,9 +141,8 @@ mod tests {
     }
 
     #[test]
-    fn chance_is_counted_with_the_case_itself() {
+    fn a_quantile_is_one_of_the_values() {
         let chance = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!([p_null(&chance, 9.0), p_null(&chance, 3.0), p_null(&chance, 0.0)], [0.2, 0.6, 1.0]);
         assert_eq!([quantile(&chance, 0.95), quantile(&chance, 0.5), quantile(&[], 0.5)], [4.0, 2.0, 0.0]);
     }
 }

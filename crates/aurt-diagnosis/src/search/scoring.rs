@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::evidence::nested::NestedFit;
 use crate::hypotheses::group::{Group, Switch, is_friction, kind};
 use crate::request::SelectionOptions;
+use crate::search::chance::Chance;
 use crate::search::ground::Ground;
 
 /// A nested fit with the shares of independent rows of its residual, and what it leaves.
@@ -39,9 +40,22 @@ pub(crate) struct Scoring<'a> {
     pub(crate) groups: &'a [Group],
     pub(crate) floor: &'a [f64],
     pub(crate) options: &'a SelectionOptions,
+    /// What chance reaches, where it is known.
+    pub(crate) chance: Option<&'a Chance>,
 }
 
 impl Scoring<'_> {
+    /// What the score of a group that stays has to exceed.
+    pub(crate) fn threshold(&self, group: usize) -> f64 {
+        let of = |chance: &Chance| chance.threshold(&self.groups[group].joints, self.options.null_quantile);
+        self.options.score.max(self.chance.map_or(0.0, of))
+    }
+
+    /// The probability that chance reaches a score on the group's joints.
+    pub(crate) fn p_null(&self, group: usize, score: f64) -> Option<f64> {
+        self.chance.and_then(|chance| chance.probability(&self.groups[group].joints, score))
+    }
+
     /// The baseline's switches and those of chosen groups, each once.
     pub(crate) fn switches(&self, chosen: &[usize]) -> Vec<Switch> {
         let mut all = self.baseline.to_vec();
@@ -279,7 +293,7 @@ impl Scoring<'_> {
             k != i && self.groups[*g].joints == own.joints && kind(self.groups[*g].effect) == kind(own.effect)
         });
         let share = if twin { self.options.share_same_kind } else { self.options.share };
-        loss.score > self.options.score
+        loss.score > self.threshold(chosen[i])
             && loss.of_joint.iter().enumerate().any(|(j, of_joint)| {
                 let gain = self.log_ratio(j, start[j], full.all[j]);
                 let left = if own.target_only() { gain } else { self.log_ratio(j, loss.without[j], 0.0) };

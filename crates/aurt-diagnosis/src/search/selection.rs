@@ -3,7 +3,6 @@ use rayon::prelude::*;
 use crate::hypotheses::group::{Group, Switch, same_force};
 use crate::request::SelectionOptions;
 use crate::search::ground::{Beside, Ground};
-use crate::search::null::{p_null, quantile};
 use crate::search::scoring::{Loss, Scoring, without};
 
 /// A group that was accepted.
@@ -77,6 +76,7 @@ impl Selector<'_> {
             groups: self.groups,
             floor: self.floor,
             options: self.options,
+            chance: None,
         }
     }
 
@@ -257,17 +257,9 @@ impl Scoring<'_> {
         }
         let switches = self.switches(chosen);
         let chance = self.ground.scores_by_chance(self.groups, &switches, self.floor, self.options);
-        let score = self.options.score.max(quantile(&chance, self.options.null_quantile));
-        let options = SelectionOptions { score, ..*self.options };
-        let raised = Scoring { options: &options, ..*self };
+        let raised = Scoring { chance: Some(&chance), ..*self };
         raised.remove(chosen, &before);
-        let mut selection = raised.finish(chosen, before);
-        if !chance.is_empty() {
-            for chosen in &mut selection.chosen {
-                chosen.p_null = Some(p_null(&chance, chosen.score));
-            }
-        }
-        selection
+        raised.finish(chosen, before)
     }
 
     fn finish(&self, chosen: &[usize], before: Vec<f64>) -> Selection {
@@ -279,8 +271,8 @@ impl Scoring<'_> {
                 Chosen {
                     group: chosen[i],
                     score,
-                    threshold: self.options.score,
-                    p_null: None,
+                    threshold: self.threshold(chosen[i]),
+                    p_null: self.p_null(chosen[i], score),
                     p_confirm: None,
                     joint_loss: of_joint,
                     rivals,

@@ -1,5 +1,6 @@
 //! Selection on rows whose physics is known.
 
+use super::chance::Chance;
 use super::ground::{Beside, Ground};
 use super::null::Judge;
 use super::selection::{Selection, Selector};
@@ -113,7 +114,7 @@ impl Ground for Rows {
         switches: &[Switch],
         _floor: &[f64],
         options: &SelectionOptions,
-    ) -> Vec<f64> {
+    ) -> Chance {
         self.judge(groups, options).scores_by_chance(switches, &[1.0])
     }
 
