@@ -1,5 +1,7 @@
 //! The test of Durbin, Wu and Hausman as a calibration tells it.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 #[path = "../examples/known_robot/mod.rs"]
 #[expect(dead_code, reason = "examples use the rest")]
 mod known_robot;
