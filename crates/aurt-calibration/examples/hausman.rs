@@ -9,12 +9,16 @@
 #[expect(dead_code, reason = "the truth is not asked for")]
 mod known_robot;
 
+use std::time::Instant;
+
 use aurt_calibration::{CalibrationOptions, Deviations, NamedRecording, TermScopes, calibrate, hausman};
 use aurt_traits::MeasurementUnit;
 use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
 use rayon::prelude::*;
 
 const DURATION_S: f64 = 20.0;
+/// Rounds of which the fastest counts.
+const ROUNDS: usize = 9;
 
 fn main() {
     let seeds: u64 = std::env::args().nth(1).map_or(200, |text| text.parse().unwrap());
@@ -52,4 +56,23 @@ fn main() {
             println!("| {name} | {encoder} | {:.1} | {:.1} | {mean:.2} |", below(0.05), below(0.01));
         }
     }
+    // What the test costs of a calibration that tells it.
+    let recordings = [measured(&clean, "known", 1, Noise::White, 1.0, Some(12))];
+    let whole = CalibrationOptions::default();
+    let (mut all, mut test) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..ROUNDS {
+        let began = Instant::now();
+        let found =
+            calibrate(&robot.model, &recordings, MeasurementUnit::NewtonMetre, F_DYN_HZ, &whole).unwrap();
+        all = all.min(began.elapsed().as_secs_f64());
+        let began = Instant::now();
+        hausman(&robot.model, &[&recordings[0]], &TermScopes::everywhere(), &found).unwrap().unwrap();
+        test = test.min(began.elapsed().as_secs_f64());
+    }
+    println!(
+        "the test takes {:.0} ms, {:.0} % of the {:.0} ms of a calibration that tells it (fastest of {ROUNDS})",
+        1e3 * test,
+        100.0 * test / all,
+        1e3 * all
+    );
 }

@@ -1,6 +1,6 @@
 //! Gains of drives from unloaded motion and a known load, on a robot of which everything is known.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "../examples/known_robot/mod.rs"]
 #[expect(dead_code, reason = "examples use the rest")]

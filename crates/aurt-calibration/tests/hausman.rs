@@ -1,6 +1,6 @@
 //! The test of Durbin, Wu and Hausman as a calibration tells it.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "../examples/known_robot/mod.rs"]
 #[expect(dead_code, reason = "examples use the rest")]
