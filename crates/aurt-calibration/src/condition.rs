@@ -1,13 +1,13 @@
 use nalgebra::DMatrix;
 
 /// Ratio of the largest to the smallest singular value of a square matrix, column-major; infinite where the matrix
-/// is singular as far as numbers of 53 bits tell, NaN where it is empty.
+/// is singular as far as numbers of 53 bits tell, NaN where it is empty or not finite.
 ///
 /// The decomposition is nalgebra's, which chooses no instructions at run time: the same matrix gives the same bits on
 /// every machine.
 #[must_use]
 pub fn condition_number(matrix: &[f64], n: usize) -> f64 {
-    if n == 0 {
+    if n == 0 || matrix.iter().any(|v| !v.is_finite()) {
         return f64::NAN;
     }
     let values = DMatrix::from_column_slice(n, n, matrix).singular_values();
@@ -21,7 +21,7 @@ mod tests {
 
     #[test]
     fn known_matrices() {
-        assert!(condition_number(&[], 0).is_nan());
+        assert!(condition_number(&[], 0).is_nan() && condition_number(&[f64::NAN], 1).is_nan());
         assert_eq!(condition_number(&[0.0], 1), f64::INFINITY);
         assert_eq!(condition_number(&[1.0, 0.0, 1.0, 0.0], 2), f64::INFINITY);
         // Kahan's triangle diag(1, s, …) (I − c · strict upper), of order 3 with s = 0.6, c = 0.8; numpy.linalg.cond.

@@ -66,7 +66,9 @@ mod tests {
             [(2.0, 4.302_652_730), (5.0, 2.570_581_836), (10.0, 2.228_138_852), (30.5, 2.040_869_445)];
         for (freedom, expected) in tabled {
             assert!((student(NORMAL_95, freedom) / expected - 1.0).abs() < 1e-7);
-            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < 3e-2);
+            // Wallace's approximation is poor for two and good for more.
+            let allowed = if freedom < 5.0 { 3e-2 } else { 5e-3 };
+            assert!((normal(expected, freedom) / NORMAL_95 - 1.0).abs() < allowed, "{freedom}");
             assert_eq!(student(-1.0, freedom), -student(1.0, freedom));
         }
         assert_eq!(student(1.5, f64::INFINITY), 1.5);

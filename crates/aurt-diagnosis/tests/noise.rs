@@ -5,13 +5,13 @@
 
 use std::{path::Path, sync::Arc};
 
-use aurt_calibration::{CalibrationOptions, NamedRecording};
+use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::evidence::baseline::{Baseline, evaluate_all};
 use aurt_diagnosis::noise::floor::noise_floor;
 use aurt_diagnosis::noise::spectrum::RecordingNoise;
 use aurt_diagnosis::{Fit, Question, QuestionedRecording, Role, SelectionOptions};
 use aurt_experiment::{Experiment, Registry};
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_simulation::{Motion, Robot, Scenario, SimulatedRecording, robots, simulate};
 use aurt_traits::{ArmTerm, MeasurementUnit, Motion as Series, RegressorTile, RobotModel};
 use serde_json::json;
@@ -173,11 +173,8 @@ fn floors_at(
     let options = PreprocessOptions::new(f_dyn_hz);
     let recordings: Vec<QuestionedRecording> = (3..5)
         .map(|seed| {
-            let raw = recorded(seed);
-            let data = NamedRecording { name: format!("{seed}"), data: preprocess(&raw, &options).unwrap() };
-            let options = options.clone();
-            let (raw, data) = (Arc::new(raw), Arc::new(data));
-            QuestionedRecording { role: Role::Calibration, raw, data, options, simulated: None, spoilt: None }
+            let name = format!("{seed}");
+            QuestionedRecording::new(Role::Calibration, name, recorded(seed), options.clone()).unwrap()
         })
         .collect();
     let question = Question {

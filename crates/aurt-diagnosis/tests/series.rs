@@ -2,17 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::{Path, PathBuf};
 
-use aurt_calibration::{CalibrationOptions, NamedRecording};
+use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{
     Question, QuestionedRecording, Role, SelectionOptions, investigate, series, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry};
-use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
+use aurt_recording::{PreprocessOptions, ReadOptions, read_recording};
 use aurt_traits::MeasurementUnit;
 
 const F_DYN_HZ: f64 = 2.5;
@@ -20,15 +17,7 @@ const F_DYN_HZ: f64 = 2.5;
 fn questioned(folder: &Path, name: &str, role: Role) -> QuestionedRecording {
     let raw = read_recording(&folder.join(name), &ReadOptions::default()).unwrap();
     let options = PreprocessOptions { trim_rest: true, ..PreprocessOptions::new(F_DYN_HZ) };
-    let data = NamedRecording { name: name.into(), data: preprocess(&raw, &options).unwrap() };
-    QuestionedRecording {
-        role,
-        raw: Arc::new(raw),
-        data: Arc::new(data),
-        options,
-        simulated: None,
-        spoilt: None,
-    }
+    QuestionedRecording::new(role, name.into(), raw, options).unwrap()
 }
 
 /// Root mean square of the rows that count.

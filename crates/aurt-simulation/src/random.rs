@@ -1,7 +1,7 @@
 //! Random numbers that are the same on every machine.
 //!
-//! The generator is xoshiro256++ of `rand_xoshiro`. Logarithms come from the `libm` crate, which is computed in
-//! plain arithmetic and not by the platform's library; distributions of other crates take them from there.
+//! The generator is xoshiro256++ of `rand_xoshiro`. Distributions are here and not another
+//! crate's: their logarithms come from `libm`, which is plain arithmetic and no platform's library.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};

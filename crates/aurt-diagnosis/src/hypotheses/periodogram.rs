@@ -24,7 +24,7 @@ pub(crate) fn orders(context: &Context<'_>) -> Vec<(usize, f64)> {
         if !range.is_finite() || range < 0.05 {
             continue;
         }
-        // Orders below one turn of phase over the range are springs and gravity, not ripple.
+        // Orders below two turns of phase over the range are springs and gravity, not ripple.
         let lowest = (2.0 * std::f64::consts::TAU / range).max(1.0);
         let step = (0.5 * std::f64::consts::PI / range).min(1.0);
         let stride = (angles.len() / 4000).max(1);

@@ -1,9 +1,6 @@
 //! Detectors that can be asked alone: faults of recordings.
 
-use std::sync::Arc;
-
-use aurt_calibration::NamedRecording;
-use aurt_recording::{Recording, preprocess};
+use aurt_recording::Recording;
 
 use crate::error::DiagnosisError;
 use crate::injection::prepared::Prepared;
@@ -33,9 +30,7 @@ impl Prepared<'_> {
         for (recording, raw) in self.question.recordings.iter().zip(altered) {
             let mut seen = recording.clone();
             if raw.samples() > 0 {
-                let data = preprocess(raw, &recording.options)?;
-                seen.data = Arc::new(NamedRecording { name: recording.data.name.clone(), data });
-                seen.raw = Arc::new(raw.clone());
+                seen.replace(raw.clone())?;
             }
             recordings.push(seen);
         }

@@ -1,11 +1,10 @@
 //! Trials against whole diagnoses, on a planar arm of two links that lacks nothing.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use aurt_calibration::{CalibrationOptions, NamedRecording};
+use aurt_calibration::CalibrationOptions;
 use aurt_experiment::{Experiment, Registry};
-use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_traits::{MeasurementUnit, Motion, RegressorTile, RobotModel};
 
 use super::{AddedRows, Prepared};
@@ -96,16 +95,7 @@ fn recording(model: &RobotModel, seed: u64, seconds: f64) -> Recording {
 }
 
 fn questioned(role: Role, raw: Recording) -> QuestionedRecording {
-    let options = PreprocessOptions::new(F_DYN_HZ);
-    let data = NamedRecording { name: format!("{role:?}"), data: preprocess(&raw, &options).unwrap() };
-    QuestionedRecording {
-        role,
-        raw: Arc::new(raw),
-        data: Arc::new(data),
-        options,
-        simulated: None,
-        spoilt: None,
-    }
+    QuestionedRecording::new(role, format!("{role:?}"), raw, PreprocessOptions::new(F_DYN_HZ)).unwrap()
 }
 
 fn recordings(model: &RobotModel) -> Vec<QuestionedRecording> {

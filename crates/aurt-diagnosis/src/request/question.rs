@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording};
-use aurt_recording::{PreprocessOptions, Recording, preprocess};
+use aurt_recording::{PreprocessOptions, Recording, RecordingError, preprocess};
 use aurt_traits::{MeasurementUnit, RobotModel};
 
 use crate::error::DiagnosisError;
@@ -40,6 +40,28 @@ pub struct Spoilt {
 }
 
 impl QuestionedRecording {
+    /// A recording as read, preprocessed.
+    ///
+    /// # Errors
+    /// What preprocessing reports.
+    pub fn new(
+        role: Role,
+        name: String,
+        raw: Recording,
+        options: PreprocessOptions,
+    ) -> Result<Self, RecordingError> {
+        let data = Arc::new(NamedRecording { name, data: preprocess(&raw, &options)? });
+        Ok(Self { role, raw: Arc::new(raw), data, options, simulated: None, spoilt: None })
+    }
+
+    /// Puts other samples in the place of the recording's, preprocessed as they were.
+    pub(crate) fn replace(&mut self, raw: Recording) -> Result<(), RecordingError> {
+        let data = preprocess(&raw, &self.options)?;
+        self.data = Arc::new(NamedRecording { name: self.data.name.clone(), data });
+        self.raw = Arc::new(raw);
+        Ok(())
+    }
+
     /// The recording with its faults found and repaired, but for those of effects that are left out (`without`).
     ///
     /// # Errors
@@ -61,9 +83,7 @@ impl QuestionedRecording {
         let mut repaired = self.clone();
         // A simulator's prediction belongs to the stamps as they are.
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
-            let data = preprocess(&raw, &self.options)?;
-            repaired.data = Arc::new(NamedRecording { name: self.data.name.clone(), data });
-            repaired.raw = Arc::new(raw);
+            repaired.replace(raw)?;
         }
         repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant }));
         Ok(repaired)

@@ -33,10 +33,11 @@ pub struct SelectionOptions {
     /// A change of a joint's friction that reaches this share of the score of another change on the same joint is
     /// taken instead of it.
     pub everyday: f64,
-    /// Shifts of the residual that show what chance does: with three dozen the 95 % quantile is that of 36 searches.
+    /// Shifts of the residual that show what chance does: the mean and the scale of three dozen best scores are known to a
+    /// sixth of their spread.
     pub null_shifts: usize,
-    /// Share of them whose best score an effect has to exceed, where that is more than the least score: one finding in
-    /// twenty searches that have nothing to find.
+    /// Share of searches that have nothing to find and find nothing, over all joints: an effect has to exceed the best score
+    /// that chance so reaches on its joints, where that is more than the least score.
     pub null_quantile: f64,
     /// Largest probability that rows which nothing was fitted to favour an effect as much by chance. Of 51 right findings
     /// with such rows in development proofs (worlds clean, rough and mujoco, seed 500) the largest was 0.26.

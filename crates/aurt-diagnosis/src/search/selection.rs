@@ -14,7 +14,7 @@ pub struct Chosen {
     pub score: f64,
     /// What the score had to exceed.
     pub threshold: f64,
-    /// Probability that chance reaches such a score with the best of all hypotheses.
+    /// Probability that chance reaches such a score with the best of all hypotheses on its joints.
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour it as much by chance.
     pub p_confirm: Option<f64>,
@@ -250,7 +250,7 @@ impl Scoring<'_> {
         }
     }
 
-    /// Keeps of the chosen what chance does not reach beside them with the best of all hypotheses.
+    /// Keeps of the chosen what chance does not reach beside them with the best of all hypotheses on their joints.
     fn beyond_chance(&self, chosen: &mut Vec<usize>, before: Vec<f64>) -> Selection {
         if chosen.is_empty() {
             return self.finish(chosen, before);

@@ -150,8 +150,8 @@ pub struct Evidence {
     pub score: f64,
     /// What it had to exceed.
     pub threshold: f64,
-    /// Probability that the best of all hypotheses reaches such a score by chance: the same search on residuals shifted
-    /// in circles against the motion.
+    /// Probability that the best of all hypotheses on its joints reaches such a score by chance: the same search on residuals
+    /// shifted in circles against the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces

@@ -1,9 +1,7 @@
-use std::sync::Arc;
-
-use aurt_calibration::{CalibrationOptions, NamedRecording};
+use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
-use aurt_recording::{Recording, preprocess};
+use aurt_recording::Recording;
 use aurt_simulation::inject::{Added, Injection, Presence, Split};
 use aurt_traits::RobotModel;
 
@@ -103,14 +101,7 @@ impl Subject {
         let one = |place: Place| {
             let raw = self.altered(place, effects)?;
             let name = self.injection.recorded()[place.number].name.clone();
-            Ok(QuestionedRecording {
-                role: place.role,
-                data: Arc::new(NamedRecording { name, data: preprocess(&raw, options)? }),
-                raw: Arc::new(raw),
-                options: options.clone(),
-                simulated: None,
-                spoilt: None,
-            })
+            Ok(QuestionedRecording::new(place.role, name, raw, options.clone())?)
         };
         self.places().into_iter().map(one).collect()
     }
