@@ -66,6 +66,7 @@ fn accounts(floor: &[f64], selection: &Selection) -> bool {
         before: before.sqrt(),
         after: after.sqrt(),
         floor: floor.sqrt(),
+        seen: floor.sqrt(),
     };
     let joints: Vec<Left> = selection.before.iter().zip(&selection.after).zip(floor).map(joint).collect();
     accounts_for(&joints)

@@ -73,15 +73,16 @@ impl Errors {
                     ..bare.fit.clone()
                 },
             };
-            return Self { change: None, structure: of.question([&bare, &calibrated, &whole], kind, &noise) };
+            let structure = of.question([&bare, &calibrated, &whole], kind, &noise, louder);
+            return Self { change: None, structure };
         }
         let unchanged = model(&|g| !g.target_only());
         let bare = model(&Group::target_only);
         let noise = noise();
         let usual: Vec<f64> = of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.max(*n)).collect();
         Self {
-            change: Some(of.question([&unchanged, &unchanged, &whole], 1, &usual)),
-            structure: of.question([&bare, &bare, &whole], 0, &noise),
+            change: Some(of.question([&unchanged, &unchanged, &whole], 1, &usual, &vec![1.0; usual.len()])),
+            structure: of.question([&bare, &bare, &whole], 0, &noise, louder),
         }
     }
 }
@@ -92,8 +93,9 @@ struct Of<'a> {
 }
 
 impl Of<'_> {
-    /// Errors of `[fitted before, confirmed before, after]` over the rows of a kind, against references.
-    fn question(&self, models: [&Model; 3], kind: usize, references: &[f64]) -> OfQuestion {
+    /// Errors of `[fitted before, confirmed before, after]` over the rows of a kind, against references, which are `louder`
+    /// times what is seen of them.
+    fn question(&self, models: [&Model; 3], kind: usize, references: &[f64], louder: &[f64]) -> OfQuestion {
         let [before, calibrated, after] = models;
         let asked = |j: &usize| !self.apart.contains(j);
         let joints = self.investigation.problem.joints();
@@ -101,6 +103,7 @@ impl Of<'_> {
             before: self.fitted_rms(before, kind, j),
             after: self.fitted_rms(after, kind, j),
             floor: references[j],
+            seen: references[j] / louder[j],
         });
         let (was, is, counts) = self.confirmed(calibrated, after);
         let expected = self.expected(after, references);
@@ -111,10 +114,10 @@ impl Of<'_> {
             excess || (is[*j] - was[*j]).abs() > UNTOUCHED * was[*j]
         };
         let judged = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).filter(concerned);
-        let confirmed = judged.map(|j| Left {
-            before: (was[j] / counts[j]).sqrt(),
-            after: (is[j] / counts[j]).sqrt(),
-            floor: (expected[j] / counts[j]).sqrt(),
+        let confirmed = judged.map(|j| {
+            let floor = (expected[j] / counts[j]).sqrt();
+            let rms = |squares: &[f64]| (squares[j] / counts[j]).sqrt();
+            Left { before: rms(&was), after: rms(&is), floor, seen: floor / louder[j] }
         });
         OfQuestion { fitted: fitted.collect(), confirmed: confirmed.collect() }
     }
