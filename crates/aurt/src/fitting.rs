@@ -7,6 +7,7 @@ use aurt_calibration::{
 };
 use aurt_experiment::{Experiment, experiment};
 use aurt_traits::RobotModel;
+use rayon::prelude::*;
 
 use crate::{
     calibrated_file::CalibratedModel,
@@ -127,16 +128,16 @@ impl Job {
         progress: &Progress,
     ) -> Result<Vec<Assigned>, Failure> {
         let assign = |role| move |source| (source, role);
-        let all = calibration
+        let all: Vec<(Source, Role)> = calibration
             .into_iter()
             .map(assign(Role::Calibration))
-            .chain(validation.into_iter().map(assign(Role::Validation)));
-        all.map(|(source, role)| {
+            .chain(validation.into_iter().map(assign(Role::Validation)))
+            .collect();
+        in_parallel(all, |(source, role)| {
             progress.step(format!("reading {}", source.label));
             let loaded = self.pipeline().read(source, role.purpose())?;
             Ok(Assigned { loaded, role })
         })
-        .collect()
     }
 
     /// Calibrates on the recordings that are for it and judges the model on all.
@@ -158,11 +159,10 @@ impl Job {
         }
         refuse_repeated(recordings)?;
         let unit = pipeline.common_unit(recordings.iter().map(|r| &r.loaded))?.unwrap_or_default();
-        let mut prepared = Vec::new();
-        for Assigned { loaded, role } in recordings {
+        let prepared = in_parallel(recordings.iter().collect(), |Assigned { loaded, role }| {
             progress.step(format!("preprocessing {}", loaded.source.label));
-            prepared.push(pipeline.preprocess(loaded, role.purpose())?);
-        }
+            pipeline.preprocess(loaded, role.purpose())
+        })?;
         progress.step("calibrating");
         let fitted: Vec<NamedRecording> = prepared
             .iter()
@@ -187,41 +187,63 @@ impl Job {
             origins: Origins::default(),
         };
         let mut names = PredictionNames::default();
-        let mut results = Vec::new();
-        let mut predictions = Vec::new();
-        for (prepared, Assigned { loaded, role }) in prepared.iter().zip(recordings) {
-            progress.step(format!("validating on {}", loaded.source.label));
-            let here = CalibratedModel {
-                calibration: self.acting(&calibrated.calibration, &loaded.source.label),
-                ..calibrated.clone()
-            };
-            let rows = judged_rows(*role, self.preprocessing.trim_rest);
-            let (mut comparison, mut prediction) = (Comparison::default(), None);
-            if detail == Detail::RowByRow {
-                let (name, is_new) = names.name(&loaded.source.file);
-                if is_new {
-                    predictions.push((name.clone(), here.predict_file(loaded)?));
-                }
-                prediction = Some(name);
-            }
-            if detail != Detail::Errors {
-                comparison = compare(&here.model, &here.calibration, prepared, rows)?;
-            }
-            let mut notes = loaded.recording.report.notes();
-            notes.extend(prepared.data.report.notes());
-            results.push(RecordingResult {
-                label: loaded.source.label.clone(),
-                role: *role,
-                window_s: loaded.source.window_s,
-                validation: validate(&here.model, &here.calibration, prepared, rows)?,
-                comparison,
-                first_stamp_s: loaded.recording.time_s.first().copied().unwrap_or(0.0),
-                notes,
-                prediction,
-            });
-        }
-        Ok(Outcome { calibrated, recordings: results, predictions })
+        let named = recordings
+            .iter()
+            .map(|r| (detail == Detail::RowByRow).then(|| names.name(&r.loaded.source.file)));
+        let asked: Vec<_> = prepared.iter().zip(recordings).zip(named).collect();
+        let judged = in_parallel(asked, |((prepared, assigned), name)| {
+            progress.step(format!("validating on {}", assigned.loaded.source.label));
+            self.judge(&calibrated, assigned, prepared, detail, name)
+        })?;
+        let (recordings, predictions): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+        Ok(Outcome { calibrated, recordings, predictions: predictions.into_iter().flatten().collect() })
     }
+
+    /// How a model does on a recording, and its prediction for the file, of that name, where it is new.
+    fn judge(
+        &self,
+        calibrated: &CalibratedModel,
+        Assigned { loaded, role }: &Assigned,
+        prepared: &NamedRecording,
+        detail: Detail,
+        name: Option<(String, bool)>,
+    ) -> Result<(RecordingResult, Option<(String, Vec<u8>)>), Failure> {
+        let here = CalibratedModel {
+            calibration: self.acting(&calibrated.calibration, &loaded.source.label),
+            ..calibrated.clone()
+        };
+        let rows = judged_rows(*role, self.preprocessing.trim_rest);
+        let predictions = match &name {
+            Some((name, true)) => Some((name.clone(), here.predict_file(loaded)?)),
+            _ => None,
+        };
+        let comparison = match detail {
+            Detail::Errors => Comparison::default(),
+            _ => compare(&here.model, &here.calibration, prepared, rows)?,
+        };
+        let mut notes = loaded.recording.report.notes();
+        notes.extend(prepared.data.report.notes());
+        let result = RecordingResult {
+            label: loaded.source.label.clone(),
+            role: *role,
+            window_s: loaded.source.window_s,
+            validation: validate(&here.model, &here.calibration, prepared, rows)?,
+            comparison,
+            first_stamp_s: loaded.recording.time_s.first().copied().unwrap_or(0.0),
+            notes,
+            prediction: name.map(|(name, _)| name),
+        };
+        Ok((result, predictions))
+    }
+}
+
+/// Does the same with each of several things, on all processors; of the failures the first in their order counts.
+fn in_parallel<T: Send, R: Send>(
+    all: Vec<T>,
+    one: impl Fn(T) -> Result<R, Failure> + Send + Sync,
+) -> Result<Vec<R>, Failure> {
+    let done: Vec<Result<R, Failure>> = all.into_par_iter().map(one).collect();
+    done.into_iter().collect()
 }
 
 /// Refuses a validation recording whose samples, whatever the file is called, are those of a calibration recording.
@@ -246,15 +268,10 @@ fn share_samples(a: &Loaded, b: &Loaded) -> bool {
         (Some([from, to]), Some([other_from, other_to])) => from < other_to && other_from < to,
         _ => true,
     };
-    let contents = |r: &aurt_recording::Recording| {
-        r.position_rad
-            .iter()
-            .chain(r.measurement.iter().flatten())
-            .map(Vec::as_slice)
-            .collect::<Vec<_>>()
-            .concat()
-    };
-    overlap && x.time_s.len() == y.time_s.len() && contents(x) == contents(y)
+    overlap
+        && x.time_s.len() == y.time_s.len()
+        && x.position_rad == y.position_rad
+        && x.measurement == y.measurement
 }
 
 impl Job {

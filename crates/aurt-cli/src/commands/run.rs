@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use aurt::rendering::style::Style;
 use aurt_experiment::Experiment;
 use aurt_rbd::RobotDescription;
+use aurt_report::Page;
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
 use crate::{
@@ -98,10 +100,14 @@ impl Run {
             outcome.predictions.extend(series);
         }
         progress.step("looking for mistakes of the setup");
-        let doubts = doubts(&experiment, &outcome.recordings, recordings, &session.registry)?;
+        let style = session.terminal.style();
+        let (doubts, results) = rayon::join(
+            || doubts(&experiment, &outcome.recordings, recordings, &session.registry),
+            || Written::new("run", &experiment, &outcome, style),
+        );
         drop(progress);
-        let mut report =
-            write_results("run", &experiment, outcome, &folder, plots.as_ref(), session.terminal)?;
+        let doubts = doubts?;
+        let mut report = results?.write(outcome, &folder, plots.as_ref())?;
         doubts.add_to(&mut report, session.terminal);
         Ok(report)
     }
@@ -128,37 +134,58 @@ pub fn write_results(
     plots: Option<&OutputFolder>,
     terminal: &Terminal,
 ) -> Result<Report, Failure> {
-    let calibrated = &outcome.calibrated;
-    let notes = experiment.robot.geometry.notes();
-    let results = Results {
-        model: &calibrated.model,
-        calibration: &calibrated.calibration,
-        notes: &notes,
-        recordings: &outcome.recordings,
-    };
-    let metrics = results.to_json();
-    let page = reports::calibration::page(command, &results, Some(&experiment.source_text), &metrics);
-    let mut files = vec![
-        (reports::FILE.to_owned(), page.to_html().into_bytes()),
-        ("rd_calibrated.json".to_owned(), calibrated.to_file()?),
-        ("calibrated_parameters.csv".to_owned(), parameters::to_csv(&calibrated.calibration.parameters)),
-        ("metrics.json".to_owned(), pretty(&metrics).into_bytes()),
-    ];
-    files.extend(outcome.predictions);
-    let mut outputs = Outputs::default();
-    outputs.folder(folder, files);
-    let mut written = outputs.paths();
-    let drawn = outputs.figures(&page, plots);
-    outputs.write()?;
+    Written::new(command, experiment, &outcome, terminal.style())?.write(outcome, folder, plots)
+}
 
-    let mut text = results.to_text(terminal.style());
-    text.push_str(&written_text(&written));
-    text.push_str(&drawn_text(&drawn, plots));
-    written.extend(drawn);
-    let mut json = metrics;
-    json["command"] = json!(command);
-    json["outputs"] = json!(written);
-    Ok(Report { text, json, findings: false })
+/// What is written of an outcome beside its predictions, and said of it.
+struct Written {
+    text: String,
+    metrics: Value,
+    page: Page,
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Written {
+    fn new(command: &str, experiment: &Experiment, outcome: &Outcome, style: Style) -> Result<Self, Failure> {
+        let calibrated = &outcome.calibrated;
+        let notes = experiment.robot.geometry.notes();
+        let results = Results {
+            model: &calibrated.model,
+            calibration: &calibrated.calibration,
+            notes: &notes,
+            recordings: &outcome.recordings,
+        };
+        let mut metrics = results.to_json();
+        let page = reports::calibration::page(command, &results, Some(&experiment.source_text), &metrics);
+        let files = vec![
+            (reports::FILE.to_owned(), page.to_html().into_bytes()),
+            ("rd_calibrated.json".to_owned(), calibrated.to_file()?),
+            ("calibrated_parameters.csv".to_owned(), parameters::to_csv(&calibrated.calibration.parameters)),
+            ("metrics.json".to_owned(), pretty(&metrics).into_bytes()),
+        ];
+        metrics["command"] = json!(command);
+        Ok(Self { text: results.to_text(style), metrics, page, files })
+    }
+
+    fn write(
+        self,
+        outcome: Outcome,
+        folder: &OutputFolder,
+        plots: Option<&OutputFolder>,
+    ) -> Result<Report, Failure> {
+        let Self { mut text, metrics: mut json, page, mut files } = self;
+        files.extend(outcome.predictions);
+        let mut outputs = Outputs::default();
+        outputs.folder(folder, files);
+        let mut written = outputs.paths();
+        let drawn = outputs.figures(&page, plots);
+        outputs.write()?;
+        text.push_str(&written_text(&written));
+        text.push_str(&drawn_text(&drawn, plots));
+        written.extend(drawn);
+        json["outputs"] = json!(written);
+        Ok(Report { text, json, findings: false })
+    }
 }
 
 /// What a command wrote, for people.
