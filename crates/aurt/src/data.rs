@@ -252,6 +252,7 @@ impl Pipeline<'_> {
             gains: self.instrument.factors(unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),
+            position_noise: purpose == Purpose::Calibration,
             ..self.preprocessing.clone()
         }
     }

@@ -213,8 +213,18 @@ impl Job {
             ..calibrated.clone()
         };
         let rows = judged_rows(*role, self.preprocessing.trim_rest);
+        let pipeline = self.pipeline();
         let predictions = match &name {
-            Some((name, true)) => Some((name.clone(), here.predict_file(loaded)?)),
+            Some((name, true)) => {
+                let options = |purpose| pipeline.options(loaded.recording.unit, purpose);
+                let is_whole = loaded.source.window_s.is_none();
+                let table = if is_whole && options(role.purpose()) == options(Purpose::Prediction) {
+                    here.predicted(loaded, prepared)?
+                } else {
+                    here.predict_file(loaded)?
+                };
+                Some((name.clone(), table))
+            }
             _ => None,
         };
         let comparison = match detail {
@@ -303,8 +313,12 @@ impl CalibratedModel {
     /// # Errors
     /// What makes the recording unfit.
     pub fn predict_file(&self, loaded: &Loaded) -> Result<Vec<u8>, Failure> {
-        let prepared = self.pipeline().preprocess(loaded, Purpose::Prediction)?;
-        let predictions = predict(&self.model, &self.calibration, &prepared)?;
+        self.predicted(loaded, &self.pipeline().preprocess(loaded, Purpose::Prediction)?)
+    }
+
+    /// The same of a recording that was preprocessed for prediction.
+    fn predicted(&self, loaded: &Loaded, prepared: &NamedRecording) -> Result<Vec<u8>, Failure> {
+        let predictions = predict(&self.model, &self.calibration, prepared)?;
         Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))
     }
 }

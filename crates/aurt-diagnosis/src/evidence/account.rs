@@ -72,12 +72,12 @@ pub(crate) fn accounts_for(joints: &[Left]) -> bool {
     together(joints) && on_the_mean(joints) && !stands_out(joints)
 }
 
-/// Over all joints, in units of the reference.
+/// Over all joints, in units of the noise that is seen.
 fn together(joints: &[Left]) -> bool {
     let excess = |of: fn(&Left) -> f64| -> f64 {
         let of_joint = |joint: &Left| {
-            let noise = joint.floor.powi(2);
-            (of(joint).powi(2) - noise).max(0.0) / noise.max(f64::MIN_POSITIVE)
+            let excess = (of(joint).powi(2) - joint.floor.powi(2)).max(0.0);
+            excess / joint.seen.powi(2).max(f64::MIN_POSITIVE)
         };
         joints.iter().map(of_joint).sum()
     };
@@ -94,7 +94,7 @@ fn together(joints: &[Left]) -> bool {
 fn on_the_mean(joints: &[Left]) -> bool {
     let (mut sum, mut weights) = (0.0, 0.0);
     for joint in joints.iter().filter(|j| j.before > STRUCTURE * j.floor) {
-        let weight = (joint.before / joint.floor.max(f64::MIN_POSITIVE)).ln();
+        let weight = (joint.before / joint.seen.max(f64::MIN_POSITIVE)).ln();
         sum += weight * joint.share();
         weights += weight;
     }

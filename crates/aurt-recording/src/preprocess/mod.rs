@@ -48,7 +48,8 @@ pub struct Preprocessed {
     pub segments: Vec<Segment>,
     /// What was found and done.
     pub report: PreprocessReport,
-    /// Noise of each joint's positions as they were recorded, from the beginning of the recording.
+    /// Noise of each joint's positions as they were recorded, from the beginning of the recording; empty where the options do
+    /// not ask for it.
     pub position_noise: Vec<PositionNoise>,
 }
 
@@ -149,7 +150,8 @@ pub fn preprocess(
     report.velocity_scale = agreement.scale(options.rest_velocity_rad_s);
     let looked_at = merged.time_s.len().min(NOISE_SAMPLES);
     let noise = |q: &Vec<f64>| PositionNoise::of(&merged.time_s[..looked_at], &q[..looked_at]);
-    let position_noise = merged.position_rad.iter().map(noise).collect();
+    let asked = if options.position_noise { merged.position_rad.as_slice() } else { &[] };
+    let position_noise = asked.iter().map(noise).collect();
     Ok(Preprocessed { segments, report, position_noise })
 }
 

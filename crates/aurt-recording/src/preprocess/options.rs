@@ -33,6 +33,13 @@ pub struct PreprocessOptions {
     /// Per joint, by how much the measurement lags behind the positions, in s; it is shifted back. `None`: 0.
     #[serde(skip)]
     pub delay_s: Option<Vec<f64>>,
+    /// Whether the [noise of the positions](crate::PositionNoise) is estimated, which calibration asks for.
+    #[serde(skip, default = "yes")]
+    pub position_noise: bool,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 impl Default for PreprocessOptions {
@@ -48,6 +55,7 @@ impl Default for PreprocessOptions {
             gains: None,
             offsets: None,
             delay_s: None,
+            position_noise: true,
         }
     }
 }
