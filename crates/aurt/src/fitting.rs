@@ -64,6 +64,9 @@ impl Assigned {
     }
 }
 
+/// A file's name and contents.
+pub type NamedTable = (String, Vec<u8>);
+
 /// A calibrated model with its errors and predictions.
 #[derive(Debug, Clone)]
 pub struct Outcome {
@@ -71,8 +74,8 @@ pub struct Outcome {
     pub calibrated: CalibratedModel,
     /// How it does on each recording, in their order.
     pub recordings: Vec<RecordingResult>,
-    /// Predictions for each file, as name and contents.
-    pub predictions: Vec<(String, Vec<u8>)>,
+    /// Predictions for each file.
+    pub predictions: Vec<NamedTable>,
 }
 
 impl Role {
@@ -207,7 +210,7 @@ impl Job {
         prepared: &NamedRecording,
         detail: Detail,
         name: Option<(String, bool)>,
-    ) -> Result<(RecordingResult, Option<(String, Vec<u8>)>), Failure> {
+    ) -> Result<(RecordingResult, Option<NamedTable>), Failure> {
         let here = CalibratedModel {
             calibration: self.acting(&calibrated.calibration, &loaded.source.label),
             ..calibrated.clone()
