@@ -22,6 +22,7 @@ def main():
     comparisons = [
         ("least_squares", lambda m: m.compare(arguments.rounds, 300_000, 70)),
         ("pinocchio_regressor", lambda m: m.compare(arguments.rounds, arguments.compiler)),
+        ("dynamics", lambda m: m.compare(arguments.rounds, arguments.compiler)),
         ("identification", lambda m: m.compare(min(arguments.rounds, 3))),
     ]
     for name, run in comparisons:

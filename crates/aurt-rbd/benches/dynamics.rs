@@ -1,4 +1,5 @@
-//! Time of the per-sample algorithms and of the base parameters: `cargo bench -p aurt-rbd --bench dynamics`.
+//! Time of the per-sample algorithms and of the base parameters: `cargo bench -p aurt-rbd --bench dynamics`;
+//! with `--tsv` as `benches/peers/dynamics.py` reads it.
 //!
 //! Fastest of many short rounds, on one core.
 #![expect(clippy::expect_used, reason = "the robots are constants")]
@@ -54,6 +55,19 @@ fn main() {
         ),
     ];
     black_box((out, mass));
+    if std::env::args().any(|argument| argument == "--tsv") {
+        // Name, nanoseconds, and what comes out at that state.
+        let mut torque = [0.0; 6];
+        let mut acceleration = [0.0; 6];
+        dynamics.inverse_dynamics(&q, &qd, &tau, &mut torque);
+        dynamics.forward_dynamics(&q, &qd, &tau, &mut acceleration);
+        dynamics.mass_matrix(&q, &mut mass);
+        let diagonal: [f64; 6] = std::array::from_fn(|joint| mass[7 * joint]);
+        for ((name, nanoseconds), values) in times.iter().zip([torque, acceleration, diagonal]) {
+            println!("{name}\t{nanoseconds}\t{}", values.map(|v| v.to_string()).join("\t"));
+        }
+        return;
+    }
     for (name, nanoseconds) in times {
         println!("UR10e, {name:17} {:10.2} µs", nanoseconds / 1e3);
     }
