@@ -109,7 +109,9 @@ fn judged(model: &Value) -> Vec<String> {
 fn saved_models_are_what_the_schema_describes_and_damaged_ones_are_not() {
     let folder = Folder::new().with_whole_demo();
     let text = folder.read("experiment.toml");
-    for (estimator, tanh) in [("wls", false), ("consistent", false), ("essential", true)] {
+    let estimators =
+        [("wls", false), ("ols", false), ("irls", false), ("consistent", false), ("essential", true)];
+    for (estimator, tanh) in estimators {
         let with = text.replace("\"sign\"", if tanh { "\"tanh\"" } else { "\"sign\"" });
         folder.write("again.toml", &format!("{with}\n[calibration]\nestimator = \"{estimator}\"\n"));
         folder.aurt(["run", "again.toml", "--out", "results"]).succeeded();
