@@ -1,1 +1,3 @@
 //! Tests that span several crates live in `tests/`; this library holds what they share.
+
+pub mod any_input;

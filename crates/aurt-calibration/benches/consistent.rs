@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has nothing to say")]
 
 #[path = "../examples/known_robot/mod.rs"]
+#[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
 use std::time::Instant;

@@ -1,5 +1,5 @@
 //! How often 95 % intervals hold the truth: a UR10e whose parameters are known, noise with and without a memory, encoders
-//! of several resolutions, one recording and five.
+//! of several resolutions and white noise of positions, one recording and five.
 //!
 //! `cargo run --release -p aurt-calibration --example coverage -- 200` prints the table of docs/estimation.md; the first number is
 //! that of the seeds of each row; a second is the only number of recordings, and adds errors in
@@ -7,12 +7,13 @@
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
+#[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};
 use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
-use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, measured};
 use rayon::prelude::*;
 
 const DURATION_S: f64 = 20.0;
@@ -36,16 +37,20 @@ fn main() {
         ""
     };
     println!(
-        "| recordings | noise of the currents | encoder | all | rigid bodies | friction | all, rows taken as white |{of_others}"
+        "| recordings | noise of the currents | positions | all | rigid bodies | friction | all, rows taken as white |{of_others}"
     );
     println!("|---|---|---|---|---|---|---|{}", if only.is_some() { "---|---|---|---|---|---|" } else { "" });
     let noises = [("white", Noise::White), ("Gauss–Markov, 0.1 s", Noise::GaussMarkov { time_s: 0.1 })];
     let encoders = [
-        ("exact", None),
-        ("19 bit", Some(19)),
-        ("16 bit", Some(16)),
-        ("14 bit", Some(14)),
-        ("12 bit", Some(12)),
+        ("exact", Positions::Exact),
+        ("19 bit", Positions::Bits(19)),
+        ("16 bit", Positions::Bits(16)),
+        ("14 bit", Positions::Bits(14)),
+        ("12 bit", Positions::Bits(12)),
+        ("white, 5e-6 rad", Positions::White(5e-6)),
+        ("white, 5e-5 rad", Positions::White(5e-5)),
+        ("white, 2e-4 rad", Positions::White(2e-4)),
+        ("white, 1e-3 rad", Positions::White(1e-3)),
     ];
     let counts = only.map_or(vec![1, RECORDINGS], |only| vec![only]);
     let rows = counts.into_iter().flat_map(|count| {
@@ -53,10 +58,10 @@ fn main() {
             .into_iter()
             .flat_map(move |noise| encoders.into_iter().map(move |encoder| (count, noise, encoder)))
     });
-    for (count, (noise_name, noise), (encoder, bits)) in rows {
+    for (count, (noise_name, noise), (encoder, positions)) in rows {
         let found: Vec<Counts> = (1..=seeds)
             .into_par_iter()
-            .map(|seed| covered(&robot, &clean[..count], seed, noise, bits, only.is_some()))
+            .map(|seed| covered(&robot, &clean[..count], seed, noise, positions, only.is_some()))
             .collect();
         let sum = |k: usize, i: usize| found.iter().map(|c| c[k][i]).sum::<usize>() as f64;
         let share = |k: usize, groups: &[usize]| {
@@ -81,13 +86,13 @@ fn covered(
     clean: &[Recording],
     seed: u64,
     noise: Noise,
-    bits: Option<u32>,
+    positions: Positions,
     with_others: bool,
 ) -> Counts {
     let recordings: Vec<_> = clean
         .iter()
         .enumerate()
-        .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, bits))
+        .map(|(k, c)| measured(c, &format!("{k}"), 1000 * seed + k as u64, noise, 1.0, positions))
         .collect();
     let base = robot.model.base().len();
     let estimates = [

@@ -7,6 +7,7 @@
 #![expect(clippy::unwrap_used, reason = "an example that cannot go on has nothing to say")]
 
 mod knocks;
+#[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, calibrate};

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "../examples/known_robot/mod.rs"]
+#[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
 use std::sync::LazyLock;

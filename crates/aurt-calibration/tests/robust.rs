@@ -5,6 +5,7 @@
 #[path = "../examples/knocks/mod.rs"]
 mod knocks;
 #[path = "../examples/known_robot/mod.rs"]
+#[expect(dead_code, reason = "examples share it, and each uses a part")]
 mod known_robot;
 
 use aurt_calibration::{

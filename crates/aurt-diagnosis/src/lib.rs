@@ -52,5 +52,6 @@ pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, find_gears};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, JointSeriesRows, Learnt,
-    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
+    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, in_amperes, series,
+    write_verdict,
 };

@@ -14,7 +14,8 @@ use std::{
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
-use aurt_rbd::{ChainDynamics, SerialChain};
+use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
+use aurt_robots::KNOWN_ROBOTS;
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry};
@@ -64,8 +65,9 @@ fn compiled_and_run(export: &Export) -> Option<Output> {
             .current_dir(folder.path())
             .output()
     };
-    if let Ok(other) = compile("clang", &[]) {
-        assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr));
+    match compile("clang", &[]) {
+        Ok(other) => assert!(other.status.success(), "clang: {}", String::from_utf8_lossy(&other.stderr)),
+        Err(_) => println!("skipped: there is no C compiler `clang` beside `cc`"),
     }
     // The libraries of the sanitizers are not installed everywhere.
     let mut compiled = compile("cc", &sanitizers);
@@ -169,7 +171,10 @@ fn states(case: &Case, bodies: &mut ChainDynamics) -> Vec<[Vec<f64>; 4]> {
 fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
     let Some(python) = python_with_mujoco() else { return };
     let provenance = provenance();
-    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+    let gravity_m_s2 = [0.0, 0.0, -9.81];
+    let known =
+        KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")].into_iter().chain(known) {
         let case = case(chain, true);
         let export = mjcf::export(&source(&case, &provenance)).unwrap();
         let folder = tempfile::tempdir().unwrap();

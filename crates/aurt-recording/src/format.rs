@@ -122,7 +122,7 @@ pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, R
     if !options.recorded.joined.is_empty() {
         return joined::read(path, options);
     }
-    read(path, options, usize::MAX, &mut |_| Ok(()))
+    read_in_pieces(path, options, usize::MAX, &mut |_| Ok(()))
 }
 
 /// Reads rows as they come, from a pipe or from a file that grows, in pieces of `piece_rows` rows; `name` is what
@@ -168,12 +168,13 @@ pub(crate) fn read_pieces(
             remedy: "read them whole with a higher --stream-above, or join them into one file first".into(),
         });
     }
-    let last = read(path, options, PIECE_ROWS, visit)?;
+    let last = read_in_pieces(path, options, PIECE_ROWS, visit)?;
     visit(&last)?;
     Ok(last.report)
 }
 
-fn read(
+/// Reads one file or data set; pieces of `piece_rows` rows go to `visit`, the last is returned.
+pub(crate) fn read_in_pieces(
     path: &Path,
     options: &ReadOptions,
     piece_rows: usize,

@@ -51,6 +51,7 @@ mod parquet;
 mod preprocess;
 mod recorded_as;
 mod recording;
+mod spread;
 mod written;
 
 pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
@@ -73,4 +74,5 @@ pub use preprocess::{
 };
 pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};
+pub use spread::read_spread;
 pub use written::{JointTopic, mcap, parquet};

@@ -1,4 +1,7 @@
-use std::path::{Path, PathBuf};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
@@ -45,6 +48,9 @@ pub struct ReadReport {
     /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
     #[serde(skip)]
     pub line_is_row: bool,
+    /// Stamps before and after each stretch that was left out on purpose, because the recording is long, s.
+    #[serde(skip)]
+    pub left_out_s: Vec<[f64; 2]>,
     /// Seconds that the reader took off all stamps, so that they keep their nanoseconds.
     #[serde(skip)]
     pub origin_s: f64,
@@ -200,16 +206,37 @@ impl Recording {
         if first >= end {
             return Err(refused("holds no samples"));
         }
-        let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[first..end].to_vec()).collect();
-        Ok(Self {
+        Ok(self.rows(first..end))
+    }
+
+    /// The samples of a range.
+    pub(crate) fn rows(&self, range: Range<usize>) -> Self {
+        let cut = |series: &Vec<Vec<f64>>| series.iter().map(|s| s[range.clone()].to_vec()).collect();
+        Self {
             file: self.file.clone(),
-            time_s: self.time_s[first..end].to_vec(),
+            time_s: self.time_s[range.clone()].to_vec(),
             position_rad: cut(&self.position_rad),
             velocity_rad_s: self.velocity_rad_s.as_ref().map(cut),
             measurement: self.measurement.as_ref().map(cut),
             unit: self.unit,
             report: self.report.clone(),
-        })
+        }
+    }
+
+    /// Appends later samples of the same robot.
+    pub(crate) fn extend(&mut self, later: Self) {
+        let append = |ours: &mut Vec<Vec<f64>>, theirs: Vec<Vec<f64>>| {
+            ours.iter_mut().zip(theirs).for_each(|(ours, theirs)| ours.extend(theirs));
+        };
+        self.time_s.extend(later.time_s);
+        append(&mut self.position_rad, later.position_rad);
+        for (ours, theirs) in
+            [(&mut self.velocity_rad_s, later.velocity_rad_s), (&mut self.measurement, later.measurement)]
+        {
+            if let Some((ours, theirs)) = ours.as_mut().zip(theirs) {
+                append(ours, theirs);
+            }
+        }
     }
 
     /// Checks that all series have one length, that stamps and values are finite and stamps do not go back.

@@ -42,7 +42,12 @@ pub struct DiagnosisOptions {
     pub improve_for: Option<PathBuf>,
     /// Whether [`Diagnosis::series`] is wanted.
     pub series: bool,
+    /// Rows of all recordings together that are looked at; none for [`MOST_ROWS`].
+    pub most_rows: Option<usize>,
 }
+
+/// Rows of all recordings together that a diagnosis looks at; of longer recordings it takes stretches.
+pub const MOST_ROWS: usize = 400_000;
 
 /// What a diagnosis of an experiment found.
 #[derive(Debug, Clone)]
@@ -138,7 +143,8 @@ pub fn diagnose_experiment(
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
     let pipeline =
         Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
-    let (recordings, unit) = read(experiment, &pipeline, |what| progress.step(what))?;
+    let most_rows = options.most_rows.unwrap_or(MOST_ROWS);
+    let (recordings, unit) = read(experiment, &pipeline, most_rows, |what| progress.step(what))?;
     if let Some(given) = options.frozen.as_ref().map(|f| f.calibration.unit).filter(|given| *given != unit) {
         return Err(Failure::Argument {
             option: "--model",
@@ -227,6 +233,7 @@ pub fn diagnose_experiment(
 fn read(
     experiment: &Experiment,
     pipeline: &Pipeline<'_>,
+    most_rows: usize,
     mut progress: impl FnMut(String),
 ) -> Result<(Vec<QuestionedRecording>, MeasurementUnit), Failure> {
     let sections = &experiment.recordings;
@@ -252,10 +259,13 @@ fn read(
         });
     }
     let predictions = simulated.iter();
+    // A prediction has a value for each row.
+    let rows_each = if simulated.is_empty() { most_rows / listed.len().max(1) } else { usize::MAX };
     let mut loaded = Vec::new();
     for (source, role) in listed {
         progress(format!("reading {}", source.written));
-        loaded.push((pipeline.read(Source::from(source), Purpose::Validation)?, role));
+        let source = Source::from(source);
+        loaded.push((Loaded::read_spread(source, pipeline.joints, Purpose::Validation, rows_each)?, role));
     }
     let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
     Ok((

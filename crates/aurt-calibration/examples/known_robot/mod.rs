@@ -36,6 +36,42 @@ pub enum Noise {
     },
 }
 
+/// How the positions are measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Positions {
+    /// As they are.
+    Exact,
+    /// By an encoder with so many bits a revolution, whose zero lies anywhere within a step.
+    Bits(u32),
+    /// With white noise of this deviation, rad.
+    White(f64),
+}
+
+impl From<Option<u32>> for Positions {
+    fn from(bits: Option<u32>) -> Self {
+        bits.map_or(Self::Exact, Self::Bits)
+    }
+}
+
+/// Dry friction of a joint that is higher near rest.
+#[derive(Debug, Clone, Copy)]
+pub struct Stribeck {
+    /// The joint.
+    pub joint: usize,
+    /// F_S − F_C, Nm.
+    pub rise_nm: f64,
+    /// v_S, rad/s.
+    pub velocity_rad_s: f64,
+    /// δ.
+    pub exponent: f64,
+}
+
+impl Stribeck {
+    fn level_nm(&self, velocity_rad_s: f64) -> f64 {
+        self.rise_nm * (-(velocity_rad_s / self.velocity_rad_s).abs().powf(self.exponent)).exp()
+    }
+}
+
 /// A robot of which everything is known.
 pub struct KnownRobot {
     /// Its model.
@@ -43,6 +79,7 @@ pub struct KnownRobot {
     /// The model's coefficients.
     pub truth: Vec<f64>,
     dynamics: ChainDynamics,
+    stribeck: Vec<Stribeck>,
 }
 
 fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBody {
@@ -66,6 +103,12 @@ impl KnownRobot {
     /// The robot; `load` adds a body to its last link, as the arm term `payload` of the model.
     #[must_use]
     pub fn new(load: Option<&LinkBody>) -> Self {
+        Self::with_stribeck(load, Vec::new())
+    }
+
+    /// The same with dry friction that is higher near rest on some joints; the model begins with another shape.
+    #[must_use]
+    pub fn with_stribeck(load: Option<&LinkBody>, stribeck: Vec<Stribeck>) -> Self {
         let registry = Registry::linked().unwrap();
         let table = MdhTable::parse(MDH, "mdh.csv", MdhRows::Next).unwrap();
         let mut standard: Vec<f64> = links().iter().flat_map(LinkBody::standard_parameters).collect();
@@ -73,9 +116,15 @@ impl KnownRobot {
         let mut truth = rigid.base.values(&standard);
         let stacks = (0..6)
             .map(|j| {
-                truth.extend([COULOMB_NM[j], VISCOUS_NM_S[j]]);
+                let law = stribeck.iter().find(|law| law.joint == j);
+                truth.push(COULOMB_NM[j]);
+                truth.extend(law.map(|law| law.rise_nm));
+                truth.push(VISCOUS_NM_S[j]);
+                let coulomb = law.map_or(json!({"model": "none"}), |_| {
+                    json!({"model": "stribeck", "stribeck_velocity_rad_s": 0.05, "stribeck_exponent": 1.0})
+                });
                 JointStack::new(
-                    registry.build_from_json::<dyn CoulombModel>(&json!({"model": "none"})).unwrap(),
+                    registry.build_from_json::<dyn CoulombModel>(&coulomb).unwrap(),
                     registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
                     registry
                         .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))
@@ -95,15 +144,25 @@ impl KnownRobot {
         }
         let chain = SerialChain::from_mdh(&table, GRAVITY_M_S2).unwrap();
         let dynamics = ChainDynamics::new(chain, &standard).unwrap();
-        Self { model, truth, dynamics }
+        Self { model, truth, dynamics, stribeck }
     }
 
     /// Motion and torques without noise; motions of different `kind` have different phases.
     pub fn clean(&mut self, kind: usize, duration_s: f64) -> Recording {
+        self.recorded(kind, duration_s, motion, 0.0)
+    }
+
+    /// The same of motions whose accelerations, too, are zero at both ends, sampled where no velocity is exactly zero: what is
+    /// left of their recordings is noise alone, also at the ends and at reversals, of which shapes are made.
+    pub fn clean_at_ends(&mut self, kind: usize, duration_s: f64) -> Recording {
+        self.recorded(kind, duration_s, soft_motion, 0.5)
+    }
+
+    fn recorded(&mut self, kind: usize, duration_s: f64, motion: Motion, shift: f64) -> Recording {
         let samples = (duration_s * RATE_HZ) as usize;
         let mut position = vec![Vec::new(); 6];
         let mut torque = vec![Vec::new(); 6];
-        let time_s: Vec<f64> = (0..samples).map(|k| k as f64 / RATE_HZ).collect();
+        let time_s: Vec<f64> = (0..samples).map(|k| (k as f64 + shift) / RATE_HZ).collect();
         for t in &time_s {
             let state: Vec<[f64; 3]> = (0..6).map(|j| motion(kind, j, *t, duration_s)).collect();
             let of = |i: usize| state.iter().map(|s| s[i]).collect::<Vec<f64>>();
@@ -111,7 +170,11 @@ impl KnownRobot {
             self.dynamics.inverse_dynamics(&of(0), &of(1), &of(2), &mut tau);
             for j in 0..6 {
                 position[j].push(state[j][0]);
-                torque[j].push(tau[j] + COULOMB_NM[j] * state[j][1].signum() + VISCOUS_NM_S[j] * state[j][1]);
+                let velocity = state[j][1];
+                let rise =
+                    self.stribeck.iter().find(|law| law.joint == j).map_or(0.0, |l| l.level_nm(velocity));
+                let dry = (COULOMB_NM[j] + rise) * velocity.signum();
+                torque[j].push(tau[j] + dry + VISCOUS_NM_S[j] * velocity);
             }
         }
         Recording {
@@ -126,15 +189,36 @@ impl KnownRobot {
     }
 }
 
-/// Angle, velocity, acceleration of a joint: harmonics of the recording's length below 1 Hz, at rest at both ends as
-/// excitation is.
+/// Angle, velocity and acceleration of a joint: kind, joint, time and length of the motion.
+type Motion = fn(usize, usize, f64, f64) -> [f64; 3];
+
+/// Harmonics of the recording's length below 1 Hz, at rest at both ends as excitation is.
 fn motion(kind: usize, joint: usize, t: f64, duration_s: f64) -> [f64; 3] {
+    harmonics(joint, t, &terms(kind, joint, duration_s))
+}
+
+/// The same with a fourth amplitude that makes the acceleration zero at both ends.
+fn soft_motion(kind: usize, joint: usize, t: f64, duration_s: f64) -> [f64; 3] {
+    let mut terms = terms(kind, joint, duration_s);
+    let power = |[amplitude, omega]: [f64; 2]| amplitude * omega * omega;
+    let others: f64 = [0, 1, 2, 4].map(|k| power(terms[k])).iter().sum();
+    terms[3][0] = -others / (terms[3][1] * terms[3][1]);
+    harmonics(joint, t, &terms)
+}
+
+/// Amplitude and angular frequency of each harmonic.
+fn terms(kind: usize, joint: usize, duration_s: f64) -> [[f64; 2]; 5] {
     const AMPLITUDES: [f64; 5] = [0.45, -0.25, 0.14, -0.09, 0.06];
-    let mut out = [0.0; 3];
-    for (k, amplitude) in AMPLITUDES.into_iter().enumerate() {
+    std::array::from_fn(|k| {
         let cycles = (2 + 3 * k + (joint * 5 + kind * 3) % 7) as f64;
-        let omega = TAU * cycles / duration_s;
-        let amplitude = if (joint + kind + k).is_multiple_of(3) { -amplitude } else { amplitude };
+        let sign = if (joint + kind + k).is_multiple_of(3) { -1.0 } else { 1.0 };
+        [sign * AMPLITUDES[k], TAU * cycles / duration_s]
+    })
+}
+
+fn harmonics(joint: usize, t: f64, terms: &[[f64; 2]]) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    for [amplitude, omega] in terms {
         let (sin, cos) = (omega * t).sin_cos();
         out[0] += amplitude * (1.0 - cos);
         out[1] += amplitude * omega * sin;
@@ -144,8 +228,7 @@ fn motion(kind: usize, joint: usize, t: f64, duration_s: f64) -> [f64; 3] {
     out
 }
 
-/// A clean recording as it would be measured: torques with noise of `level` times [`NOISE_NM`], positions of an encoder with
-/// so many bits a revolution whose zero lies anywhere within a step.
+/// A clean recording as it would be measured: torques with noise of `level` times [`NOISE_NM`].
 #[must_use]
 pub fn measured(
     clean: &Recording,
@@ -153,7 +236,22 @@ pub fn measured(
     seed: u64,
     noise: Noise,
     level: f64,
-    bits: Option<u32>,
+    positions: impl Into<Positions>,
+) -> NamedRecording {
+    let options = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(F_DYN_HZ) };
+    measured_and(clean, name, seed, noise, level, positions.into(), &options)
+}
+
+/// The same, preprocessed otherwise.
+#[must_use]
+pub fn measured_and(
+    clean: &Recording,
+    name: &str,
+    seed: u64,
+    noise: Noise,
+    level: f64,
+    positions: Positions,
+    options: &PreprocessOptions,
 ) -> NamedRecording {
     let mut random = Normal(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x51_7cc1_b727_220a);
     let mut recording = clean.clone();
@@ -171,15 +269,19 @@ pub fn measured(
             *y += level * deviation * value;
         }
     }
-    if let Some(bits) = bits {
-        let step = TAU / f64::from(2_u32.pow(bits));
-        for series in &mut recording.position_rad {
-            let zero = random.uniform();
-            series.iter_mut().for_each(|q| *q = ((*q / step + zero).round() - zero) * step);
+    for series in &mut recording.position_rad {
+        match positions {
+            Positions::Exact => {}
+            Positions::Bits(bits) => {
+                let (step, zero) = (TAU / f64::from(2_u32.pow(bits)), random.uniform());
+                series.iter_mut().for_each(|q| *q = ((*q / step + zero).round() - zero) * step);
+            }
+            Positions::White(deviation) => {
+                series.iter_mut().for_each(|q| *q += deviation * random.next());
+            }
         }
     }
-    let options = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(F_DYN_HZ) };
-    NamedRecording { name: name.into(), data: preprocess(&recording, &options).unwrap() }
+    NamedRecording { name: name.into(), data: preprocess(&recording, options).unwrap() }
 }
 
 /// Normal deviates by Box and Muller from a 64-bit linear congruential sequence.

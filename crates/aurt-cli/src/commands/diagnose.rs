@@ -11,7 +11,7 @@ use serde_json::json;
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
-    diagnosing::{DiagnosisOptions, diagnose_experiment},
+    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
     doctor::{self, Examination, Subject},
     failure::Failure,
     output::{OutputFolder, Outputs},
@@ -66,6 +66,9 @@ pub struct Diagnose {
     /// that were located, in this format, as series_<recording>.parquet or .mcap
     #[arg(long, value_enum, value_name = "FORMAT")]
     series: Option<SeriesName>,
+    /// Look at so many rows of all recordings together; of longer recordings stretches are taken, evenly spread
+    #[arg(long, value_name = "ROWS", default_value_t = MOST_ROWS)]
+    most_rows: usize,
     #[command(flatten)]
     plots: PlotOptions,
 }
@@ -84,6 +87,7 @@ impl Diagnose {
             compare: false,
             verdict_only: false,
             series: None,
+            most_rows: MOST_ROWS,
             plots: PlotOptions::none(),
         }
     }
@@ -108,6 +112,7 @@ impl Diagnose {
             compare: self.compare,
             improve_for,
             series: self.series.is_some(),
+            most_rows: Some(self.most_rows),
         };
         let progress = terminal.progress(24);
         let diagnosis = diagnose_experiment(&experiment, registry, &options, &progress)?;

@@ -45,7 +45,7 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
         stability: None,
         sentence: String::new(),
     };
-    finding.sentence = sentence(&finding);
+    finding.sentence = sentence(&finding, question.unit);
     Some(finding)
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn findings(
         .into_iter()
         .map(|(mut finding, _)| {
             sort_by_joint(&mut finding);
-            finding.sentence = sentence(&finding);
+            finding.sentence = sentence(&finding, question.unit);
             finding
         })
         .collect()
@@ -95,7 +95,7 @@ pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation
             let own = &investigation.groups[indicated.chosen.group];
             let fitted = Fitted::new(investigation, investigation.switches_of(kept.chain([own])));
             let mut finding = finding(question, investigation, &indicated.chosen, &fitted)?;
-            finding.sentence = sentence(&finding);
+            finding.sentence = sentence(&finding, question.unit);
             Some(Indication { finding, fails: indicated.fails.clone() })
         })
         .collect();

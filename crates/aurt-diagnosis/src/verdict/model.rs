@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use aurt_traits::Slot;
+use aurt_traits::{MeasurementUnit, Slot};
 use serde::{Deserialize, Serialize};
 
 use crate::hypotheses::effects::{Family, ParameterValue};
@@ -23,6 +23,9 @@ pub enum Answer {
 /// A diagnosis, as `verdict.json` carries it. Joints count from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
+    /// Unit of the measurement. In A, parameters called `_nm` are in A, and those called `_kg` in A/Nm kg.
+    #[serde(default)]
+    pub unit: MeasurementUnit,
     /// The answer: where there are targets beside other recordings, of what has changed in them; else of what is missing.
     pub verdict: Answer,
     /// Of what is missing in all recordings, where [`Self::verdict`] is about what has changed.

@@ -1,12 +1,28 @@
 //! Findings in words.
 
 use aurt_calibration::with_deviation;
+use aurt_traits::MeasurementUnit;
 
 use crate::hypotheses::effects;
 use crate::verdict::Finding;
 
 /// An effect in a sentence: what it is, on which joints, in which recordings, and its first parameters.
-pub(crate) fn sentence(finding: &Finding) -> String {
+pub(crate) fn sentence(finding: &Finding, unit: MeasurementUnit) -> String {
+    let in_nm = sentence_in_nm(finding);
+    if unit == MeasurementUnit::NewtonMetre { in_nm } else { in_amperes(&in_nm) }
+}
+
+/// A sentence about torques as one about currents: what is in Nm is in A, and what is in kg is in A/Nm kg.
+#[must_use]
+pub fn in_amperes(sentence: &str) -> String {
+    sentence
+        .replace("_nm", "_a")
+        .replace("_kg", "_a_per_nm_kg")
+        .replace(" kg", " A/Nm kg")
+        .replace(" Nm", " A")
+}
+
+fn sentence_in_nm(finding: &Finding) -> String {
     let changed = finding.present_in == ["target"];
     let when = if changed { ", in the target recordings only" } else { "" };
     let phrase = effects::find(&finding.effect).and_then(|e| e.phrase(&finding.parameters));
@@ -57,7 +73,13 @@ fn joint_numbers(joints: &[usize]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::{in_amperes, short};
+
+    #[test]
+    fn masses_of_a_model_in_amperes_are_not_kilograms() {
+        let said = in_amperes("a payload of 0.2506 ± 0.0050 kg on link 5 (amplitude_nm = 4.2)");
+        assert_eq!(said, "a payload of 0.2506 ± 0.0050 A/Nm kg on link 5 (amplitude_a = 4.2)");
+    }
 
     #[test]
     fn values_without_a_deviation_have_four_digits() {

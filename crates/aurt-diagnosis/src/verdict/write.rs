@@ -11,7 +11,7 @@ use crate::hypotheses::effects::Presence;
 use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
-use crate::request::Question;
+use crate::request::{Question, QuestionedRecording};
 use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
 use crate::verdict::errors::Errors;
@@ -22,7 +22,7 @@ use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
     Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, memory, registered,
 };
-use aurt_traits::ColumnGroup;
+use aurt_traits::{ColumnGroup, MeasurementUnit};
 
 /// The verdict of an investigation.
 #[must_use]
@@ -77,6 +77,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     effects.splice(0..0, shaking.into_iter().chain(touched));
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors);
     let mut verdict = Verdict {
+        unit: question.unit,
         verdict: answer,
         structure,
         effects,
@@ -99,6 +100,14 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .filter(|f| !f.suffices)
             .map(|f| format!("{}: {}", f.recording, f.sentence)),
     );
+    verdict.notes.extend(question.recordings.iter().filter_map(left_out));
+    if question.unit == MeasurementUnit::Ampere {
+        verdict.notes.push(
+            "the model is in A: parameters in Nm or kg are divided by torque constants, and drives whose constants differ look like \
+             losses and gains; `torque_constants_nm_per_a` in [robot] makes them torques"
+                .into(),
+        );
+    }
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());
     let wandering: Vec<String> = louder
@@ -135,6 +144,19 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
             .push("the model in question was taken as given; its coefficients were not refitted".into());
     }
     verdict
+}
+
+/// That a long recording was looked at in stretches.
+fn left_out(recording: &QuestionedRecording) -> Option<String> {
+    let (raw, name) = (&recording.raw, &recording.data.name);
+    let left_out: f64 = raw.report.left_out_s.iter().map(|[before, after]| after - before).sum();
+    (left_out > 0.0).then(|| {
+        let share = 100.0 * (1.0 - left_out / raw.duration_s());
+        format!(
+            "{name}: {} stretches were looked at, {share:.1} % of its time",
+            raw.report.left_out_s.len() + 1
+        )
+    })
 }
 
 /// A warning where what was found makes held-out data worse on half of the joints: as a rule these are of another robot

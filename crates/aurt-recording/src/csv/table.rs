@@ -130,8 +130,8 @@ pub(super) fn report(
         dropped: collected.dropped,
         dropped_rows: collected.dropped_rows,
         remarks,
-        line_is_row: false,
         origin_s: collected.origin_s,
+        ..ReadReport::default()
     }
 }
 

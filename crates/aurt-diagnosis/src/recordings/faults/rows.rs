@@ -54,7 +54,7 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     let time = &recording.time_s;
     let period_s = median_distance(time);
     let mut spoilt = vec![false; time.len()];
-    let (missing, gaps_s) = missing(time, period_s);
+    let (missing, gaps_s) = missing(recording, period_s);
     let repeated = mark(&mut spoilt, |k| k > 0 && time[k] - time[k - 1] <= SAME_STAMP * period_s);
     let held_rows = held(recording, &spoilt);
     let held = mark(&mut spoilt, |k| held_rows[k]);
@@ -107,8 +107,9 @@ fn median_distance(time: &[f64]) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Number of missing rows and the stretches in which they are.
-fn missing(time: &[f64], period_s: f64) -> (usize, Vec<[f64; 2]>) {
+/// Number of missing rows and the stretches in which they are; what was left out on purpose is not missing.
+fn missing(recording: &Recording, period_s: f64) -> (usize, Vec<[f64; 2]>) {
+    let time = &recording.time_s;
     let mut distances: Vec<f64> =
         time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > SAME_STAMP * period_s).collect();
     if distances.len() < 10 {
@@ -121,7 +122,7 @@ fn missing(time: &[f64], period_s: f64) -> (usize, Vec<[f64; 2]>) {
     let mut gaps = Vec::new();
     for (k, w) in time.windows(2).enumerate() {
         let distance = w[1] - w[0];
-        if distance <= 1.5 * longest {
+        if distance <= 1.5 * longest || recording.report.left_out_s.contains(&[w[0], w[1]]) {
             continue;
         }
         // A late stamp is followed, and an early one preceded, by a distance that is short by as much.

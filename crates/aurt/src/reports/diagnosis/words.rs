@@ -3,7 +3,9 @@
 use aurt_diagnosis::{
     Answer, Finding, Indication, JointResidual, Question, Role, Verdict,
     effects::{self, Family},
+    in_amperes,
 };
+use aurt_traits::MeasurementUnit;
 
 use crate::{rendering::number::significant, reports::parts};
 
@@ -194,6 +196,14 @@ fn has_physics(verdict: &Verdict) -> bool {
     verdict.effects.iter().any(|f| f.family != Family::Q)
 }
 
+/// What is said in Nm, in the unit of the measurement.
+fn expressed(said: String, unit: MeasurementUnit) -> String {
+    match unit {
+        MeasurementUnit::NewtonMetre => said,
+        MeasurementUnit::Ampere => in_amperes(&said),
+    }
+}
+
 /// The first of some findings in a few words, and how many more there are.
 fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> {
     let mut found = verdict.effects.iter().filter(|f| which(f));
@@ -209,6 +219,7 @@ fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> 
             (false, _) => format!("{title} on joints {}", parts::listed(&joints)),
         }
     });
+    let named = expressed(named, verdict.unit);
     Some(match found.count() {
         0 => named,
         1 => format!("{named}, and one more effect"),
@@ -301,6 +312,7 @@ mod tests {
 
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
+            unit: MeasurementUnit::NewtonMetre,
             verdict: answer,
             structure: None,
             effects,

@@ -1,0 +1,4 @@
+//! See `aurt_tests::any_input::saved_model`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| aurt_tests::any_input::saved_model(data));
