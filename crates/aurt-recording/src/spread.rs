@@ -10,7 +10,7 @@ use crate::{
 /// Rows of a stretch: 16 s at 1 kHz, several motions of most robots, hundreds of times what filters need.
 const STRETCH_ROWS: usize = 1 << 14;
 
-/// Reads a recording as [`read_recording`] does; of one with more than `most_rows` rows it keeps stretches of 16 384, every
+/// Reads a recording as [`read_recording`] does; of one with more than `most_rows` rows it keeps stretches of about 16 384, every
 /// second one, every fourth, …, until what is kept is no more than that (and one stretch at least). Between them the recording
 /// has gaps; a remark of its report tells of them.
 ///
@@ -50,14 +50,15 @@ struct Spread {
 
 impl Spread {
     fn push(&mut self, piece: &Recording) {
-        let mut from = 0;
-        while from < piece.samples() {
-            let to = (from + STRETCH_ROWS).min(piece.samples());
+        // Readers hold back a row here and there, so that pieces are no exact multiples.
+        let samples = piece.samples();
+        let stretches = ((samples + STRETCH_ROWS / 2) / STRETCH_ROWS).max(1);
+        for k in 0..stretches {
             if self.next.is_multiple_of(self.every) {
-                self.kept.push((self.next, piece.rows(from..to)));
+                let range = k * samples / stretches..(k + 1) * samples / stretches;
+                self.kept.push((self.next, piece.rows(range)));
             }
             self.next += 1;
-            from = to;
             while self.kept.len() > 1 && self.rows() > self.most_rows {
                 self.every *= 2;
                 let every = self.every;
@@ -84,7 +85,7 @@ impl Spread {
         }
         if every > 1 {
             joined.report.remarks.push(format!(
-                "{rows} of {all} rows were looked at: every {every}th of its stretches of {STRETCH_ROWS} rows"
+                "{rows} of {all} rows were looked at: every {every}th of its stretches of about {STRETCH_ROWS} rows"
             ));
         }
         joined

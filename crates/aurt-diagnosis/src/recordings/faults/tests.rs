@@ -65,6 +65,20 @@ fn number(fault: &Fault, name: &str) -> f64 {
     fault.parameters[name].0.as_f64().unwrap()
 }
 
+#[test]
+fn what_was_left_out_on_purpose_is_not_missing() {
+    let made = recording(1, 250.0, 0.0, 0.05, 1e-4);
+    let order: Vec<usize> = (0..made.samples()).filter(|k| !(500..700).contains(k)).collect();
+    let mut shorter = made.clone();
+    shorter.time_s = picked(&order, &made.time_s);
+    shorter.position_rad = made.position_rad.iter().map(|s| picked(&order, s)).collect();
+    shorter.measurement = made.measurement.as_ref().map(|m| m.iter().map(|s| picked(&order, s)).collect());
+    let found = RecordingFaults::find("made", &shorter);
+    assert_eq!(number(&found.faults[0], "missing"), 200.0);
+    shorter.report.left_out_s.push([made.time_s[499], made.time_s[700]]);
+    assert!(RecordingFaults::find("made", &shorter).faults.is_empty());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
