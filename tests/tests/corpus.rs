@@ -16,7 +16,6 @@ fn inputs(target: &str) -> Vec<Vec<u8>> {
     let others: &[&str] = match target {
         "recording" => &["crates/aurt-recording/tests/formats"],
         "robot" => &["crates/aurt-robots/tests/reference", "crates/aurt-rbd/tests/robots"],
-
         _ => &[],
     };
     let kept = format!("fuzz/corpus/{target}");

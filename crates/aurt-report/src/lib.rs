@@ -14,7 +14,7 @@ mod page;
 mod table;
 
 pub use figure::{
-    Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means,
+    Arm, Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means,
     subsample,
 };
 pub use page::{Block, Page, Section, Tone, Verdict};

@@ -20,7 +20,7 @@ use crate::{
     fitting::{Assigned, Detail, Job},
     progress::Progress,
     rendering::style::Style,
-    reports::diagnosis::{Diagnosed, words::Asked},
+    reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{metrics, verdict::Shown},
 };
 
@@ -107,6 +107,7 @@ impl Diagnoser {
                 notes: &improvement.notes,
                 recording_notes: question.recordings.iter().map(notes_of).collect(),
                 document: &document,
+                arm_m: arm::points_m(question.model, question.recordings),
             }
             .page();
             let unit = question.unit;

@@ -22,7 +22,7 @@ use crate::{
     fitting::{calibration_options, fit_experiment},
     progress::Progress,
     rendering::style::Style,
-    reports::diagnosis::{Diagnosed, words::Asked},
+    reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{diagnosed_series::DiagnosedSeries, verdict::Shown},
     simulated,
 };
@@ -210,6 +210,7 @@ pub fn diagnose_experiment(
                 notes: &improvement.notes,
                 recording_notes: recordings.iter().map(notes_of).collect(),
                 document: &document,
+                arm_m: arm::points_m(&structure, &recordings),
             }
             .page();
             Some(Improved { experiment_toml: text, added, model, notes: improvement.notes, report })

@@ -15,7 +15,11 @@ pub const FILE_STYLE: &str = "text{font:12px system-ui,'DejaVu Sans',Helvetica,A
     .line.before,.means.before{stroke-dasharray:5 3}.line.floor{stroke-dasharray:2 3}\
     .window{fill:#cc79a7;fill-opacity:.28}\
     .bar{stroke:none}.bar.before{fill:#d55e00;fill-opacity:.55}.bar.after,.bar.predicted{fill:#0072b2}\
-    .bar.measured{fill:#777}.bar.floor{fill:#009e73}.mark{stroke:#009e73;stroke-width:2.5}";
+    .bar.measured{fill:#777}.bar.floor{fill:#009e73}.mark{stroke:#009e73;stroke-width:2.5}\
+    .link{fill:none;stroke:#555;stroke-width:4;stroke-linejoin:round;stroke-linecap:round}\
+    .ground{stroke:#777;stroke-width:3}.joint circle{stroke:#222;stroke-width:1.2}\
+    .joint .number{font-weight:600;fill:#111}.level0 circle{fill:#7fd0b5}.level1 circle{fill:#f0e442}\
+    .level2 circle{fill:#e69f00}.level3 circle{fill:#f0622d}.levelless circle{fill:#ddd}";
 
 /// The class of a style.
 pub const fn class(style: Style) -> &'static str {
@@ -39,6 +43,8 @@ pub enum Sample {
     Mark,
     /// A window.
     Window,
+    /// A joint at some level.
+    Level(&'static str),
 }
 
 impl Sample {
@@ -57,6 +63,9 @@ pub fn sample(sample: Sample) -> String {
             format!("<rect class=\"bar {class}\" x=\"2\" y=\"1\" width=\"22\" height=\"10\"/>")
         }
         Sample::Mark => "<path class=\"mark\" d=\"M13 0V12\"/>".into(),
+        Sample::Level(class) => {
+            format!("<g class=\"joint {class}\"><circle cx=\"13\" cy=\"6\" r=\"5.5\"/></g>")
+        }
         Sample::Window => "<rect class=\"window\" x=\"2\" y=\"0\" width=\"22\" height=\"12\"/>".into(),
     }
 }

@@ -1,11 +1,13 @@
 //! Figures: what they show, and the one drawing of it that page and file share.
 
+mod arm;
 mod bars;
 mod drawing;
 mod plot;
 mod reduce;
 mod scale;
 
+pub use arm::Arm;
 pub use bars::{BarGroup, Bars};
 pub use plot::{Axis, Layer, Mark, Panel, Plot, Style, Window};
 pub use reduce::{decimated, quantile_means, subsample};
@@ -19,6 +21,8 @@ pub enum Figure {
     Plot(Plot),
     /// Bars in groups.
     Bars(Bars),
+    /// An arm with coloured joints.
+    Arm(Arm),
 }
 
 /// Where a drawing goes.
@@ -37,6 +41,7 @@ impl Figure {
         let name = match self {
             Self::Plot(plot) => &plot.name,
             Self::Bars(bars) => &bars.name,
+            Self::Arm(arm) => &arm.name,
         };
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' || c == '-' { c } else { '_' };
         name.chars().map(plain).collect()
@@ -48,6 +53,7 @@ impl Figure {
         match self {
             Self::Plot(plot) => plot.draw(Target::File),
             Self::Bars(bars) => bars.draw(Target::File),
+            Self::Arm(arm) => arm.draw(Target::File),
         }
     }
 
@@ -56,6 +62,7 @@ impl Figure {
         let (svg, title, caption, legend) = match self {
             Self::Plot(plot) => (plot.draw(Target::Page), &plot.title, &plot.caption, plot.legend()),
             Self::Bars(bars) => (bars.draw(Target::Page), &bars.title, &bars.caption, bars.legend()),
+            Self::Arm(arm) => (arm.draw(Target::Page), &arm.title, &arm.caption, arm.legend()),
         };
         let mut entries = String::new();
         for (name, class) in legend {
@@ -69,6 +76,7 @@ impl Figure {
             Self::Plot(plot) if plot.small => "small",
             Self::Plot(_) => "large",
             Self::Bars(_) => "bars",
+            Self::Arm(_) => "arm",
         };
         let caption = if caption.is_empty() {
             String::new()

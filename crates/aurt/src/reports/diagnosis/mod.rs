@@ -1,5 +1,6 @@
 //! The page of a diagnosis.
 
+pub mod arm;
 mod findings;
 mod rows;
 pub mod words;
@@ -39,6 +40,8 @@ pub struct Diagnosed<'a> {
     pub recording_notes: Vec<Vec<String>>,
     /// What verdict.json holds.
     pub document: &'a Value,
+    /// Base and joints in the plane of a drawing, m, where the arm can be drawn.
+    pub arm_m: Option<Vec<[f64; 2]>>,
 }
 
 impl Diagnosed<'_> {
@@ -210,7 +213,15 @@ impl Diagnosed<'_> {
                            that were fitted, where both models were fitted to all of them; held-out rows took no part, \
                            and there the model in question is as it was calibrated."
                 .into(),
-            blocks: vec![Block::Figure(Figure::Bars(bars)), Block::Table(table)],
+            blocks: vec![self.where_it_is(Figure::Bars(bars)), Block::Table(table)],
+        }
+    }
+
+    /// The bars, beside the arm if it can be drawn.
+    fn where_it_is(&self, bars: Figure) -> Block {
+        match &self.arm_m {
+            Some(points) => Block::Figures(vec![Figure::Arm(arm::figure(self.verdict, points)), bars]),
+            None => Block::Figure(bars),
         }
     }
 

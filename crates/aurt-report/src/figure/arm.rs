@@ -1,0 +1,167 @@
+//! An arm as lines in a plane, its joints coloured by how far something exceeds a level, before and after.
+
+use std::fmt::Write;
+
+use super::{
+    Target,
+    drawing::{self, Sample, text},
+    scale::coordinate,
+};
+use crate::escape;
+
+/// An arm, drawn once for each state of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arm {
+    /// Title.
+    pub title: String,
+    /// Stem of the file name.
+    pub name: String,
+    /// What stands below; may be empty.
+    pub caption: String,
+    /// What levels are multiples of, such as "noise".
+    pub of: String,
+    /// The base and then every joint, in the plane of the drawing, m, upwards and to the right.
+    pub points_m: Vec<[f64; 2]>,
+    /// The states: a label, and a multiple for each joint, absent where there is none.
+    pub states: Vec<(String, Vec<Option<f64>>)>,
+}
+
+/// Multiples up to which each colour reaches; beyond the last one there is one more.
+pub const LEVELS: [f64; 3] = [1.5, 3.0, 6.0];
+
+const WIDTH: f64 = 460.0;
+const HEIGHT: f64 = 300.0;
+const MARGIN: f64 = 28.0;
+/// Room above for the label of a state.
+const LABEL: f64 = 20.0;
+const RADIUS: f64 = 9.5;
+
+/// The class of a multiple's colour.
+const fn class(level: usize) -> &'static str {
+    ["level0", "level1", "level2", "level3"][level]
+}
+
+fn level(multiple: f64) -> usize {
+    LEVELS.iter().filter(|l| multiple > **l).count()
+}
+
+impl Arm {
+    pub(crate) fn legend(&self) -> Vec<(String, Sample)> {
+        let of = &self.of;
+        let [a, b, c] = LEVELS;
+        let names = [format!("≤ {a} × {of}"), format!("≤ {b}"), format!("≤ {c}"), "more".to_owned()];
+        names.into_iter().enumerate().map(|(k, name)| (name, Sample::Level(class(k)))).collect()
+    }
+
+    pub(crate) fn draw(&self, target: Target) -> String {
+        let mut svg = String::new();
+        let panel = WIDTH / self.states.len().max(1) as f64;
+        let lines = self.placed(panel);
+        let joints = apart(&lines[1.min(lines.len())..]);
+        for (k, (label, multiples)) in self.states.iter().enumerate() {
+            let left = panel * k as f64;
+            let _ = write!(svg, "<g transform=\"translate({} 0)\">", coordinate(left));
+            svg.push_str(&text(panel / 2.0, 13.0, "middle", "axis", label));
+            if let Some([x, y]) = lines.first() {
+                let (x, y) = (coordinate(*x), coordinate(*y));
+                let _ = write!(svg, "<path class=\"ground\" d=\"M{x} {y}m-14 0h28\"/>");
+            }
+            let path: Vec<String> =
+                lines.iter().map(|[x, y]| format!("{} {}", coordinate(*x), coordinate(*y))).collect();
+            let _ = write!(svg, "<path class=\"link\" d=\"M{}\"/>", path.join("L"));
+            for (joint, [x, y]) in joints.iter().enumerate() {
+                let multiple = multiples.get(joint).copied().flatten().filter(|m| m.is_finite());
+                let colour = multiple.map_or("levelless", |m| class(level(m)));
+                let said =
+                    multiple.map_or_else(|| "no error known".into(), |m| format!("{m:.1} × {}", self.of));
+                let _ = write!(
+                    svg,
+                    "<g class=\"joint {colour}\"><title>{}</title><circle cx=\"{}\" cy=\"{}\" r=\"{RADIUS}\"/>",
+                    escape::text(&format!("joint {joint}, {label}: {said}")),
+                    coordinate(*x),
+                    coordinate(*y)
+                );
+                svg.push_str(&text(*x, y + 4.0, "middle", "number", &joint.to_string()));
+                svg.push_str("</g>");
+            }
+            svg.push_str("</g>");
+        }
+        match target {
+            Target::File => drawing::file(WIDTH, HEIGHT, &self.title, &self.legend(), &svg),
+            Target::Page => format!(
+                "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">{svg}</svg>",
+                escape::text(&self.title)
+            ),
+        }
+    }
+
+    /// The points in a panel of that width, one scale for both directions.
+    fn placed(&self, width: f64) -> Vec<[f64; 2]> {
+        let range = |axis: usize| {
+            let values = self.points_m.iter().map(|p| p[axis]);
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
+        };
+        let (x, y) = (range(0), range(1));
+        let room = [width - 2.0 * MARGIN, HEIGHT - LABEL - 2.0 * MARGIN];
+        let scale = f64::min(room[0] / (x[1] - x[0]).max(1e-9), room[1] / (y[1] - y[0]).max(1e-9));
+        let centre = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
+        let middle = [width / 2.0, LABEL + (HEIGHT - LABEL) / 2.0];
+        self.points_m
+            .iter()
+            .map(|p| [middle[0] + scale * (p[0] - centre[0]), middle[1] - scale * (p[1] - centre[1])])
+            .collect()
+    }
+}
+
+/// Circles that would cover one another, moved to the right.
+fn apart(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut placed: Vec<[f64; 2]> = Vec::new();
+    for point in points {
+        let mut at = *point;
+        while placed.iter().any(|p| f64::hypot(p[0] - at[0], p[1] - at[1]) < 2.0 * RADIUS) {
+            at[0] += 2.0;
+        }
+        placed.push(at);
+    }
+    placed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arm(points_m: Vec<[f64; 2]>) -> Arm {
+        let joints = points_m.len() - 1;
+        Arm {
+            title: "where".into(),
+            name: "arm".into(),
+            caption: String::new(),
+            of: "noise".into(),
+            points_m,
+            states: vec![
+                ("before".into(), (0..joints).map(|j| Some(1.0 + 3.0 * j as f64)).collect()),
+                ("after".into(), vec![None; joints]),
+            ],
+        }
+    }
+
+    #[test]
+    fn every_joint_has_a_circle_with_its_colour_in_each_state_and_no_two_cover_each_other() {
+        let shown = arm(vec![[0.0, 0.0], [0.0, 0.2], [0.0, 0.2], [0.6, 0.5], [1.1, 0.4]]);
+        let svg = shown.draw(Target::Page);
+        assert_eq!(svg.matches("<circle").count(), 8);
+        for (class, count) in [("level0", 1), ("level1", 0), ("level2", 1), ("level3", 2), ("levelless", 4)] {
+            assert_eq!(svg.matches(&format!("joint {class}\"")).count(), count, "{class}");
+        }
+        let placed = apart(&shown.placed(230.0)[1..]);
+        for (k, a) in placed.iter().enumerate() {
+            assert!(a[0] > RADIUS && a[0] < 230.0 - RADIUS && a[1] > LABEL && a[1] < HEIGHT, "{a:?}");
+            assert!(placed[..k].iter().all(|b| f64::hypot(a[0] - b[0], a[1] - b[1]) >= 2.0 * RADIUS));
+        }
+    }
+
+    #[test]
+    fn an_arm_without_extent_is_drawn() {
+        assert!(!arm(vec![[0.3, 0.3]; 3]).draw(Target::Page).contains("NaN"));
+    }
+}
