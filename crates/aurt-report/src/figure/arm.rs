@@ -57,7 +57,7 @@ impl Arm {
         let mut svg = String::new();
         let panel = WIDTH / self.states.len().max(1) as f64;
         let lines = self.placed(panel);
-        let joints = apart(&lines[1.min(lines.len())..]);
+        let joints = apart(&lines[1.min(lines.len())..], panel);
         for (k, (label, multiples)) in self.states.iter().enumerate() {
             let left = panel * k as f64;
             let _ = write!(svg, "<g transform=\"translate({} 0)\">", coordinate(left));
@@ -113,13 +113,14 @@ impl Arm {
     }
 }
 
-/// Circles that would cover one another, moved to the right.
-fn apart(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+/// Circles that would cover one another, moved towards the middle of a panel of that width.
+fn apart(points: &[[f64; 2]], width: f64) -> Vec<[f64; 2]> {
     let mut placed: Vec<[f64; 2]> = Vec::new();
     for point in points {
         let mut at = *point;
+        let step = if at[0] > 0.5 * width { -2.0 } else { 2.0 };
         while placed.iter().any(|p| f64::hypot(p[0] - at[0], p[1] - at[1]) < 2.0 * RADIUS) {
-            at[0] += 2.0;
+            at[0] += step;
         }
         placed.push(at);
     }
@@ -153,7 +154,7 @@ mod tests {
         for (class, count) in [("level0", 1), ("level1", 0), ("level2", 1), ("level3", 2), ("levelless", 4)] {
             assert_eq!(svg.matches(&format!("joint {class}\"")).count(), count, "{class}");
         }
-        let placed = apart(&shown.placed(230.0)[1..]);
+        let placed = apart(&shown.placed(230.0)[1..], 230.0);
         for (k, a) in placed.iter().enumerate() {
             assert!(a[0] > RADIUS && a[0] < 230.0 - RADIUS && a[1] > LABEL && a[1] < HEIGHT, "{a:?}");
             assert!(placed[..k].iter().all(|b| f64::hypot(a[0] - b[0], a[1] - b[1]) >= 2.0 * RADIUS));
