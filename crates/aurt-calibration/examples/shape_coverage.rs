@@ -40,7 +40,7 @@ const MOTIONS: [usize; 2] = [0, 3];
 fn main() {
     let seeds: u64 = std::env::args().nth(1).map_or(100, |text| text.parse().unwrap());
     println!(
-        "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %"
+        "{seeds} seeds; UR10e, {DURATION_S} s a recording, f_dyn {F_DYN_HZ} Hz; share of 95 % intervals that hold the truth, %, and of the estimates that have one"
     );
     shapes(seeds);
     loads(seeds);
@@ -50,30 +50,36 @@ fn recorded(clean: &Recording, name: &str, seed: u64, noise: Noise, positions: P
     measured_and(clean, name, seed, noise, 1.0, positions, &PreprocessOptions::new(F_DYN_HZ))
 }
 
-/// Intervals that hold, and all.
+/// Intervals that hold, those that are told, and all estimates: at a bound there is no interval.
 #[derive(Debug, Clone, Copy, Default)]
 struct Count {
     held: usize,
+    told: usize,
     all: usize,
 }
 
 impl Count {
     fn of(interval: Option<[f64; 2]>, truth: f64) -> Self {
-        let [low, high] = interval.unwrap_or([f64::NAN; 2]);
-        Self { held: usize::from((low..=high).contains(&truth)), all: 1 }
+        let held = interval.is_some_and(|[low, high]| (low..=high).contains(&truth));
+        Self { held: usize::from(held), told: usize::from(interval.is_some()), all: 1 }
     }
 
     fn with(self, other: Self) -> Self {
-        Self { held: self.held + other.held, all: self.all + other.all }
+        Self { held: self.held + other.held, told: self.told + other.told, all: self.all + other.all }
     }
 
-    fn percent(self) -> f64 {
-        100.0 * self.held as f64 / self.all as f64
+    fn cell(self) -> String {
+        let share = |part: usize, of: usize| 100.0 * part as f64 / of as f64;
+        if self.told == self.all {
+            format!("{:.1}", share(self.held, self.told))
+        } else {
+            format!("{:.1} of {:.0} %", share(self.held, self.told), share(self.told, self.all))
+        }
     }
 }
 
 fn print(names: &[&str], cells: &[Count]) {
-    let cells: String = cells.iter().map(|c| format!(" {:.1} |", c.percent())).collect();
+    let cells: String = cells.iter().map(|c| format!(" {} |", c.cell())).collect();
     println!("| {} |{cells}", names.join(" | "));
 }
 
@@ -162,7 +168,7 @@ fn loads(seeds: u64) {
                 let mut deviations: Vec<f64> = found.iter().map(|f| f.1).collect();
                 deviations.sort_by(f64::total_cmp);
                 let counts: Vec<[Count; 3]> = found.iter().map(|f| f.0).collect();
-                let cells: String = sum(&counts).iter().map(|c| format!(" {:.1} |", c.percent())).collect();
+                let cells: String = sum(&counts).iter().map(|c| format!(" {} |", c.cell())).collect();
                 println!(
                     "| {mass_kg} | {noise_name} | {name} |{cells} {:.4} |",
                     deviations[deviations.len() / 2]

@@ -53,7 +53,7 @@ pub fn calibrate_long(
     let names = recordings.iter().map(LongPrepared::name).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let bandwidth = noise_bandwidth_factor(first.parallel_filter(), first.decimation());
-    let fitted_to = FittedTo { recordings: None, bandwidth, ranges, names };
+    let fitted_to = FittedTo { recordings: None, bandwidth, ranges, names, shift: None };
     finished(&setting, &found.system, estimate, &load, fitted_to)
 }
 

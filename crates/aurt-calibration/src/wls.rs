@@ -8,7 +8,7 @@ use crate::{
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::{Prior, make_consistent},
     deviations::{Observed, sandwich},
-    errors_in_positions::{Corrected, Fitted, Tested, correct},
+    errors_in_positions::{Corrected, Fitted, Shift, Tested, correct},
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
@@ -97,7 +97,8 @@ pub fn calibrate_scoped(
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let recordings: Vec<&NamedRecording> = recordings.iter().collect();
-    let fitted_to = FittedTo { recordings: Some((&recordings, scopes)), bandwidth, ranges, names };
+    let fitted_to =
+        FittedTo { recordings: Some((&recordings, scopes)), bandwidth, ranges, names, shift: None };
     finished(&setting, &system, estimate, &load, fitted_to)
 }
 
@@ -120,6 +121,8 @@ pub(crate) struct FittedTo<'a> {
     pub ranges: Vec<JointRange>,
     /// The recordings' names.
     pub names: Vec<String>,
+    /// What noise of the positions does to the fit, where that is known already.
+    pub shift: Option<&'a Shift>,
 }
 
 /// A calibration from its solution.
@@ -134,7 +137,7 @@ pub(crate) fn finished(
     fitted_to: FittedTo<'_>,
 ) -> Result<Calibration, CalibrationError> {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
-    let FittedTo { recordings, mut bandwidth, ranges, names } = fitted_to;
+    let FittedTo { recordings, mut bandwidth, ranges, names, shift } = fitted_to;
     let mut essential = None;
     if options.estimator == Estimator::Essential {
         let (recordings, scopes) =
@@ -150,7 +153,6 @@ pub(crate) fn finished(
         essential = Some(report);
     }
     let corrected = without_position_noise(setting, system, &estimate, load, recordings)?;
-    let least_squares = estimate.solution.clone();
     let mut bread = None;
     if let Some(corrected) = corrected.as_ref().filter(|_| options.estimator == Estimator::Eiv) {
         estimate.solution.coefficients.clone_from(&corrected.coefficients);
@@ -188,8 +190,12 @@ pub(crate) fn finished(
     }
     let n = estimate.solution.coefficients.len();
     let deviation = |k: usize| (bandwidth * estimate.solution.covariance[k * n + k]).sqrt();
-    let position_bias =
-        corrected.as_ref().map(|corrected| PositionBias::of(model, &least_squares, corrected, deviation));
+    // With shapes to be found coefficients are shifted otherwise than with these known.
+    let shift = shift.or(corrected.as_ref().map(|corrected| &corrected.shift));
+    let position_bias = corrected
+        .as_ref()
+        .zip(shift)
+        .map(|(corrected, shift)| PositionBias::of(model, corrected, shift, deviation));
     let mut consistent = None;
     if options.estimator == Estimator::Consistent {
         let scale = bandwidth * noise_scale(system, &estimate)?;
@@ -210,6 +216,10 @@ pub(crate) fn finished(
         consistent = Some(report);
     }
     let robust = robust.map(|(report, _)| report);
+    let is_biased = options.estimator != Estimator::Eiv;
+    if let Some(shift) = shift.filter(|_| is_biased) {
+        shift.widen(&mut estimate.solution.covariance, bandwidth);
+    }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
     let is_eliminated =
         |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
@@ -218,7 +228,6 @@ pub(crate) fn finished(
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
-    let is_biased = options.estimator != Estimator::Eiv;
     warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
     warnings.extend(robust.iter().flat_map(RobustReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {

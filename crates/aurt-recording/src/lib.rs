@@ -74,5 +74,5 @@ pub use preprocess::{
 };
 pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};
-pub use spread::read_spread;
+pub use spread::Stretches;
 pub use written::{JointTopic, mcap, parquet};

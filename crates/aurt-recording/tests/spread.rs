@@ -4,7 +4,7 @@
 
 use std::{fmt::Write, fs};
 
-use aurt_recording::{ReadOptions, Recording, read_recording, read_spread};
+use aurt_recording::{ReadOptions, Recording, Stretches, read_recording};
 use proptest::prelude::*;
 use tempfile::TempDir;
 
@@ -23,7 +23,28 @@ fn table(rows: usize) -> (TempDir, std::path::PathBuf) {
 fn read(rows: usize, most: usize) -> (Recording, Recording) {
     let (_folder, path) = table(rows);
     let options = ReadOptions::default();
-    (read_spread(&path, &options, most).unwrap(), read_recording(&path, &options).unwrap())
+    (
+        Stretches::read(&path, &options, most).unwrap().into_recording(),
+        read_recording(&path, &options).unwrap(),
+    )
+}
+
+#[test]
+fn what_is_kept_can_be_thinned_further_and_a_whole_recording_cannot() {
+    let (_folder, path) = table(150_000);
+    let options = ReadOptions::default();
+    let once = Stretches::read(&path, &options, 40_000).unwrap().into_recording();
+    for most in [150_000, 80_000] {
+        let thinned = Stretches::read(&path, &options, most).unwrap().at_most(40_000);
+        assert!(thinned.rows() <= 40_000);
+        let thinned = thinned.into_recording();
+        assert!((thinned.samples() as f64 / once.samples() as f64 - 1.0).abs() < 0.3);
+        assert_eq!(thinned.report.left_out_s.len(), once.report.left_out_s.len());
+        assert_eq!(thinned.time_s[0], once.time_s[0]);
+    }
+    let whole = Stretches::whole(read_recording(&path, &options).unwrap()).at_most(10);
+    assert_eq!(whole.rows(), 150_000);
+    assert!(whole.into_recording().report.left_out_s.is_empty());
 }
 
 proptest! {

@@ -9,7 +9,7 @@ use aurt_experiment::{
 };
 use aurt_recording::{
     ColumnSelection, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
-    preprocess, read_recording, read_spread,
+    preprocess, read_recording,
 };
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
@@ -155,24 +155,6 @@ impl Loaded {
     /// What is wrong with the file, and where.
     pub fn read(source: Source, joints: Option<usize>, purpose: Purpose) -> Result<Self, Failure> {
         let recording = read_recording(&source.file, &source.read_options(joints, purpose))?;
-        Ok(Self { source, recording })
-    }
-
-    /// The same of a recording of which stretches are enough, spread evenly over it, with `most_rows` rows together. A part
-    /// of a recording that the experiment chose is read whole.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
-    pub fn read_spread(
-        source: Source,
-        joints: usize,
-        purpose: Purpose,
-        most_rows: usize,
-    ) -> Result<Self, Failure> {
-        if source.window_s.is_some() {
-            return Self::read(source, Some(joints), purpose);
-        }
-        let recording = read_spread(&source.file, &source.read_options(Some(joints), purpose), most_rows)?;
         Ok(Self { source, recording })
     }
 

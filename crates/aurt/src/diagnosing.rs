@@ -11,6 +11,7 @@ use aurt_diagnosis::{
     with_file_names, write_verdict,
 };
 use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
+use aurt_recording::Stretches;
 use aurt_report::Page;
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Map, Value, json};
@@ -260,19 +261,46 @@ fn read(
         });
     }
     let predictions = simulated.iter();
-    // A prediction has a value for each row.
-    let rows_each = if simulated.is_empty() { most_rows / listed.len().max(1) } else { usize::MAX };
-    let mut loaded = Vec::new();
+    let mut read = Vec::new();
     for (source, role) in listed {
         progress(format!("reading {}", source.written));
         let source = Source::from(source);
-        loaded.push((Loaded::read_spread(source, pipeline.joints, Purpose::Validation, rows_each)?, role));
+        // A prediction has a value for each row, and a part that the experiment chose is wanted as it is.
+        let stretches = if simulated.is_empty() && source.window_s.is_none() {
+            let options = source.read_options(Some(pipeline.joints), Purpose::Validation);
+            Stretches::read(&source.file, &options, most_rows)?
+        } else {
+            Stretches::whole(pipeline.read(source.clone(), Purpose::Validation)?.recording)
+        };
+        read.push((source, stretches, role));
     }
+    let rows: Vec<usize> = read.iter().map(|(_, stretches, _)| stretches.rows()).collect();
+    let most_each = fair_share(rows, most_rows);
+    let loaded: Vec<(Loaded, Role)> = read
+        .into_iter()
+        .map(|(source, stretches, role)| {
+            (Loaded { source, recording: stretches.at_most(most_each).into_recording() }, role)
+        })
+        .collect();
     let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
     Ok((
         questioned_recordings(loaded, pipeline, &mut predictions.map(|p| p.file.as_path()), questioned)?,
         unit,
     ))
+}
+
+/// The most rows that each recording may have so that all together have no more than `most`: short ones leave to long ones
+/// what they do not need.
+fn fair_share(mut rows: Vec<usize>, most: usize) -> usize {
+    rows.sort_unstable();
+    let (count, mut left) = (rows.len(), most);
+    for (k, rows) in rows.into_iter().enumerate() {
+        if rows > left / (count - k) {
+            return left / (count - k);
+        }
+        left -= rows;
+    }
+    usize::MAX
 }
 
 /// Preprocesses recordings, each with its part; those of the part that is `questioned` take the next file of
@@ -400,4 +428,17 @@ impl Moved {
 fn added_lines<'a>(before: &str, after: &'a str) -> Vec<&'a str> {
     let old: Vec<&str> = before.lines().collect();
     after.lines().filter(|l| !l.trim().is_empty() && !old.contains(l)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fair_share;
+
+    #[test]
+    fn short_recordings_leave_rows_to_long_ones() {
+        assert_eq!(fair_share(vec![300, 10, 10, 10], 400), usize::MAX);
+        assert_eq!(fair_share(vec![1000, 10, 30], 400), 360);
+        assert_eq!(fair_share(vec![1000, 500, 30], 400), 185);
+        assert_eq!(fair_share(Vec::new(), 400), usize::MAX);
+    }
 }

@@ -10,10 +10,12 @@
 //! corrected scores by simulation (Nakamura 1990; Novick and Stefanski 2002). Exact where the regressor is linear in the
 //! noise; to first order in its power elsewhere. Friction turns with the sign of the velocity, where that is not enough: the
 //! correction shows that and where noise matters, and intervals around corrected estimates of friction hold less often than
-//! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator.
+//! those of least squares (docs/estimation.md). So experiments do not offer it as an estimator. Instead, what the noise added
+//! once more does to estimates widens their intervals ([`Shift`]).
 
 mod hausman;
 mod noise;
+mod shift;
 
 use aurt_recording::{PositionNoise, ZeroPhase};
 use aurt_traits::{LoadTorque, RobotModel};
@@ -28,6 +30,7 @@ use crate::{
 pub(crate) use hausman::Tested;
 pub use hausman::{Hausman, hausman};
 use noise::{acceleration_share, noisier};
+pub(crate) use shift::Shift;
 
 /// Order of the filter of the positions, one way.
 const FILTER_ORDER: usize = 4;
@@ -38,10 +41,10 @@ const MOTION_HZ: f64 = 3.0;
 /// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
 const NEGLIGIBLE_SHARE: f64 = 1e-4;
 /// Draws of the noise that a bias is shown from, and that it is corrected by.
-const DRAWS: [u64; 2] = [4, 16];
+pub(crate) const DRAWS: [u64; 2] = [4, 16];
 /// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
 const OVERWHELMING: f64 = 0.5;
-/// A bias of so many standard deviations makes intervals of 95 % hold less than 93 %.
+/// A bias of so many standard deviations makes intervals an eighth wider.
 const NOTABLE: f64 = 0.5;
 
 /// What noise of the positions does to least squares.
@@ -51,7 +54,7 @@ pub struct PositionBias {
     pub joints: Vec<JointPositionNoise>,
     /// Draws of the noise; none where it is negligible.
     pub draws: u64,
-    /// The rigid bodies' coefficients that the recordings determine.
+    /// The coefficients that the recordings determine; none where noise is negligible.
     pub parameters: Vec<ParameterBias>,
     /// Whether instruments find other coefficients; absent where noise is negligible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -69,14 +72,14 @@ pub struct JointPositionNoise {
     pub acceleration_share: f64,
 }
 
-/// A coefficient's bias.
+/// A coefficient's bias, which is part of its standard deviation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterBias {
     /// The coefficient.
     pub name: String,
-    /// Least squares minus the estimate without it.
+    /// The most by which noise of the positions may have shifted it.
     pub bias: f64,
-    /// The same in standard deviations of the estimate.
+    /// The same in standard deviations that other errors give it.
     pub deviations: f64,
 }
 
@@ -99,6 +102,8 @@ pub(crate) struct Corrected {
     pub bread: Vec<f64>,
     pub joints: Vec<JointPositionNoise>,
     pub draws: u64,
+    /// What the noise does to least squares when it is added once more.
+    pub shift: Shift,
     pub hausman: Option<Hausman>,
 }
 
@@ -107,11 +112,11 @@ pub(crate) struct Corrected {
 /// # Errors
 /// [`CalibrationError::NoisyPositions`] if noise makes up what the motion shows, and what models report.
 pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, CalibrationError> {
-    let joints = joints(fitted)?;
+    let joints = joints(fitted.model, fitted.recordings)?;
     let plain = Normal::of(fitted.system, fitted.weights);
-    let is_negligible = joints.iter().all(|j| j.acceleration_share < NEGLIGIBLE_SHARE);
-    let draws = if is_negligible { 0 } else { DRAWS[usize::from(thorough)] };
+    let draws = if matters(&joints) { DRAWS[usize::from(thorough)] } else { 0 };
     let mut corrected = plain.clone();
+    let mut shift = Shift::default();
     if draws > 0 {
         let drawn: Vec<Normal> =
             (0..draws).into_par_iter().map(|draw| drawn(fitted, draw)).collect::<Result<_, _>>()?;
@@ -119,18 +124,21 @@ pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, 
             corrected.add(&plain, 1.0 / draws as f64);
             corrected.add(normal, -1.0 / draws as f64);
         }
+        let estimates = drawn.iter().filter_map(|normal| normal.solve(&fitted.solution.excited));
+        let estimates: Vec<Vec<f64>> = estimates.map(|(coefficients, _)| coefficients).collect();
+        shift = Shift::of(fitted.model, &fitted.solution.coefficients, &estimates);
     }
     let worst =
         joints.iter().enumerate().max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
     let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
     let hausman = if draws > 0 { agreement(fitted)? } else { None };
     match corrected.solve(&fitted.solution.excited) {
-        Some((coefficients, bread)) => Ok(Corrected { coefficients, bread, joints, draws, hausman }),
+        Some((coefficients, bread)) => Ok(Corrected { coefficients, bread, joints, draws, shift, hausman }),
         None if thorough => Err(CalibrationError::NoisyPositions { joint, percent: 100.0 * share }),
         // Noise that leaves nothing to correct by is noise to be told of all the more.
         None => {
             let Solution { coefficients, covariance, .. } = fitted.solution.clone();
-            Ok(Corrected { coefficients, bread: covariance, joints, draws: 0, hausman })
+            Ok(Corrected { coefficients, bread: covariance, joints, draws, shift, hausman })
         }
     }
 }
@@ -146,38 +154,28 @@ fn agreement(fitted: &Fitted<'_>) -> Result<Option<Hausman>, CalibrationError> {
 }
 
 impl PositionBias {
-    /// The bias of least squares, given the estimate without it.
+    /// The bias of least squares; `deviations` are those of other errors.
     pub(crate) fn of(
         model: &RobotModel,
-        solution: &Solution,
         corrected: &Corrected,
+        shift: &Shift,
         deviations: impl Fn(usize) -> f64,
     ) -> Self {
-        // Of friction, which turns with the sign of the velocity, first order says too little.
-        let parameters = (0..model.base().len())
-            .filter(|k| solution.excited[*k] && corrected.draws > 0)
-            .map(|k| {
-                let bias = solution.coefficients[k] - corrected.coefficients[k];
-                let deviation = deviations(k);
-                let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
-                ParameterBias { name: model.parameters()[k].name.clone(), bias, deviations }
-            })
-            .collect();
+        let told = |(k, bias): (usize, &f64)| {
+            let deviation = deviations(k);
+            let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
+            ParameterBias { name: model.parameters()[k].name.clone(), bias: *bias, deviations }
+        };
+        let determined = shift.coefficients().iter().enumerate().filter(|(k, _)| deviations(*k) > 0.0);
         Self {
             joints: corrected.joints.clone(),
             draws: corrected.draws,
-            parameters,
+            parameters: determined.map(told).collect(),
             hausman: corrected.hausman.clone(),
         }
     }
 
-    /// Whether there is so much noise that its bias cannot be told.
-    #[must_use]
-    pub fn is_untold(&self) -> bool {
-        self.parameters.is_empty() && self.joints.iter().any(|j| j.acceleration_share >= NEGLIGIBLE_SHARE)
-    }
-
-    /// The coefficients whose intervals suffer, the worst first.
+    /// The coefficients whose intervals are wider by it, the worst first.
     #[must_use]
     pub fn notable(&self) -> Vec<&ParameterBias> {
         let mut notable: Vec<&ParameterBias> =
@@ -204,36 +202,33 @@ impl PositionBias {
     pub(crate) fn warning(&self) -> Option<String> {
         const NAMED: usize = 3;
         let notable = self.notable();
-        if notable.is_empty() {
-            let is_biased = self.hausman.as_ref().is_some_and(Hausman::is_biased);
-            return (is_biased || self.is_untold()).then(|| {
-                let test = if is_biased { ", and instrumental variables do not agree with them" } else { "" };
-                let size = if self.is_untold() { " by more than can be told" } else { "" };
-                format!(
-                    "noise of the positions biases coefficients of the rigid bodies{size}: their intervals hold the truth less \
-                     often than they say{test}; lower f_dyn, for which `aurt check` knows a value"
-                )
-            });
+        let is_biased = self.hausman.as_ref().is_some_and(Hausman::is_biased);
+        if notable.is_empty() && !is_biased {
+            return None;
         }
-        let worst: Vec<String> = notable
-            .iter()
-            .take(NAMED)
-            .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations))
-            .collect();
-        (!notable.is_empty()).then(|| {
-            format!(
-                "noise of the positions biases {} of {} coefficients of the rigid bodies by more than {NOTABLE} standard deviations ({}{}): their \
-                 intervals hold the truth less often than they say{test}; lower f_dyn, for which `aurt check` knows a value",
+        let mut warning = "noise of the positions biases".to_owned();
+        if notable.is_empty() {
+            warning.push_str(" coefficients");
+        } else {
+            let worst: Vec<String> = notable
+                .iter()
+                .take(NAMED)
+                .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations.abs()))
+                .collect();
+            warning.push_str(&format!(
+                " {} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), and intervals are wider by as much",
                 notable.len(),
                 self.parameters.len(),
                 worst.join(", "),
                 if notable.len() > NAMED { ", …" } else { "" },
-                test = match &self.hausman {
-                    Some(test) if test.is_biased() => ", and instrumental variables do not agree with them",
-                    _ => "",
-                }
-            )
-        })
+            ));
+        }
+        if is_biased {
+            warning.push_str(": instrumental variables do not agree with them");
+        }
+        warning
+            .push_str("; lower f_dyn, for which `aurt check` knows a value (`aurt explain position_bias`)");
+        Some(warning)
     }
 }
 
@@ -243,11 +238,29 @@ fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationE
     Ok(ZeroPhase::butterworth(FILTER_ORDER, report.position_cutoff_hz, report.rate_hz)?)
 }
 
-fn joints(fitted: &Fitted<'_>) -> Result<Vec<JointPositionNoise>, CalibrationError> {
-    let mut joints: Vec<JointPositionNoise> = (0..fitted.model.joints())
+/// Whether noise of the positions is more than negligible at any joint.
+///
+/// # Errors
+/// What filters report.
+pub(crate) fn position_noise_matters(
+    model: &RobotModel,
+    recordings: &[&NamedRecording],
+) -> Result<bool, CalibrationError> {
+    Ok(matters(&joints(model, recordings)?))
+}
+
+fn matters(joints: &[JointPositionNoise]) -> bool {
+    joints.iter().any(|j| j.acceleration_share >= NEGLIGIBLE_SHARE)
+}
+
+fn joints(
+    model: &RobotModel,
+    recordings: &[&NamedRecording],
+) -> Result<Vec<JointPositionNoise>, CalibrationError> {
+    let mut joints: Vec<JointPositionNoise> = (0..model.joints())
         .map(|_| JointPositionNoise { white_rad: 0.0, step_rad: None, acceleration_share: 0.0 })
         .collect();
-    for recording in fitted.recordings {
+    for recording in recordings {
         let filter = position_filter(recording)?;
         for (joint, noise) in recording.data.position_noise.iter().enumerate().take(joints.len()) {
             let share = acceleration_share(&recording.data.segments, joint, noise, &filter);
@@ -262,9 +275,18 @@ fn joints(fitted: &Fitted<'_>) -> Result<Vec<JointPositionNoise>, CalibrationErr
 
 /// The normal equations with the noise added once more.
 fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
+    let noisier = noisier_recordings(fitted.recordings, draw)?;
+    let Fitted { model, options, load, scopes, weights, .. } = *fitted;
+    Ok(Normal::of(&accumulate_scoped(model, &noisier, scopes, load, options)?, weights))
+}
+
+/// The recordings with the noise of their positions added once more.
+pub(crate) fn noisier_recordings(
+    recordings: &[&NamedRecording],
+    draw: u64,
+) -> Result<Vec<NamedRecording>, CalibrationError> {
     let mut random = Random::new(draw);
-    let noisier: Vec<NamedRecording> = fitted
-        .recordings
+    recordings
         .iter()
         .map(|recording| {
             let filter = position_filter(recording)?;
@@ -277,9 +299,7 @@ fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
             }
             Ok(own)
         })
-        .collect::<Result<_, CalibrationError>>()?;
-    let Fitted { model, options, load, scopes, weights, .. } = *fitted;
-    Ok(Normal::of(&accumulate_scoped(model, &noisier, scopes, load, options)?, weights))
+        .collect()
 }
 
 /// A = WᵀΩ⁻¹W and c = WᵀΩ⁻¹y.

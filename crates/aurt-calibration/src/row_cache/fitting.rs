@@ -5,6 +5,7 @@ use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
 use crate::{
     Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, NamedRecording, System,
     TermScopes,
+    errors_in_positions::Shift,
     wls::{Estimate, FittedTo, Setting, estimate, estimate_coefficients, finished},
 };
 
@@ -35,7 +36,7 @@ pub fn calibrate_rows(
 ) -> Result<Calibration, CalibrationError> {
     let fitted = fit(model, rows, scopes, options)?;
     let setting = Setting { model, unit, f_dyn_hz, options };
-    rows.calibration(&setting, &fitted, scopes)
+    rows.calibration(&setting, &fitted, scopes, None)
 }
 
 /// The two passes of a linear fit.
@@ -110,7 +111,7 @@ impl FitRows<'_> {
             .collect()
     }
 
-    /// What a fit found out.
+    /// What a fit found out; `shift` is what noise of the positions does to it, where shapes were searched.
     ///
     /// # Errors
     /// As [`make_consistent`](crate::make_consistent).
@@ -119,6 +120,7 @@ impl FitRows<'_> {
         setting: &Setting<'_>,
         fitted: &Fitted,
         scopes: &TermScopes,
+        shift: Option<&Shift>,
     ) -> Result<Calibration, CalibrationError> {
         let ranges = self.ranges(&fitted.load, &fitted.loads);
         let recordings: Vec<&NamedRecording> = self.recordings().collect();
@@ -127,6 +129,7 @@ impl FitRows<'_> {
             bandwidth: self.bandwidth(),
             ranges,
             names: recordings.iter().map(|r| r.name.clone()).collect(),
+            shift,
         };
         finished(setting, &fitted.system, fitted.estimate.clone(), &fitted.load, fitted_to)
     }

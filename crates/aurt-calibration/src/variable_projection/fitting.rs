@@ -5,11 +5,12 @@ use super::{
     problem::Problem,
     report::ShapeReport,
     search::{Found, ShapeOptions, search_box, search_nearby},
+    shifted::shift,
     uncertainty::precision,
 };
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, NamedRecording, RigidRows,
-    TermScopes, calibrate_rows, calibrate_scoped,
+    Calibration, CalibrationError, CalibrationOptions, Deviations, Estimator, FitRows, NamedRecording,
+    RigidRows, TermScopes, calibrate_rows, calibrate_scoped,
     row_cache::{Fitted, fit},
     wls::{Setting, weights},
 };
@@ -112,10 +113,18 @@ pub fn calibrate_shapes_rows(
         cost_after: point.cost / count,
     };
     drop(problem);
+    let shift = match options.deviations {
+        Deviations::Memory => Some(shift(&shaped, &point.units, scopes, options)?),
+        Deviations::White => None,
+    };
     let Shaped { model, mut fitted, .. } = shaped;
     fitted.estimate.solution.covariance = precision.covariance;
-    let mut calibration =
-        rows.calibration(&Setting { model: &model, unit, f_dyn_hz, options }, &fitted, scopes)?;
+    let mut calibration = rows.calibration(
+        &Setting { model: &model, unit, f_dyn_hz, options },
+        &fitted,
+        scopes,
+        shift.as_ref(),
+    )?;
     let white: Vec<f64> = fitted
         .estimate
         .solution
@@ -124,18 +133,18 @@ pub fn calibrate_shapes_rows(
         .step_by(calibration.parameters.len() + 1)
         .map(|v| (bandwidth * v).sqrt())
         .collect();
-    report.remember(&model, &calibration.parameters, &white);
+    report.widen(&model, &calibration.parameters, &white, &shift.unwrap_or_default());
     calibration.warnings.extend(report.warnings(unit));
     calibration.shape_fit = Some(report);
     Ok((model, calibration))
 }
 
 /// A model with some shapes, its linear fit, and what the search keeps fixed.
-struct Shaped<'a> {
-    model: RobotModel,
-    rows: &'a FitRows<'a>,
+pub(super) struct Shaped<'a> {
+    pub(super) model: RobotModel,
+    pub(super) rows: &'a FitRows<'a>,
     acting: Vec<Vec<bool>>,
-    fitted: Fitted,
+    pub(super) fitted: Fitted,
     estimator: Estimator,
 }
 
@@ -156,9 +165,12 @@ impl<'a> Shaped<'a> {
     }
 
     fn problem(&self) -> Result<Problem<'_>, CalibrationError> {
+        Problem::new(&self.model, self.rows, &self.acting, &self.fitted.loads, self.weights())
+    }
+
+    pub(super) fn weights(&self) -> Vec<f64> {
         let sigma = &self.fitted.estimate.sigma;
-        let weights = if self.estimator.is_weighted() { weights(sigma) } else { vec![1.0; sigma.len()] };
-        Problem::new(&self.model, self.rows, &self.acting, &self.fitted.loads, weights)
+        if self.estimator.is_weighted() { weights(sigma) } else { vec![1.0; sigma.len()] }
     }
 }
 

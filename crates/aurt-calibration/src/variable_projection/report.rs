@@ -1,7 +1,7 @@
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel, Scale};
 use serde::{Deserialize, Serialize};
 
-use crate::CalibratedParameter;
+use crate::{CalibratedParameter, errors_in_positions::Shift};
 
 /// A shape parameter that a calibration found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,9 @@ pub struct FittedShape {
     pub std_dev: Option<f64>,
     /// 95 % confidence interval, within the bounds; of a parameter that is searched in logarithms, in these.
     pub interval_95: Option<[f64; 2]>,
+    /// The most by which noise of the positions may have shifted it, part of the deviation; absent where it is negligible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shift_by_position_noise: Option<f64>,
     /// Smallest value that the model allows.
     pub lower: f64,
     /// Largest value that the model allows.
@@ -54,6 +57,14 @@ pub struct ShapeReport {
 }
 
 impl FittedShape {
+    /// Change of the value by its share of the range.
+    pub(super) fn slope(&self) -> f64 {
+        match self.scale {
+            Scale::Linear => self.upper - self.lower,
+            Scale::Logarithmic => self.value * libm::log(self.upper / self.lower),
+        }
+    }
+
     /// The joint or arm term, the model and the parameter in words: `joint 2, lugre: presliding_rad`.
     #[must_use]
     pub fn label(&self) -> String {
@@ -66,26 +77,39 @@ impl FittedShape {
     }
 }
 
+impl FittedShape {
+    /// Whether noise of the positions makes up more than half of its variance.
+    fn is_shifted(&self) -> bool {
+        let most = self.shift_by_position_noise.unwrap_or_default();
+        self.std_dev.is_some_and(|s| 2.0 * most * most > s * s)
+    }
+}
+
 impl ShapeReport {
-    /// Widens the shapes' intervals as the memory of the noise has widened those of their owners' coefficients; `white` are
-    /// the coefficients' deviations without it.
-    pub(super) fn remember(
+    /// Widens the shapes' intervals as the memory of the noise has widened those of their owners' coefficients, and by the
+    /// shift that noise of the positions may be to blame for; `white` are the coefficients' deviations without either.
+    pub(super) fn widen(
         &mut self,
         model: &RobotModel,
         coefficients: &[CalibratedParameter],
         white: &[f64],
+        shift: &Shift,
     ) {
-        for shape in &mut self.shapes {
-            let ratios: Vec<f64> = model
-                .group(shape.group)
-                .filter_map(|k| coefficients[k].std_dev.map(|s| s / white[k]))
-                .filter(|r| r.is_finite())
-                .collect();
-            if ratios.is_empty() {
-                continue;
-            }
-            let factor = ratios.iter().sum::<f64>() / ratios.len() as f64;
-            shape.std_dev = shape.std_dev.map(|s| factor * s);
+        let most = |k: usize| shift.coefficients().get(k).copied().unwrap_or_default();
+        let remembered = |k: usize| {
+            let variance = coefficients[k].std_dev?.powi(2) - most(k).powi(2);
+            Some(variance.max(0.0).sqrt() / white[k]).filter(|ratio| ratio.is_finite())
+        };
+        for (i, shape) in self.shapes.iter_mut().enumerate() {
+            let ratios: Vec<f64> = model.group(shape.group).filter_map(remembered).collect();
+            let memory =
+                if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 };
+            let Some(deviation) = shape.std_dev.filter(|s| *s > 0.0) else { continue };
+            let most = shift.shapes().get(i).map_or(0.0, |share| share * shape.slope());
+            let widened = (memory * deviation).hypot(most);
+            shape.shift_by_position_noise = (most != 0.0).then_some(most.abs());
+            let factor = widened / deviation;
+            shape.std_dev = Some(widened);
             let (value, [lower, upper]) = (shape.value, [shape.lower, shape.upper]);
             shape.interval_95 = shape.interval_95.map(|ends| {
                 ends.map(|end| match shape.scale {
@@ -113,6 +137,14 @@ impl ShapeReport {
                 "shape parameters at a bound, where the model degenerates or the recordings say nothing: {bounded}; \
                  take the simpler model that it has become, or record motions that show the difference (`aurt explain \
                  shape_at_bound`)"
+            ));
+        }
+        let shifted = listed(&|s| s.is_shifted());
+        if !shifted.is_empty() {
+            warnings.push(format!(
+                "noise of the positions may have shifted shape parameters by more than every other error, and intervals are \
+                 wider by as much: {shifted}; a lower f_dyn, a finer encoder, or motions that cross these velocities more \
+                 often determine them better (`aurt explain position_bias`)"
             ));
         }
         let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());

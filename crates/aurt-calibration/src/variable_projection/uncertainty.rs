@@ -1,5 +1,3 @@
-use aurt_traits::{Scale, ShapeParameter};
-
 use super::{
     owner::{Owner, value},
     problem::{Point, Problem},
@@ -32,8 +30,8 @@ pub(super) fn precision(
 ) -> Result<Precision, CalibrationError> {
     let n = problem.model.parameters().len();
     let owners: Vec<usize> = (0..problem.owners.len()).collect();
-    let mut free = problem.sensitivities(point, &owners, coefficients)?;
-    free.retain(|s| !at_bound(point.units[s.shape.0][s.shape.1]));
+    // A shape at its bound is uncertain as well, and the others with it.
+    let free = problem.sensitivities(point, &owners, coefficients)?;
     let system = problem.system(point, &free);
     let solution = estimate(&system, estimator)?.solution;
     let total = n + free.len();
@@ -50,17 +48,18 @@ pub(super) fn precision(
                 .iter()
                 .position(|s| s.shape == (o, i))
                 .map(|k| n + k)
-                .filter(|k| solution.excited[*k])
+                .filter(|k| solution.excited[*k] && !at_bound(unit))
                 .map(|k| (solution.covariance[k * total + k] * bandwidth).sqrt());
             let estimate = shape.value;
-            shapes.push(FittedShape {
+            let mut fitted = FittedShape {
                 group: owner.group,
                 model: owner.models[i].clone(),
                 name: shape.name.clone(),
                 unit: shape.unit.clone(),
                 start: begin[o].shapes[i].value,
                 value: estimate,
-                std_dev: deviation.map(|d| d * slope(shape, estimate)),
+                std_dev: None,
+                shift_by_position_noise: None,
                 interval_95: deviation.map(|d| {
                     [-1.0, 1.0].map(|side| value(shape, (unit + side * NORMAL_95 * d).clamp(0.0, 1.0)))
                 }),
@@ -69,20 +68,14 @@ pub(super) fn precision(
                 scale: shape.scale,
                 at_bound: at_bound(unit),
                 agreeing_starts: found.agreeing[o],
-            });
+            };
+            fitted.std_dev = deviation.map(|d| d * fitted.slope());
+            shapes.push(fitted);
         }
     }
     Ok(Precision { shapes, covariance })
 }
 
-fn at_bound(unit: f64) -> bool {
+pub(super) fn at_bound(unit: f64) -> bool {
     !(AT_BOUND..=1.0 - AT_BOUND).contains(&unit)
-}
-
-/// Change of a shape's value by its share of the range.
-fn slope(shape: &ShapeParameter, value: f64) -> f64 {
-    match shape.scale {
-        Scale::Linear => shape.upper - shape.lower,
-        Scale::Logarithmic => value * libm::log(shape.upper / shape.lower),
-    }
 }

@@ -1,5 +1,7 @@
 //! `aurt track`: a machine that stays as it is, one that gets a load, one whose friction grows.
 
+use std::process::Command;
+
 use crate::support::Folder;
 
 const START: [&str; 6] =
@@ -39,6 +41,44 @@ fn a_load_is_noticed_and_an_unchanged_machine_is_not() {
     assert!((mass["value"].as_f64().unwrap() - 2.0).abs() < 0.2, "{mass}");
     let page = folder.read("loaded/report.html");
     assert!(page.contains("the load on the last link rose") && page.contains("<svg"));
+}
+
+/// Robots of a list, followed one by one and by their numbers, and one table of them.
+#[test]
+fn a_fleet_is_followed_robot_by_robot() {
+    let folder = calibrated();
+    let line =
+        |name: &str, model: &str, recording: &str| format!("{name},experiment.toml,{model},{recording}\n");
+    let model = "results/rd_calibrated.json";
+    let list = "name,experiment,model,recordings\n".to_owned()
+        + &line("still", model, "other_motion.csv")
+        + &line("loaded", model, LATER[0]);
+    folder.write("robots.csv", &list);
+    folder.write("broken.csv", &(list + &line("broken", "none.json", "other_motion.csv")));
+    let fleet = |list: &str, arguments: &[&str]| {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/fleet.py");
+        let run = Command::new("python3")
+            .args([script, list, "--out", "fleet", "--aurt", env!("CARGO_BIN_EXE_aurt")])
+            .args(arguments)
+            .current_dir(folder.path("."))
+            .output();
+        run.ok().map(|run| (run.status.code(), String::from_utf8(run.stdout).unwrap()))
+    };
+    let Some(first) = fleet("robots.csv", &["--index", "1"]) else {
+        println!("skipped: there is no python3 for fleets");
+        return;
+    };
+    assert_eq!(first, (Some(0), String::new()));
+    let (status, table) = fleet("robots.csv", &["--table"]).unwrap();
+    assert_eq!(status, Some(2), "one robot has no result yet: {table}");
+    let (status, table) = fleet("robots.csv", &[]).unwrap();
+    assert_eq!(status, Some(1), "{table}");
+    let of = |name: &str| table.lines().find(|line| line.starts_with(name)).unwrap();
+    assert!(of("loaded").contains("payload.m_5 rose") && !of("still").contains("rose"), "{table}");
+    assert_eq!(folder.read("fleet/fleet.csv").lines().count(), 3);
+    assert_eq!(fleet("broken.csv", &[]).unwrap().0, Some(2));
+    assert_eq!(fleet("nothing.csv", &[]).unwrap().0, Some(2));
+    assert_eq!(fleet("robots.csv", &["--index", "2"]).unwrap().0, Some(2));
 }
 
 /// Of two unchanged motions a single parameter says little of how much motions differ; all together say enough for 2 kg.

@@ -103,8 +103,9 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     verdict.notes.extend(question.recordings.iter().filter_map(left_out));
     if question.unit == MeasurementUnit::Ampere {
         verdict.notes.push(
-            "the model is in A: parameters in Nm or kg are divided by torque constants, and drives whose constants differ look like \
-             losses and gains; `torque_constants_nm_per_a` in [robot] makes them torques"
+            "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where they stand in N, Nm \
+             or kg, and drives whose constants differ look like losses and gains; `torque_constants_nm_per_a` in [robot] makes \
+             them torques"
                 .into(),
         );
     }

@@ -86,6 +86,15 @@ pub const TERMS: &[Term] = &[
             (`nrmse`). 0 is perfect; a model that predicts zero has 100 %.",
     },
     Term {
+        name: "position_bias",
+        title: "noise of the positions",
+        text: "The regressor is made from measured positions, and their noise (white noise, an encoder's steps) \
+            shifts estimates, however long the recordings are. The noise is drawn and added once more; \
+            what that does to the fit is the bias, and standard deviations and intervals include it. A lower \
+            f_dyn lets less noise through; shapes that live at low velocities need fine encoders, or motions \
+            that cross these velocities often.",
+    },
+    Term {
         name: "rest",
         title: "rest",
         text: "A joint rests where |q̇| is at or below the rest velocity. There the sign of its velocity is that \
@@ -105,7 +114,8 @@ pub const TERMS: &[Term] = &[
         name: "std_dev",
         title: "standard deviation of a parameter",
         text: "From the covariance of weighted least squares, corrected for the correlation that the parallel \
-            filter leaves between rows. `relative_std_dev_percent` is the same over |value|; \
+            filter leaves between rows, for the memory of the noise and for what noise of the positions shifts. \
+            `relative_std_dev_percent` is the same over |value|; \
             `lower_95` and `upper_95` bound the 95 % interval. They count noise, not what the model lacks: \
             where physics is left out, the true values can lie outside.",
     },

@@ -36,13 +36,10 @@ pub fn sentence(report: &PositionBias) -> String {
     let largest = report.parameters.iter().max_by(|a, b| a.deviations.abs().total_cmp(&b.deviations.abs()));
     match largest {
         Some(p) => format!(
-            "{noise}; it biases the rigid bodies by at most {} standard deviations ({}){test}",
+            "{noise}; it biases coefficients by at most {} standard deviations ({}){test}",
             significant(p.deviations.abs(), 2),
             p.name
         ),
-        None if report.is_untold() => {
-            format!("{noise}; how much it biases the rigid bodies cannot be told{test}")
-        }
-        None => format!("{noise}; it does not bias the rigid bodies{test}"),
+        None => format!("{noise}; it does not bias coefficients{test}"),
     }
 }

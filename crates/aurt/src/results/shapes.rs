@@ -60,6 +60,7 @@ mod tests {
             upper: 0.5,
             scale: Scale::Logarithmic,
             at_bound: true,
+            shift_by_position_noise: None,
             agreeing_starts: 3,
         };
         let report = ShapeReport {
