@@ -92,6 +92,14 @@ const fn yes() -> bool {
     true
 }
 
+impl CalibrationOptions {
+    /// Whether what noise of the positions does is told, and part of the deviations.
+    pub(crate) const fn tells_position_bias(&self) -> bool {
+        matches!(self.deviations, Deviations::Memory)
+            && matches!(self.estimator, Estimator::Wls | Estimator::Ols | Estimator::Consistent)
+    }
+}
+
 impl Default for CalibrationOptions {
     fn default() -> Self {
         Self {

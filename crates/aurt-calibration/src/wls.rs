@@ -8,7 +8,7 @@ use crate::{
     calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
     consistent::{Prior, make_consistent},
     deviations::{Observed, sandwich},
-    errors_in_positions::{Corrected, Fitted, Shift, Tested, correct},
+    errors_in_positions::{Fitted, Looked, Shift, Tested, look},
     essential::{Full, Listed, eliminate},
     excitation::warnings,
     physical,
@@ -152,12 +152,12 @@ pub(crate) fn finished(
         estimate.solution = system.solve(&weights, |k| kept[k])?;
         essential = Some(report);
     }
-    let corrected = without_position_noise(setting, system, &estimate, load, recordings)?;
+    let looked = position_noise(setting, system, &estimate, load, recordings, shift)?;
     let mut bread = None;
-    if let Some(corrected) = corrected.as_ref().filter(|_| options.estimator == Estimator::Eiv) {
-        estimate.solution.coefficients.clone_from(&corrected.coefficients);
-        estimate.solution.covariance.clone_from(&corrected.bread);
-        bread = Some(corrected.bread.as_slice());
+    if let Some((coefficients, inverse)) = looked.as_ref().and_then(|looked| looked.corrected.as_ref()) {
+        estimate.solution.coefficients.clone_from(coefficients);
+        estimate.solution.covariance.clone_from(inverse);
+        bread = Some(inverse.as_slice());
     }
     let instrumental;
     if options.estimator == Estimator::Iv {
@@ -190,12 +190,7 @@ pub(crate) fn finished(
     }
     let n = estimate.solution.coefficients.len();
     let deviation = |k: usize| (bandwidth * estimate.solution.covariance[k * n + k]).sqrt();
-    // With shapes to be found coefficients are shifted otherwise than with these known.
-    let shift = shift.or(corrected.as_ref().map(|corrected| &corrected.shift));
-    let position_bias = corrected
-        .as_ref()
-        .zip(shift)
-        .map(|(corrected, shift)| PositionBias::of(model, corrected, shift, deviation));
+    let position_bias = looked.as_ref().map(|looked| PositionBias::of(model, looked, deviation));
     let mut consistent = None;
     if options.estimator == Estimator::Consistent {
         let scale = bandwidth * noise_scale(system, &estimate)?;
@@ -216,15 +211,16 @@ pub(crate) fn finished(
         consistent = Some(report);
     }
     let robust = robust.map(|(report, _)| report);
+    // Motions are not to blame for noise of the positions.
+    let judged = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
     let is_biased = options.estimator != Estimator::Eiv;
-    if let Some(shift) = shift.filter(|_| is_biased) {
-        shift.widen(&mut estimate.solution.covariance, bandwidth);
+    if let Some(looked) = looked.as_ref().filter(|_| is_biased) {
+        looked.shift.widen(&mut estimate.solution.covariance);
     }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
     let is_eliminated =
         |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
-    let judged: Vec<CalibratedParameter> =
-        parameters.iter().filter(|p| !is_eliminated(&p.name)).cloned().collect();
+    let judged: Vec<CalibratedParameter> = judged.into_iter().filter(|p| !is_eliminated(&p.name)).collect();
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
@@ -259,32 +255,32 @@ pub(crate) fn finished(
     })
 }
 
-/// The estimate without the bias of noise in the positions, where there are rows to be looked at again.
+/// What noise of the positions does, where there are rows to be looked at again; `shift` is known where shapes were searched, since
+/// coefficients are shifted otherwise with these to be found.
 ///
 /// # Errors
 /// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
 /// report.
-fn without_position_noise(
+fn position_noise(
     setting: &Setting<'_>,
     system: &System,
     estimate: &Estimate,
     load: &LoadTorque,
     recordings: Option<(&[&NamedRecording], &TermScopes)>,
-) -> Result<Option<Corrected>, CalibrationError> {
+    shift: Option<&Shift>,
+) -> Result<Option<Looked>, CalibrationError> {
     let Setting { model, options, .. } = *setting;
     let is_used = options.estimator == Estimator::Eiv;
     let Some((recordings, scopes)) = recordings else {
         return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
     };
-    let is_told = options.deviations == Deviations::Memory
-        && matches!(options.estimator, Estimator::Wls | Estimator::Ols | Estimator::Consistent);
-    if !is_used && !is_told {
+    if !is_used && !options.tells_position_bias() {
         return Ok(None);
     }
     let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
     let solution = &estimate.solution;
     let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
-    correct(&fitted, is_used).map(Some)
+    look(&fitted, is_used, shift).map(Some)
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.

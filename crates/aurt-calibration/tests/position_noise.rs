@@ -6,9 +6,13 @@
 #[expect(dead_code, reason = "examples use the rest")]
 mod known_robot;
 
-use aurt_calibration::{Calibration, CalibrationOptions, calibrate};
+use aurt_calibration::{
+    Calibration, CalibrationOptions, Deviations, Estimator, ShapeOptions, TermScopes, calibrate,
+    calibrate_shapes,
+};
+use aurt_recording::PreprocessOptions;
 use aurt_traits::MeasurementUnit;
-use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, measured};
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, Positions, Stribeck, measured, measured_and};
 
 fn calibrated(bits: Option<u32>) -> Calibration {
     let mut robot = KnownRobot::new(None);
@@ -63,4 +67,40 @@ fn intervals_hold_the_bias() {
     let all = found.parameters.len();
     assert!(held >= all - 3, "{held} of {all}");
     assert!(without < held, "{without} {held}");
+}
+
+/// Of the shapes of a law, too: b is part of their deviations, the truth is within the intervals, and estimators that do not tell
+/// the bias have none.
+#[test]
+fn intervals_of_shapes_hold_the_bias() {
+    let law = Stribeck { joint: 1, rise_nm: 7.0, velocity_rad_s: 0.1, exponent: 2.0 };
+    let mut robot = KnownRobot::with_stribeck(None, vec![law]);
+    let clean = robot.clean_at_ends(0, 20.0);
+    let preprocess = PreprocessOptions::new(F_DYN_HZ);
+    let recordings = [measured_and(&clean, "known", 5, Noise::White, 1.0, Positions::Bits(13), &preprocess)];
+    let found = |estimator, deviations| {
+        let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
+        let unit = MeasurementUnit::NewtonMetre;
+        let everywhere = TermScopes::everywhere();
+        let search = ShapeOptions::default();
+        calibrate_shapes(&robot.model, &recordings, &everywhere, unit, F_DYN_HZ, &options, &search).unwrap().1
+    };
+    let with = found(Estimator::Wls, Deviations::Memory);
+    let shape = &with.shape_fit.as_ref().unwrap().shapes[0];
+    let b = shape.shift_by_position_noise.unwrap();
+    let deviation = shape.std_dev.unwrap();
+    assert!(b > 0.1 * deviation && b < deviation, "{shape:?}");
+    let [low, high] = shape.interval_95.unwrap();
+    assert!((low..=high).contains(&law.velocity_rad_s), "{shape:?}");
+    assert!(!with.position_bias.unwrap().parameters.is_empty());
+    for (estimator, deviations) in [
+        (Estimator::Irls, Deviations::Memory),
+        (Estimator::Essential, Deviations::Memory),
+        (Estimator::Wls, Deviations::White),
+    ] {
+        let without = found(estimator, deviations);
+        let shape = &without.shape_fit.as_ref().unwrap().shapes[0];
+        assert!(shape.shift_by_position_noise.is_none() && without.position_bias.is_none());
+        assert!(shape.std_dev.unwrap() < deviation, "{estimator:?} {deviations:?}");
+    }
 }

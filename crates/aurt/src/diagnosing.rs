@@ -261,7 +261,7 @@ fn read(
         });
     }
     let predictions = simulated.iter();
-    let mut read = Vec::new();
+    let (mut read, mut rows): (Vec<(Source, Stretches, Role)>, Vec<usize>) = Default::default();
     for (source, role) in listed {
         progress(format!("reading {}", source.written));
         let source = Source::from(source);
@@ -272,15 +272,16 @@ fn read(
         } else {
             Stretches::whole(pipeline.read(source.clone(), Purpose::Validation)?.recording)
         };
+        rows.push(stretches.rows());
         read.push((source, stretches, role));
+        // The more recordings there are, the less of each is held.
+        let most_each = fair_share(rows.clone(), most_rows);
+        let thinned = read.into_iter().map(|(source, kept, role)| (source, kept.at_most(most_each), role));
+        read = thinned.collect();
     }
-    let rows: Vec<usize> = read.iter().map(|(_, stretches, _)| stretches.rows()).collect();
-    let most_each = fair_share(rows, most_rows);
     let loaded: Vec<(Loaded, Role)> = read
         .into_iter()
-        .map(|(source, stretches, role)| {
-            (Loaded { source, recording: stretches.at_most(most_each).into_recording() }, role)
-        })
+        .map(|(source, kept, role)| (Loaded { source, recording: kept.into_recording() }, role))
         .collect();
     let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
     Ok((

@@ -77,7 +77,7 @@ pub struct JointPositionNoise {
 pub struct ParameterBias {
     /// The coefficient.
     pub name: String,
-    /// The most by which noise of the positions may have shifted it.
+    /// By how much noise of the positions is taken to have shifted it.
     pub bias: f64,
     /// The same in standard deviations that other errors give it.
     pub deviations: f64,
@@ -95,52 +95,62 @@ pub(crate) struct Fitted<'a> {
     pub solution: &'a Solution,
 }
 
-/// An estimate without the bias.
-pub(crate) struct Corrected {
-    pub coefficients: Vec<f64>,
-    /// The inverse of the corrected WᵀΩ⁻¹W, column-major.
-    pub bread: Vec<f64>,
+/// What noise of the positions does to an estimate.
+pub(crate) struct Looked {
     pub joints: Vec<JointPositionNoise>,
     pub draws: u64,
     /// What the noise does to least squares when it is added once more.
     pub shift: Shift,
     pub hausman: Option<Hausman>,
+    /// The estimate without it and the inverse of the corrected WᵀΩ⁻¹W, column-major, where these were asked for.
+    pub corrected: Option<(Vec<f64>, Vec<f64>)>,
 }
 
-/// The estimate without what noise of the positions does to it; `thorough` draws often enough for the result to be used.
+/// What noise of the positions does. With `thorough` it is drawn often enough for the estimate to be corrected; a shift that is
+/// `known` is not asked for again.
 ///
 /// # Errors
-/// [`CalibrationError::NoisyPositions`] if noise makes up what the motion shows, and what models report.
-pub(crate) fn correct(fitted: &Fitted<'_>, thorough: bool) -> Result<Corrected, CalibrationError> {
-    let joints = joints(fitted.model, fitted.recordings)?;
-    let plain = Normal::of(fitted.system, fitted.weights);
+/// [`CalibrationError::NoisyPositions`] if an estimate is to be corrected and noise makes up what the motion shows, and what
+/// models report.
+pub(crate) fn look(
+    fitted: &Fitted<'_>,
+    thorough: bool,
+    known: Option<&Shift>,
+) -> Result<Looked, CalibrationError> {
+    let Fitted { model, weights, solution, .. } = *fitted;
+    let joints = joints(model, fitted.recordings)?;
     let draws = if matters(&joints) { DRAWS[usize::from(thorough)] } else { 0 };
-    let mut corrected = plain.clone();
-    let mut shift = Shift::default();
-    if draws > 0 {
-        let drawn: Vec<Normal> =
-            (0..draws).into_par_iter().map(|draw| drawn(fitted, draw)).collect::<Result<_, _>>()?;
-        for normal in &drawn {
-            corrected.add(&plain, 1.0 / draws as f64);
-            corrected.add(normal, -1.0 / draws as f64);
-        }
-        let estimates = drawn.iter().filter_map(|normal| normal.solve(&fitted.solution.excited));
-        let estimates: Vec<Vec<f64>> = estimates.map(|(coefficients, _)| coefficients).collect();
-        shift = Shift::of(fitted.model, &fitted.solution.coefficients, &estimates);
-    }
-    let worst =
-        joints.iter().enumerate().max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
-    let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
-    let hausman = if draws > 0 { agreement(fitted)? } else { None };
-    match corrected.solve(&fitted.solution.excited) {
-        Some((coefficients, bread)) => Ok(Corrected { coefficients, bread, joints, draws, shift, hausman }),
-        None if thorough => Err(CalibrationError::NoisyPositions { joint, percent: 100.0 * share }),
-        // Noise that leaves nothing to correct by is noise to be told of all the more.
+    let needed = if known.is_some() && !thorough { 0 } else { draws };
+    let drawn: Vec<System> =
+        (0..needed).into_par_iter().map(|draw| drawn(fitted, draw)).collect::<Result<_, _>>()?;
+    let shift = match known {
+        Some(known) => known.clone(),
         None => {
-            let Solution { coefficients, covariance, .. } = fitted.solution.clone();
-            Ok(Corrected { coefficients, bread: covariance, joints, draws, shift, hausman })
+            let solve = |system: &System| system.solve_coefficients_of(weights, |k| solution.excited[k]);
+            let estimates: Vec<Vec<f64>> = drawn.iter().map(solve).collect::<Result<_, _>>()?;
+            Shift::of(model, &[], &solution.coefficients, &estimates)
         }
-    }
+    };
+    let hausman = if draws > 0 { agreement(fitted)? } else { None };
+    let corrected = if thorough {
+        let plain = Normal::of(fitted.system, weights);
+        let mut corrected = plain.clone();
+        for system in &drawn {
+            corrected.add(&plain, 1.0 / draws as f64);
+            corrected.add(&Normal::of(system, weights), -1.0 / draws as f64);
+        }
+        Some(corrected.solve(&solution.excited).ok_or_else(|| {
+            let worst = joints
+                .iter()
+                .enumerate()
+                .max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
+            let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
+            CalibrationError::NoisyPositions { joint, percent: 100.0 * share }
+        })?)
+    } else {
+        None
+    };
+    Ok(Looked { joints, draws, shift, hausman, corrected })
 }
 
 /// Whether instruments agree, where the recordings are long enough for their filter.
@@ -155,23 +165,19 @@ fn agreement(fitted: &Fitted<'_>) -> Result<Option<Hausman>, CalibrationError> {
 
 impl PositionBias {
     /// The bias of least squares; `deviations` are those of other errors.
-    pub(crate) fn of(
-        model: &RobotModel,
-        corrected: &Corrected,
-        shift: &Shift,
-        deviations: impl Fn(usize) -> f64,
-    ) -> Self {
+    pub(crate) fn of(model: &RobotModel, looked: &Looked, deviations: impl Fn(usize) -> f64) -> Self {
         let told = |(k, bias): (usize, &f64)| {
             let deviation = deviations(k);
             let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
             ParameterBias { name: model.parameters()[k].name.clone(), bias: *bias, deviations }
         };
-        let determined = shift.coefficients().iter().enumerate().filter(|(k, _)| deviations(*k) > 0.0);
+        let shifted = looked.shift.coefficients().iter();
+        let determined = shifted.enumerate().filter(|(k, _)| deviations(*k) > 0.0);
         Self {
-            joints: corrected.joints.clone(),
-            draws: corrected.draws,
+            joints: looked.joints.clone(),
+            draws: looked.draws,
             parameters: determined.map(told).collect(),
-            hausman: corrected.hausman.clone(),
+            hausman: looked.hausman.clone(),
         }
     }
 
@@ -216,7 +222,7 @@ impl PositionBias {
                 .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations.abs()))
                 .collect();
             warning.push_str(&format!(
-                " {} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), and intervals are wider by as much",
+                " {} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), which intervals include",
                 notable.len(),
                 self.parameters.len(),
                 worst.join(", "),
@@ -273,11 +279,11 @@ fn joints(
     Ok(joints)
 }
 
-/// The normal equations with the noise added once more.
-fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<Normal, CalibrationError> {
+/// The system with the noise added once more.
+fn drawn(fitted: &Fitted<'_>, draw: u64) -> Result<System, CalibrationError> {
     let noisier = noisier_recordings(fitted.recordings, draw)?;
-    let Fitted { model, options, load, scopes, weights, .. } = *fitted;
-    Ok(Normal::of(&accumulate_scoped(model, &noisier, scopes, load, options)?, weights))
+    let Fitted { model, options, load, scopes, .. } = *fitted;
+    accumulate_scoped(model, &noisier, scopes, load, options)
 }
 
 /// The recordings with the noise of their positions added once more.

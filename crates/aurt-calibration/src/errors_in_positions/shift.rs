@@ -4,56 +4,67 @@ use aurt_traits::{ColumnGroup, RobotModel};
 
 /// Adding a noise of the same power once more shifts an estimate by what the noise has shifted it already where the shift
 /// grows with the power, as it does for rigid bodies, and by √2 − 1 of it where it grows with its root: the sign of a velocity
-/// is wrong around rest, in a range as wide as the noise. Laws of friction lie between the two; for them the larger is taken.
+/// is wrong around rest, in a range as wide as the noise. Laws of friction, of joints and of arm terms that are no loads, lie between the two; for them the larger is taken.
 const MOST: f64 = 1.0 + std::f64::consts::SQRT_2;
 
-/// The most by which noise of the positions may have shifted estimates. It is not taken off them, since which of the two
+/// By how much noise of the positions is taken to have shifted estimates. It is not taken off them, since which of the two
 /// powers holds is not known, but counts as one more error of theirs.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Shift {
-    /// Zero where the noise is not taken to shift.
-    most: Vec<f64>,
+    all: Vec<f64>,
     coefficients: usize,
 }
 
 impl Shift {
-    /// From an estimate, coefficients first and shapes behind them, and the estimates with the noise added once more.
-    pub(crate) fn of(model: &RobotModel, estimate: &[f64], drawn: &[Vec<f64>]) -> Self {
-        let coefficients = model.parameters().len();
-        let mut factor = vec![MOST; estimate.len()];
-        for (group, _) in model.groups() {
-            if !matches!(group, ColumnGroup::JointDynamics(_)) {
-                factor[model.group(*group)].fill(1.0);
-            }
+    /// From an estimate, coefficients first and shapes behind them, and the estimates with the noise added once more; `owners`
+    /// are the groups of the shapes. Without draws there is no shift.
+    pub(crate) fn of(
+        model: &RobotModel,
+        owners: &[ColumnGroup],
+        estimate: &[f64],
+        drawn: &[Vec<f64>],
+    ) -> Self {
+        if drawn.is_empty() {
+            return Self::default();
         }
-        let most = estimate
-            .iter()
-            .enumerate()
-            .map(|(k, own)| {
-                let shifts: Vec<f64> = drawn.iter().map(|d| d[k] - own).collect();
-                factor[k] * shifts.iter().sum::<f64>() / shifts.len().max(1) as f64
-            })
-            .collect();
-        Self { most, coefficients }
+        let coefficients = model.parameters().len();
+        let mut factors = vec![1.0; coefficients];
+        for (group, _) in model.groups() {
+            factors[model.group(*group)].fill(factor(model, *group));
+        }
+        factors.extend(owners.iter().map(|group| factor(model, *group)));
+        let draws = drawn.len() as f64;
+        let mean = |k: usize| drawn.iter().map(|d| d[k] - estimate[k]).sum::<f64>() / draws;
+        Self { all: factors.iter().enumerate().map(|(k, factor)| factor * mean(k)).collect(), coefficients }
     }
 
     /// Of the coefficients.
     pub(crate) fn coefficients(&self) -> &[f64] {
-        &self.most[..self.coefficients.min(self.most.len())]
+        &self.all[..self.coefficients.min(self.all.len())]
     }
 
     /// Of the shapes.
     pub(crate) fn shapes(&self) -> &[f64] {
-        &self.most[self.coefficients.min(self.most.len())..]
+        &self.all[self.coefficients.min(self.all.len())..]
     }
 
-    /// Adds the shifts of the coefficients to a covariance, column-major, that is multiplied by `scale` later on.
-    pub(crate) fn widen(&self, covariance: &mut [f64], scale: f64) {
-        let most = self.coefficients();
-        for (column, own) in most.iter().enumerate() {
-            for (row, other) in most.iter().enumerate() {
-                covariance[column * most.len() + row] += own * other / scale;
+    /// Adds the shifts of the coefficients to a covariance, column-major.
+    pub(crate) fn widen(&self, covariance: &mut [f64]) {
+        let shifts = self.coefficients();
+        for (column, own) in shifts.iter().enumerate() {
+            for (row, other) in shifts.iter().enumerate() {
+                covariance[column * shifts.len() + row] += own * other;
             }
         }
     }
+}
+
+/// What a shift by the noise added once more is multiplied by.
+fn factor(model: &RobotModel, group: ColumnGroup) -> f64 {
+    let is_friction = match group {
+        ColumnGroup::RigidBody => false,
+        ColumnGroup::JointDynamics(_) => true,
+        ColumnGroup::ArmTerm(k) => !model.arm_terms()[k].is_load(),
+    };
+    if is_friction { MOST } else { 1.0 }
 }

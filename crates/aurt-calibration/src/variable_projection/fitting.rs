@@ -9,8 +9,8 @@ use super::{
     uncertainty::precision,
 };
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, Deviations, Estimator, FitRows, NamedRecording,
-    RigidRows, TermScopes, calibrate_rows, calibrate_scoped,
+    Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, NamedRecording, RigidRows,
+    TermScopes, calibrate_rows, calibrate_scoped,
     row_cache::{Fitted, fit},
     wls::{Setting, weights},
 };
@@ -113,10 +113,8 @@ pub fn calibrate_shapes_rows(
         cost_after: point.cost / count,
     };
     drop(problem);
-    let shift = match options.deviations {
-        Deviations::Memory => Some(shift(&shaped, &point.units, scopes, options)?),
-        Deviations::White => None,
-    };
+    let told = options.tells_position_bias();
+    let shift = told.then(|| shift(&shaped, &point.units, scopes, options)).transpose()?;
     let Shaped { model, mut fitted, .. } = shaped;
     fitted.estimate.solution.covariance = precision.covariance;
     let mut calibration = rows.calibration(

@@ -22,7 +22,7 @@ pub struct FittedShape {
     pub std_dev: Option<f64>,
     /// 95 % confidence interval, within the bounds; of a parameter that is searched in logarithms, in these.
     pub interval_95: Option<[f64; 2]>,
-    /// The most by which noise of the positions may have shifted it, part of the deviation; absent where it is negligible.
+    /// By how much noise of the positions is taken to have shifted it, part of the deviation; absent where it is negligible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shift_by_position_noise: Option<f64>,
     /// Smallest value that the model allows.
@@ -65,6 +65,12 @@ impl FittedShape {
         }
     }
 
+    /// Whether noise of the positions makes up more than half of its variance.
+    fn is_shifted(&self) -> bool {
+        let most = self.shift_by_position_noise.unwrap_or_default();
+        self.std_dev.is_some_and(|s| 2.0 * most * most > s * s)
+    }
+
     /// The joint or arm term, the model and the parameter in words: `joint 2, lugre: presliding_rad`.
     #[must_use]
     pub fn label(&self) -> String {
@@ -74,14 +80,6 @@ impl FittedShape {
             ColumnGroup::ArmTerm(k) => format!("arm term {k}"),
         };
         format!("{owner}, {}: {}", self.model, self.name)
-    }
-}
-
-impl FittedShape {
-    /// Whether noise of the positions makes up more than half of its variance.
-    fn is_shifted(&self) -> bool {
-        let most = self.shift_by_position_noise.unwrap_or_default();
-        self.std_dev.is_some_and(|s| 2.0 * most * most > s * s)
     }
 }
 
@@ -142,9 +140,9 @@ impl ShapeReport {
         let shifted = listed(&|s| s.is_shifted());
         if !shifted.is_empty() {
             warnings.push(format!(
-                "noise of the positions may have shifted shape parameters by more than every other error, and intervals are \
-                 wider by as much: {shifted}; a lower f_dyn, a finer encoder, or motions that cross these velocities more \
-                 often determine them better (`aurt explain position_bias`)"
+                "noise of the positions may have shifted shape parameters by more than every other error, which \
+                 intervals include: {shifted}; a lower f_dyn, a finer encoder, or motions that do not hover at rest determine \
+                 them better (`aurt explain position_bias`)"
             ));
         }
         let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());

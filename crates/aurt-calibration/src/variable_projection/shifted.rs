@@ -2,19 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::{
-    fitting::Shaped,
-    owner::Owner,
-    problem::{Point, Problem},
-    uncertainty::at_bound,
-};
+use super::{fitting::Shaped, owner::Owner, problem::Problem, uncertainty::at_bound};
 use crate::{
     CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
     errors_in_positions::{DRAWS, Shift, noisier_recordings, position_noise_matters},
 };
 
-/// The most by which noise of the positions may have shifted coefficients and shapes, the latter as shares of their ranges:
-/// one step of Gauss and Newton from the minimum, with the noise added once more, for each draw.
+/// By how much noise of the positions is taken to have shifted coefficients and shapes, the latter as shares of their ranges:
+/// one step of Gauss and Newton from the minimum, with the noise added once more, for each draw. Shapes at a bound stay there.
 ///
 /// # Errors
 /// What models report.
@@ -28,42 +23,48 @@ pub(super) fn shift(
     if !position_noise_matters(&shaped.model, &recordings)? {
         return Ok(Shift::default());
     }
+    // A search ends before the last of its steps: what the recordings as they are ask for is no shift.
+    let (plain, excited) = step(shaped, shaped.rows, units, scopes, None)?;
+    let all: Vec<usize> = (0..recordings.len()).collect();
     let drawn: Vec<Vec<f64>> = (0..DRAWS[0])
         .into_par_iter()
         .map(|draw| {
             let noisier = noisier_recordings(&recordings, draw)?;
-            step(shaped, &noisier, units, scopes, options)
+            let rigid = RigidRows::new(&shaped.model, &noisier)?;
+            let rows = FitRows::new(&rigid, &all, options)?;
+            Ok(step(shaped, &rows, units, scopes, Some(&excited))?.0)
         })
         .collect::<Result<_, CalibrationError>>()?;
-    // A search ends before the last of its steps: what the recordings as they are ask for is no shift.
-    let own: Vec<NamedRecording> = recordings.into_iter().cloned().collect();
-    let plain = step(shaped, &own, units, scopes, options)?;
-    Ok(Shift::of(&shaped.model, &plain, &drawn))
+    let owners = Owner::all(&shaped.model);
+    let groups: Vec<_> = owners.iter().flat_map(|o| vec![o.group; o.shapes.len()]).collect();
+    Ok(Shift::of(&shaped.model, &groups, &plain, &drawn))
 }
 
-/// The coefficients, and the steps of all shapes, that other recordings ask for.
+/// The coefficients, and the steps of all shapes, that rows ask for; and which columns of the system they determine, which
+/// may be given: noise determines nothing.
 fn step(
     shaped: &Shaped<'_>,
-    recordings: &[NamedRecording],
+    rows: &FitRows<'_>,
     units: &[Vec<f64>],
     scopes: &TermScopes,
-    options: &CalibrationOptions,
-) -> Result<Vec<f64>, CalibrationError> {
-    let model = &shaped.model;
-    let rigid = RigidRows::new(model, recordings)?;
-    let all: Vec<usize> = (0..recordings.len()).collect();
-    let rows = FitRows::new(&rigid, &all, options)?;
+    excited: Option<&[bool]>,
+) -> Result<(Vec<f64>, Vec<bool>), CalibrationError> {
+    let (model, weights) = (&shaped.model, shaped.weights());
     let acting = rows.acting(model, scopes);
     let loads = rows.loads(model, &shaped.fitted.load)?;
-    let problem = Problem::new(model, &rows, &acting, &loads, shaped.weights())?;
-    let point: Point = problem.at(units.to_vec())?;
-    let owners: Vec<usize> = (0..Owner::all(model).len()).collect();
+    let problem = Problem::new(model, rows, &acting, &loads, weights.clone())?;
+    let point = problem.at(units.to_vec())?;
+    let owners: Vec<usize> = (0..units.len()).collect();
     let coefficients = &shaped.fitted.estimate.solution.coefficients;
     let mut free = problem.sensitivities(&point, &owners, coefficients)?;
     free.retain(|s| !at_bound(units[s.shape.0][s.shape.1]));
-    let (found, _) = problem.system(&point, &free).solve_coefficients(&shaped.weights())?;
+    let system = problem.system(&point, &free);
+    let (found, excited) = match excited {
+        Some(excited) => (system.solve_coefficients_of(&weights, |k| excited[k])?, excited.to_vec()),
+        None => system.solve_coefficients(&weights)?,
+    };
     let n = coefficients.len();
-    let steps = units.iter().enumerate().flat_map(|(o, units)| (0..units.len()).map(move |i| (o, i)));
-    let steps = steps.map(|shape| free.iter().position(|s| s.shape == shape).map_or(0.0, |k| found[n + k]));
-    Ok(found[..n].iter().copied().chain(steps).collect())
+    let shapes = units.iter().enumerate().flat_map(|(o, units)| (0..units.len()).map(move |i| (o, i)));
+    let steps = shapes.map(|shape| free.iter().position(|s| s.shape == shape).map_or(0.0, |k| found[n + k]));
+    Ok((found[..n].iter().copied().chain(steps).collect(), excited))
 }

@@ -89,10 +89,10 @@ pub const TERMS: &[Term] = &[
         name: "position_bias",
         title: "noise of the positions",
         text: "The regressor is made from measured positions, and their noise (white noise, an encoder's steps) \
-            shifts estimates, however long the recordings are. The noise is drawn and added once more; \
-            what that does to the fit is the bias, and standard deviations and intervals include it. A lower \
-            f_dyn lets less noise through; shapes that live at low velocities need fine encoders, or motions \
-            that cross these velocities often.",
+            shifts estimates, however long the recordings are. The noise is drawn and added once more; what \
+            that does to the fit, for friction 2.4 times that, is taken as an error, and standard deviations \
+            and intervals include it. A lower f_dyn lets less noise through; shapes that live at low \
+            velocities need fine encoders, and motions that do not hover at rest.",
     },
     Term {
         name: "rest",
