@@ -213,8 +213,9 @@ pub(crate) fn finished(
     let robust = robust.map(|(report, _)| report);
     // Motions are not to blame for noise of the positions.
     let judged = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    let is_biased = options.estimator != Estimator::Eiv;
-    if let Some(looked) = looked.as_ref().filter(|_| is_biased) {
+    // What was taken off is no error any more.
+    let biased = looked.as_ref().filter(|looked| looked.corrected.is_none());
+    if let Some(looked) = biased {
         looked.shift.widen(&mut estimate.solution.covariance);
     }
     let parameters = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
@@ -224,7 +225,7 @@ pub(crate) fn finished(
     let mut warnings = warnings(&judged, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
-    warnings.extend(position_bias.iter().filter(|_| is_biased).filter_map(PositionBias::warning));
+    warnings.extend(position_bias.iter().filter(|_| biased.is_some()).filter_map(PositionBias::warning));
     warnings.extend(robust.iter().flat_map(RobustReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,

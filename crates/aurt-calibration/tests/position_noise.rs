@@ -69,38 +69,45 @@ fn intervals_hold_the_bias() {
     assert!(without < held, "{without} {held}");
 }
 
-/// Of the shapes of a law, too: b is part of their deviations, the truth is within the intervals, and estimators that do not tell
-/// the bias have none.
+/// Of the shapes of a law, too: b is part of their deviations, a warning names them where it is most of these, and estimators
+/// that do not tell the bias have none.
 #[test]
 fn intervals_of_shapes_hold_the_bias() {
     let law = Stribeck { joint: 1, rise_nm: 7.0, velocity_rad_s: 0.1, exponent: 2.0 };
     let mut robot = KnownRobot::with_stribeck(None, vec![law]);
     let clean = robot.clean_at_ends(0, 20.0);
-    let preprocess = PreprocessOptions::new(F_DYN_HZ);
-    let recordings = [measured_and(&clean, "known", 5, Noise::White, 1.0, Positions::Bits(13), &preprocess)];
-    let found = |estimator, deviations| {
+    let found = |bits, estimator, deviations| {
+        let preprocess = PreprocessOptions::new(F_DYN_HZ);
+        let recordings =
+            [measured_and(&clean, "known", 5, Noise::White, 1.0, Positions::Bits(bits), &preprocess)];
         let options = CalibrationOptions { estimator, deviations, ..CalibrationOptions::default() };
         let unit = MeasurementUnit::NewtonMetre;
         let everywhere = TermScopes::everywhere();
         let search = ShapeOptions::default();
         calibrate_shapes(&robot.model, &recordings, &everywhere, unit, F_DYN_HZ, &options, &search).unwrap().1
     };
-    let with = found(Estimator::Wls, Deviations::Memory);
-    let shape = &with.shape_fit.as_ref().unwrap().shapes[0];
-    let b = shape.shift_by_position_noise.unwrap();
-    let deviation = shape.std_dev.unwrap();
-    assert!(b > 0.1 * deviation && b < deviation, "{shape:?}");
-    let [low, high] = shape.interval_95.unwrap();
-    assert!((low..=high).contains(&law.velocity_rad_s), "{shape:?}");
-    assert!(!with.position_bias.unwrap().parameters.is_empty());
+    let mut warned = Vec::new();
+    for bits in [17, 13] {
+        let with = found(bits, Estimator::Wls, Deviations::Memory);
+        let shape = &with.shape_fit.as_ref().unwrap().shapes[0];
+        let (b, deviation) = (shape.shift_by_position_noise.unwrap(), shape.std_dev.unwrap());
+        assert!(b < deviation, "{bits} {shape:?}");
+        let warning = format!("{} = ", shape.label());
+        let is_named = with.warnings.iter().any(|w| w.contains("may have shifted") && w.contains(&warning));
+        assert_eq!(is_named, 2.0 * b * b > deviation * deviation, "{bits} {shape:?} {:?}", with.warnings);
+        warned.push(is_named);
+        assert!(!with.position_bias.as_ref().unwrap().parameters.is_empty());
+        let [low, high] = shape.interval_95.unwrap();
+        assert!((low..=high).contains(&law.velocity_rad_s), "{shape:?}");
+    }
+    assert_eq!(warned, [false, true]);
     for (estimator, deviations) in [
         (Estimator::Irls, Deviations::Memory),
         (Estimator::Essential, Deviations::Memory),
         (Estimator::Wls, Deviations::White),
     ] {
-        let without = found(estimator, deviations);
+        let without = found(13, estimator, deviations);
         let shape = &without.shape_fit.as_ref().unwrap().shapes[0];
         assert!(shape.shift_by_position_noise.is_none() && without.position_bias.is_none());
-        assert!(shape.std_dev.unwrap() < deviation, "{estimator:?} {deviations:?}");
     }
 }

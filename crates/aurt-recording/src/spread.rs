@@ -25,8 +25,8 @@ pub struct Stretches {
 }
 
 impl Stretches {
-    /// Reads a recording as [`read_recording`] does and keeps at most `most_rows` rows of it, one stretch at least. Memory is that
-    /// of twice what is kept. Files that are [joined](crate::RecordedAs::joined) stay whole.
+    /// Reads a recording as [`read_recording`] does and keeps at most `most_rows` rows of it, one stretch at least. Memory
+    /// grows with what is kept and not with the file. Files that are [joined](crate::RecordedAs::joined) stay whole.
     ///
     /// # Errors
     /// As [`read_recording`].

@@ -4,8 +4,9 @@ use aurt_traits::{ColumnGroup, RobotModel};
 
 /// Adding a noise of the same power once more shifts an estimate by what the noise has shifted it already where the shift
 /// grows with the power, as it does for rigid bodies, and by √2 − 1 of it where it grows with its root: the sign of a velocity
-/// is wrong around rest, in a range as wide as the noise. Laws of friction, of joints and of arm terms that are no loads, lie between the two; for them the larger is taken.
-const MOST: f64 = 1.0 + std::f64::consts::SQRT_2;
+/// is wrong around rest, in a range as wide as the noise. Laws of friction, of joints and of arm terms that are no loads, lie
+/// between the two; for them the larger is taken.
+const OF_FRICTION: f64 = 1.0 + std::f64::consts::SQRT_2;
 
 /// By how much noise of the positions is taken to have shifted estimates. It is not taken off them, since which of the two
 /// powers holds is not known, but counts as one more error of theirs.
@@ -66,5 +67,5 @@ fn factor(model: &RobotModel, group: ColumnGroup) -> f64 {
         ColumnGroup::JointDynamics(_) => true,
         ColumnGroup::ArmTerm(k) => !model.arm_terms()[k].is_load(),
     };
-    if is_friction { MOST } else { 1.0 }
+    if is_friction { OF_FRICTION } else { 1.0 }
 }

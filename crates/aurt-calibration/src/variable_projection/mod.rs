@@ -14,7 +14,7 @@
 //! σ_j and the load torque are those of the fit before; the whole is repeated until the shapes stay.
 //!
 //! Standard deviations are those of the least-squares problem with the columns (∂W/∂θ) ζ appended, so that shapes and
-//! coefficients are uncertain together. The most by which noise of the positions may have shifted either is one more error.
+//! coefficients are uncertain together. What noise of the positions is taken to have shifted of either is one more error.
 
 mod damped;
 mod fitting;

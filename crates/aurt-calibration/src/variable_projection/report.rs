@@ -67,8 +67,8 @@ impl FittedShape {
 
     /// Whether noise of the positions makes up more than half of its variance.
     fn is_shifted(&self) -> bool {
-        let most = self.shift_by_position_noise.unwrap_or_default();
-        self.std_dev.is_some_and(|s| 2.0 * most * most > s * s)
+        let shift = self.shift_by_position_noise.unwrap_or_default();
+        self.std_dev.is_some_and(|s| 2.0 * shift * shift > s * s)
     }
 
     /// The joint or arm term, the model and the parameter in words: `joint 2, lugre: presliding_rad`.
@@ -93,9 +93,9 @@ impl ShapeReport {
         white: &[f64],
         shift: &Shift,
     ) {
-        let most = |k: usize| shift.coefficients().get(k).copied().unwrap_or_default();
+        let of = |k: usize| shift.coefficients().get(k).copied().unwrap_or_default();
         let remembered = |k: usize| {
-            let variance = coefficients[k].std_dev?.powi(2) - most(k).powi(2);
+            let variance = coefficients[k].std_dev?.powi(2) - of(k).powi(2);
             Some(variance.max(0.0).sqrt() / white[k]).filter(|ratio| ratio.is_finite())
         };
         for (i, shape) in self.shapes.iter_mut().enumerate() {
@@ -103,9 +103,9 @@ impl ShapeReport {
             let memory =
                 if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 };
             let Some(deviation) = shape.std_dev.filter(|s| *s > 0.0) else { continue };
-            let most = shift.shapes().get(i).map_or(0.0, |share| share * shape.slope());
-            let widened = (memory * deviation).hypot(most);
-            shape.shift_by_position_noise = (most != 0.0).then_some(most.abs());
+            let own = shift.shapes().get(i).map_or(0.0, |share| share * shape.slope());
+            let widened = (memory * deviation).hypot(own);
+            shape.shift_by_position_noise = (own != 0.0).then_some(own.abs());
             let factor = widened / deviation;
             shape.std_dev = Some(widened);
             let (value, [lower, upper]) = (shape.value, [shape.lower, shape.upper]);
