@@ -59,7 +59,7 @@ pub struct Prove {
     /// Diagnose with this executable of aurt
     #[arg(long, value_name = "PATH")]
     program: Option<PathBuf>,
-    /// Keep the recordings of the cases (some 15 MB each)
+    /// Keep the recordings of the cases (some 15 MB each); without it those of diagnosed cases go
     #[arg(long)]
     keep: bool,
     /// Do not diagnose cases once more with their candidate removed

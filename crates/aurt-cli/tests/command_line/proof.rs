@@ -46,9 +46,14 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     let so_far = folder.aurt(["prove", "--so-far", "--out", "proof"]).succeeded();
     assert!(so_far.stdout().contains("5 of 6 cases"), "{}", so_far.stdout());
     assert!(!folder.path("proof/clean/verdicts/case_0001").exists());
+    // A killed proof leaves recordings of cases whose diagnosis ended after it, and half-made cases.
+    let left = ["cases/case_0002", ".aurt-killed.part"].map(|name| folder.path("proof/clean").join(name));
+    left.iter().for_each(|folder| std::fs::create_dir_all(folder).unwrap());
+    std::thread::sleep(std::time::Duration::from_millis(1100));
     folder.aurt(prove.into_iter().chain(["proof"])).succeeded();
     assert_eq!(folder.read("proof/scoreboard.md"), text);
     assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), written);
+    assert!(!left.iter().any(|folder| folder.exists()), "{left:?}");
 
     let (sealed, verdicts) = ("proof/clean/sealed", "proof/clean/verdicts");
     let scored = folder.aurt(["score", "--sealed", sealed, "--verdicts", verdicts, "--json"]).succeeded();

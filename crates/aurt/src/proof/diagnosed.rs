@@ -33,7 +33,8 @@ pub struct Options {
 }
 
 /// Makes, diagnoses and forgets the cases of a world, on all cores. Cases that were diagnosed before are skipped, so that
-/// a proof that was interrupted goes on. What could not be made or diagnosed is written down, and the others go on.
+/// a proof that was interrupted goes on; what a killed one had no time to forget is forgotten. What could not be made or
+/// diagnosed is written down, and the others go on.
 ///
 /// # Errors
 /// Files that cannot be written, a diagnosis that cannot be started.
@@ -44,13 +45,18 @@ pub fn prove(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(), Failure> {
     source.references().par_iter().try_for_each(|name| prove_reference(source, name, place, options))?;
-    (0..source.planned().len()).into_par_iter().filter(|index| options.shard.has(*index)).try_for_each(
-        |index| {
+    let proved = (0..source.planned().len())
+        .into_par_iter()
+        .filter(|index| options.shard.has(*index))
+        .try_for_each(|index| {
             prove_case(source, index, place, options)?;
             progress(&Plan::case_name(index));
             Ok(())
-        },
-    )
+        });
+    // What was too young for that when the next case was made.
+    let folders = place.results();
+    folders.iter().map(PathBuf::as_path).chain([place.root()]).for_each(aurt_output::clear_unfinished);
+    proved
 }
 
 /// Whether a folder holds a verdict, or why there is none.
@@ -60,19 +66,20 @@ fn is_done(folder: &Path) -> bool {
 
 fn prove_reference(source: &dyn Source, name: &str, place: &Place, options: &Options) -> Result<(), Failure> {
     let out = place.verdicts().join(reference_folder(name));
-    if is_done(&out) {
-        return Ok(());
-    }
     let folder = place.references().join(name);
+    if is_done(&out) {
+        return forget(&folder, options);
+    }
     let files: Vec<(String, Vec<u8>)> = source.reference(name)?.files;
     OutputFolder::nested("--out", &folder)?.write(&files)?;
     diagnose(&folder, &out, &["--compare"], options)?;
-    if options.keep { Ok(()) } else { forget(&folder) }
+    forget(&folder, options)
 }
 
 fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Options) -> Result<(), Failure> {
     let name = Plan::case_name(index);
     let planned = &source.planned()[index];
+    let folder = place.cases().join(&name);
     let verdict = place.verdicts().join(&name);
     let blind = planned
         .effects
@@ -81,20 +88,19 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
         .map(|effect| (place.removed().join(&name), effect));
     let unmade = place.unmade().join(format!("{name}.txt"));
     if unmade.exists() || is_done(&verdict) && blind.as_ref().is_none_or(|(folder, _)| is_done(folder)) {
-        return Ok(());
+        return forget(&folder, options);
     }
     if let Err(reason) = make(source, index, &name, place)? {
         return OutputFolder::nested("--out", &place.unmade())?
             .write(&[(format!("{name}.txt"), reason.into_bytes())]);
     }
-    let folder = place.cases().join(&name);
     if !is_done(&verdict) {
         diagnose(&folder, &verdict, &["--compare"], options)?;
     }
     if let Some((out, effect)) = blind.filter(|(out, _)| !is_done(out)) {
         diagnose(&folder, &out, &["--without", effect], options)?;
     }
-    if options.keep { Ok(()) } else { forget(&folder) }
+    forget(&folder, options)
 }
 
 /// Makes a case beside its place and moves it there when it is complete; the reason if it cannot be made.
@@ -115,17 +121,26 @@ fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<
         return Ok(Err(format!("its folder gives the truth away: {}", found.join("; "))));
     }
     let moved = place.cases().join(name);
-    if moved.exists() {
-        forget(&moved)?;
-    }
+    remove(&moved)?;
     fs::rename(cases.join(name), &moved).map_err(fail(moved))?;
     let truth = place.sealed().join(&file);
     fs::rename(sealed.join(&file), &truth).map_err(fail(truth))?;
     Ok(Ok(()))
 }
 
-fn forget(folder: &Path) -> Result<(), Failure> {
-    fs::remove_dir_all(folder).map_err(|source| Failure::Write { path: folder.to_owned(), source })
+/// Removes the recordings of what has its verdict, unless they are to stay.
+fn forget(folder: &Path, options: &Options) -> Result<(), Failure> {
+    if options.keep { Ok(()) } else { remove(folder) }
+}
+
+/// Removes a folder if it is there.
+fn remove(folder: &Path) -> Result<(), Failure> {
+    match fs::remove_dir_all(folder) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(Failure::Write { path: folder.to_owned(), source })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Runs `aurt diagnose` in a case's folder. Nothing of the case is in the command but its folder. What it complained of,
