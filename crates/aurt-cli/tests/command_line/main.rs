@@ -12,6 +12,7 @@ mod descriptions;
 mod diagnosis;
 mod estimators;
 mod exports;
+mod first_experiment;
 mod gains;
 mod injection;
 mod instruction_sets;

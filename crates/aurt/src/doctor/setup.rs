@@ -7,7 +7,7 @@ use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_experiment::{Experiment, experiment::Geometry};
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription};
 use aurt_recording::{Recording, preprocess};
-use aurt_traits::{ArmTerm, RobotModel};
+use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 
 use crate::{
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
@@ -104,6 +104,12 @@ impl Subject {
             arm_terms: experiment.arm_terms.clone(),
             scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
         })
+    }
+
+    /// The unit of the measurements once the instrument is undone.
+    pub(super) fn unit(&self) -> MeasurementUnit {
+        let measured = self.recordings.first().map(|r| r.loaded.recording.unit);
+        measured.map_or(MeasurementUnit::NewtonMetre, |unit| self.instrument.unit(unit))
     }
 
     /// Number of joints that move on their own.

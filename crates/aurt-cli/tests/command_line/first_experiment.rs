@@ -1,0 +1,115 @@
+//! `aurt init`: an experiment from a robot and its logs.
+
+use crate::support::Folder;
+
+const LOGS: [&str; 2] = ["exciting_motion.csv", "other_motion.csv"];
+const CONSTANTS: [&str; 7] =
+    ["--torque-constants", "11.976", "11.976", "9.839", "10.763", "10.763", "10.763"];
+
+fn demo() -> Folder {
+    Folder::new().with_demo(&["mdh.csv", LOGS[0], LOGS[1]])
+}
+
+/// The arguments of `aurt init` for the demo's table and these recordings.
+fn init<'a>(recordings: &'a [&'a str], more: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
+    let recordings = recordings.iter().copied();
+    std::iter::once("init").chain(recordings).chain(["--robot", "mdh.csv"]).chain(more.iter().copied())
+}
+
+#[test]
+fn a_robot_and_its_logs_become_an_experiment_that_runs() {
+    let folder = demo();
+    // One of the files is given twice under another name.
+    folder.write("again.csv", &folder.read(LOGS[0]));
+    let said = folder.aurt(init(&[LOGS[0], LOGS[1], "again.csv"], &CONSTANTS)).succeeded().stdout();
+    assert!(said.contains("again.csv holds the samples of exciting_motion.csv"), "{said}");
+    assert!(said.contains("none of the usual mistakes would explain more"), "{said}");
+    let text = folder.read("experiment.toml");
+    assert!(text.starts_with("schema = 1"), "{text}");
+    for guess in
+        ["mdh_rows = \"next\"      # guessed", "9.81]      # guessed", "torque_constants_nm_per_a = [11.976"]
+    {
+        assert!(text.contains(guess), "{guess}: {text}");
+    }
+    let roles = text.split_once("[recordings]").unwrap().1.split_once("validation").unwrap();
+    assert!(roles.0.contains(LOGS[0]) && roles.1.contains(LOGS[1]), "what moves more calibrates: {text}");
+    assert!(!text.contains("again.csv"), "{text}");
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    folder.aurt(init(&LOGS, &[])).refused(&["experiment.toml exists", "experiments are not overwritten"]);
+}
+
+/// Currents stay currents, and nothing is claimed of a right setup.
+#[test]
+fn currents_without_constants_accuse_no_robot() {
+    let folder = demo();
+    let said = folder.aurt(init(&LOGS, &[])).succeeded().stdout();
+    assert!(said.contains("none of the usual mistakes would explain more"), "{said}");
+    assert!(folder.read("experiment.toml").contains("# Currents stay in A"), "{said}");
+}
+
+/// What a key can say is set; the experiment then runs.
+#[test]
+fn a_mistake_that_the_recordings_show_is_corrected_in_the_file() {
+    let wrong_setups: [(&[&str], &str); 2] = [
+        (&["--mdh-rows", "previous"], "mdh_rows = \"next\""),
+        (&["--gravity", "0", "9.81", "0"], "gravity_m_s2 = [0.0, 0.0, -9.81]"),
+    ];
+    for (wrong, right) in wrong_setups {
+        corrected(&demo(), wrong, right);
+    }
+    let wrong_logs: [(&str, f64, &str); 3] = [
+        ("actual_q_", 180.0 / std::f64::consts::PI, "angle = \"deg\""),
+        ("actual_current_1", -1.0, "gains = [1.0, -1.0, 1.0, 1.0, 1.0, 1.0]"),
+        ("actual_q_2", -1.0, "gear_ratio = [1.0, 1.0, -1.0, 1.0, 1.0, 1.0]"),
+    ];
+    for (columns, factor, right) in wrong_logs {
+        let folder = demo();
+        for log in LOGS {
+            folder.write(log, &scaled(&folder.read(log), columns, factor));
+        }
+        corrected(&folder, &[], right);
+    }
+}
+
+/// Asserts that the draft has `right` in it, says so, and runs.
+fn corrected(folder: &Folder, wrong: &[&str], right: &str) {
+    let more: Vec<&str> = CONSTANTS.iter().chain(wrong).copied().collect();
+    let said = folder.aurt(init(&LOGS, &more)).succeeded().stdout();
+    let text = folder.read("experiment.toml");
+    let head = "# The recordings said otherwise than the first guess.";
+    assert!(text.starts_with(head) && text.contains(right), "{right}: {said}\n{text}");
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+}
+
+/// A table with the columns whose names begin so multiplied.
+fn scaled(table: &str, columns: &str, factor: f64) -> String {
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let cells = |line: &str| -> Vec<String> {
+        let scaled = |(name, cell): (&&str, &str)| match name.starts_with(columns) {
+            true => (factor * cell.parse::<f64>().unwrap()).to_string(),
+            false => cell.to_owned(),
+        };
+        names.iter().zip(line.split(',')).map(scaled).collect()
+    };
+    let rows = table.lines().skip(1).map(|line| cells(line).join(",") + "\n");
+    std::iter::once(names.join(",") + "\n").chain(rows).collect()
+}
+
+/// A single recording calibrates with its beginning and validates with its end.
+#[test]
+fn one_recording_is_split() {
+    let folder = demo();
+    let said = folder.aurt(init(&LOGS[..1], &CONSTANTS)).succeeded().stdout();
+    assert!(said.contains("its beginning calibrates, its end validates"), "{said}");
+    let text = folder.read("experiment.toml");
+    assert_eq!(text.matches("window_s = [").count(), 2, "{text}");
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+}
+
+#[test]
+fn a_robot_that_is_not_there_is_refused() {
+    let folder = demo();
+    folder.aurt(["init", LOGS[0], "--robot", "ur10"]).refused(&["--robot", "did you mean ur10e?"]);
+    folder.aurt(["init", LOGS[0]]).refused(&["--robot", "the robot is not given"]);
+    assert!(!folder.path("experiment.toml").exists());
+}
