@@ -50,9 +50,11 @@ fn currents_without_constants_accuse_no_robot() {
 /// What a key can say is set; the experiment then runs.
 #[test]
 fn a_mistake_that_the_recordings_show_is_corrected_in_the_file() {
-    let wrong_setups: [(&[&str], &str); 2] = [
+    let wrong_setups: [(&[&str], &str); 3] = [
         (&["--mdh-rows", "previous"], "mdh_rows = \"next\""),
         (&["--gravity", "0", "9.81", "0"], "gravity_m_s2 = [0.0, 0.0, -9.81]"),
+        // Turning joint 1 half a turn would do nearly the same.
+        (&["--gravity", "0", "0", "9.81"], "gravity_m_s2 = [0.0, 0.0, -9.81]"),
     ];
     for (wrong, right) in wrong_setups {
         corrected(&demo(), wrong, right);

@@ -34,8 +34,9 @@ const PAIRS_FROM: f64 = 0.4;
 const LIKELIER: f64 = 0.9;
 /// The same for each recording alone.
 const EACH_LIKELIER: f64 = 0.95;
-/// Of robots that take it to within this factor of the least share, the likeliest mistake is told.
-const ONE_AS_LIKELY: f64 = 1.03;
+/// Of robots that take it to within this factor of the least share, the likeliest mistake is told: what does not accuse a right
+/// setup does not decide between two others.
+const ONE_AS_LIKELY: f64 = 1.0 / LIKELIER;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
 
