@@ -7,7 +7,7 @@ file by file, with the proof that nobody disturbed.
 `--hours` is the time that the recordings of all cases last together. A shard is killed (SIGKILL) after a time that is drawn for
 each start, on average that of `--cases` cases and exponentially distributed, so that long cases end as well; every other time
 with the diagnoses that it has started, else alone. All are started once more in the end. Prints the counts; exit status 1 if a
-file is missing, is too many or differs, or if anything is left behind, 2 if a proof could not be made.
+file is missing, is too many or differs, or if anything is left behind, 2 if a proof could not be made or nothing was killed.
 """
 
 import argparse
@@ -133,6 +133,9 @@ def main():
     commands = [[*proof, "--shard", f"{k}/{options.shards}", "--out", part] for k, part in enumerate(parts, 1)]
     kills = run_killed(commands, mean_s, random.Random(options.seed))
     print(f"{options.shards} shards, killed {kills} times, {time.monotonic() - begin:.0f} s", flush=True)
+
+    if kills == 0:
+        refuse("no shard was killed, which shows nothing: more hours, or fewer cases")
 
     # What is younger than a second may be somebody's: nothing is left when all of them have looked once more.
     time.sleep(1.1)

@@ -2,8 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::{fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path};
 
+use aurt::{prelude::*, simulation::case::Plan};
 use aurt_tests::any_input::TARGETS;
 use proptest::{prelude::*, test_runner::TestRunner};
 
@@ -41,6 +42,25 @@ fn damaged(inputs: Vec<Vec<u8>>) -> impl Strategy<Value = Vec<u8>> {
         }
         bytes
     })
+}
+
+/// A model or effect that is new needs an input that names it.
+#[test]
+fn every_model_and_effect_has_an_input() {
+    let named = |target: &str, name: &str| {
+        let quoted = format!("\"{name}\"");
+        inputs(target).iter().any(|input| String::from_utf8_lossy(input).contains(&quoted))
+    };
+    for model in Registry::linked().unwrap().models() {
+        assert!(named("experiment", &model.name), "{}", model.name);
+    }
+    let plan = Plan::parse("[singles]\n[strangers]\n", "plan.toml").unwrap();
+    let effects: BTreeSet<String> =
+        plan.requests(1).unwrap().into_iter().flat_map(|request| request.effects).collect();
+    assert!(effects.len() > 30, "{effects:?}");
+    for effect in &effects {
+        assert!(named("scenario", effect), "{effect}");
+    }
 }
 
 #[test]

@@ -228,7 +228,8 @@ fn text(
         text.push_str(&format!("torque_constants_nm_per_a = {constants:?}\n"));
     } else if unit == MeasurementUnit::Ampere {
         text.push_str(
-            "# Currents stay in A: with the drives' torque constants the model is in Nm, and joints share parameters.\n\
+            "# Currents stay in A. With the drives' torque constants the model is in Nm; without them what joints share is \
+             wrong by the ratios of the constants.\n\
              # torque_constants_nm_per_a = [\u{2026}]\n",
         );
     }

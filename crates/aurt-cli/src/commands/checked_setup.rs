@@ -89,8 +89,7 @@ pub fn text_of(examination: &Examination, terminal: &Terminal) -> String {
     text.push_str(&wrapped(&examination.summary()));
     text.extend(sentences.iter().map(|s| wrapped(s)));
     if sentences.is_empty() {
-        let said =
-            examination.hardly().unwrap_or_else(|| "none of the usual mistakes would explain more".into());
+        let said = examination.hardly().unwrap_or_else(|| examination.nothing().into());
         text.push_str(&wrapped(&said));
     }
     text

@@ -54,6 +54,7 @@ pub struct Examination {
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
+    compares_robots: bool,
     files: Vec<String>,
 }
 
@@ -92,6 +93,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         after: found.after,
         steps: found.steps,
         trials: found.trials,
+        compares_robots: subject.compares_robots(),
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
 }
@@ -143,6 +145,18 @@ impl Examination {
                 "error": step.after.total,
             })).collect::<Vec<_>>(),
         })
+    }
+}
+
+impl Examination {
+    /// What is said if nothing was found.
+    #[must_use]
+    pub const fn nothing(&self) -> &'static str {
+        if self.compares_robots {
+            "none of the usual mistakes would explain more"
+        } else {
+            "none of the usual mistakes would explain much more; to tell other zeros and tables, torque constants are needed"
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! The search: one mistake at a time, in pairs where none helps alone, and again until nothing more is gained.
 
-use aurt_traits::MeasurementUnit;
 use rayon::prelude::*;
 
 use super::{
@@ -179,11 +178,9 @@ impl Search<'_> {
         Some(Step { likelier: None, mistake: one.mistake, after, alike: Vec::new() })
     }
 
-    /// Another robot or gravity, told by how much likelier it makes every recording. Of currents whose torque constants are not
-    /// known none is: parameters that joints share are wrong there by the ratios of the constants, which a wrong robot can make
-    /// up for better than the right one.
+    /// Another robot or gravity, told by how much likelier it makes every recording.
     fn likelier(&mut self, setup: &Setup) -> Option<Step> {
-        if self.subject.unit() == MeasurementUnit::Ampere {
+        if !self.subject.compares_robots() {
             return None;
         }
         let tried = likelier(self.subject, self.bench, setup, EACH_LIKELIER, &mut self.trials);

@@ -106,10 +106,13 @@ impl Subject {
         })
     }
 
-    /// The unit of the measurements once the instrument is undone.
-    pub(super) fn unit(&self) -> MeasurementUnit {
-        let measured = self.recordings.first().map(|r| r.loaded.recording.unit);
-        measured.map_or(MeasurementUnit::NewtonMetre, |unit| self.instrument.unit(unit))
+    /// Whether other robots can be compared with this one. By currents whose torque constants are not known they cannot:
+    /// parameters that joints share are wrong there by the ratios of the constants, which a wrong robot can make up for better
+    /// than the right one.
+    pub(super) fn compares_robots(&self) -> bool {
+        let is_current =
+            |r: &Assigned| self.instrument.unit(r.loaded.recording.unit) == MeasurementUnit::Ampere;
+        !self.recordings.iter().any(is_current)
     }
 
     /// Number of joints that move on their own.
