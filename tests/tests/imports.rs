@@ -78,7 +78,7 @@ fn crates_import_what_the_architecture_page_allows() {
 
 /// The rooms of the diagnosis in the order in which the table of its `lib.rs` lists them.
 fn rooms() -> Vec<String> {
-    let lib = std::fs::read_to_string(Path::new(ROOT).join("crates/aurt-diagnosis/src/lib.rs")).unwrap();
+    let lib = std::fs::read_to_string(Path::new(ROOT).join("library/aurt-diagnosis/src/lib.rs")).unwrap();
     lib.lines()
         .filter_map(|line| {
             line.strip_prefix("//! | [`")?
@@ -95,7 +95,7 @@ fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
     assert!(rooms.len() >= 10, "{rooms:?}");
     let mut back = Vec::new();
     for (place, room) in rooms.iter().enumerate() {
-        let folder = Path::new(ROOT).join("crates/aurt-diagnosis/src").join(room);
+        let folder = Path::new(ROOT).join("library/aurt-diagnosis/src").join(room);
         let mut folders = vec![folder];
         while let Some(folder) = folders.pop() {
             for entry in std::fs::read_dir(&folder).unwrap() {

@@ -1,0 +1,227 @@
+//! Running the command in a folder of its own.
+
+use std::{
+    env::consts::{DLL_PREFIX, DLL_SUFFIX},
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+    sync::LazyLock,
+};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A folder that is gone after the test.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, text).unwrap();
+        path
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// Names of what lies in the folder, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.0.path())
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Copies files of the demo into this folder.
+    pub fn with_demo(self, names: &[&str]) -> Self {
+        for name in names {
+            fs::copy(DEMO.path("demo").join(name), self.path(name)).unwrap();
+        }
+        self
+    }
+
+    /// Copies all that the demo's experiment needs into this folder.
+    pub fn with_whole_demo(self) -> Self {
+        self.with_demo(&[
+            "mdh.csv",
+            "experiment.toml",
+            "exciting_motion.csv",
+            "other_motion.csv",
+            "point_to_point.csv",
+        ])
+    }
+
+    /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
+    pub fn with_concealed(self, plan: &str, seed: &str) -> Self {
+        self.write("plan.toml", plan);
+        let folders = ["--cases", "cases", "--sealed", "sealed"];
+        self.aurt(["conceal", "--plan", "plan.toml", "--seed", seed].into_iter().chain(folders)).succeeded();
+        self
+    }
+
+    /// A library of models compiled here from C, the source below `library`; nothing, with a reason printed, where there
+    /// is no C compiler.
+    pub fn library(&self, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../library");
+        let library = self.path(&format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"));
+        let compiler = Command::new("cc")
+            .args(["-shared", "-fPIC", "-I"])
+            .arg(crates.join("aurt-traits/include"))
+            .args(options)
+            .arg(crates.join(source))
+            .arg("-o")
+            .arg(&library)
+            .arg("-lm")
+            .output();
+        let Ok(output) = compiler else {
+            println!("skipped: there is no C compiler `cc`");
+            return None;
+        };
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Some(library)
+    }
+
+    /// Runs `aurt` in this folder.
+    pub fn aurt<S: AsRef<std::ffi::OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Run {
+        self.aurt_with([], arguments)
+    }
+
+    /// Runs `aurt` in this folder with a text on its standard input.
+    pub fn aurt_fed<S: AsRef<std::ffi::OsStr>>(
+        &self,
+        input: String,
+        arguments: impl IntoIterator<Item = S>,
+    ) -> Run {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_aurt"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        // A command that refuses its input stops reading it.
+        let writer = std::thread::spawn(move || drop(std::io::Write::write_all(&mut pipe, input.as_bytes())));
+        let output = child.wait_with_output().unwrap();
+        writer.join().unwrap();
+        Run(output)
+    }
+
+    /// Runs `aurt` in this folder with some variables in its environment.
+    pub fn aurt_with<'e, S: AsRef<std::ffi::OsStr>>(
+        &self,
+        environment: impl IntoIterator<Item = (&'e str, &'e str)>,
+        arguments: impl IntoIterator<Item = S>,
+    ) -> Run {
+        let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env_remove("NO_COLOR")
+            // Tests' own libraries; what is not trusted has a test of its own.
+            .env("AURT_TRUST", "all")
+            .envs(environment)
+            .output()
+            .unwrap();
+        Run(output)
+    }
+}
+
+/// A demo that has run, in the folder `demo`.
+pub static DEMO: LazyLock<Folder> = LazyLock::new(|| {
+    let folder = Folder::new();
+    folder.aurt(["demo", "--out", "demo", "--quiet"]).succeeded();
+    folder
+});
+
+/// Lines of a text, of which one is changed: number from 1.
+pub fn with_line(text: &str, number: usize, change: impl Fn(&str) -> String) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines[number - 1] = change(&lines[number - 1]);
+    lines.join("\n") + "\n"
+}
+
+/// A line of comma-separated cells, of which one is replaced: number from 1.
+pub fn with_cell(line: &str, number: usize, cell: &str) -> String {
+    let mut cells: Vec<&str> = line.split(',').collect();
+    cells[number - 1] = cell;
+    cells.join(",")
+}
+
+/// A finished run.
+pub struct Run(Output);
+
+impl Run {
+    pub fn stdout(&self) -> String {
+        String::from_utf8(self.0.stdout.clone()).unwrap()
+    }
+
+    pub fn stderr(&self) -> String {
+        String::from_utf8(self.0.stderr.clone()).unwrap()
+    }
+
+    pub fn status(&self) -> i32 {
+        self.0.status.code().unwrap()
+    }
+
+    /// Asserts that all went well.
+    #[track_caller]
+    pub fn succeeded(self) -> Self {
+        assert_eq!(self.status(), 0, "{}{}", self.stdout(), self.stderr());
+        self
+    }
+
+    /// Asserts that the command refused with status 2 and said all of `words`; hands over what it said.
+    #[track_caller]
+    pub fn refused(self, words: &[&str]) -> String {
+        let said = self.stderr();
+        assert_eq!(self.status(), 2, "{}{said}", self.stdout());
+        assert_eq!(self.stdout(), "", "a refusal belongs to standard error");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is missing in:\n{said}");
+        }
+        assert!(!said.contains("panicked"), "{said}");
+        said
+    }
+}
+
+/// The folder of real recordings, or a printed reason why a test is skipped.
+pub fn real_recordings(test: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("AURT_DATA").map(PathBuf::from);
+    match folder {
+        Some(folder) if folder.is_dir() => Some(folder),
+        _ => {
+            println!(
+                "skipped: {test} needs real recordings in the folder AURT_DATA (docs/real-recordings.md)"
+            );
+            None
+        }
+    }
+}
+
+/// A list of numbers in a JSON document.
+#[track_caller]
+pub fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap_or_else(|| panic!("no list: {value}"));
+    list.iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// A path as TOML and command lines take it.
+pub fn text(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}

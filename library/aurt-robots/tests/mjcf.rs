@@ -1,0 +1,162 @@
+//! Chains of MJCF files: what is read, against MuJoCo, and what is refused and how.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use aurt_rbd::{ChainDynamics, JointKind, RobotDescription};
+use aurt_robots::{is_mjcf, parse, tips};
+use serde::Deserialize;
+
+const ARM: &str = include_str!("reference/arm.xml");
+
+/// The torques that MuJoCo computes for the same file (`laboratory/mujoco/mjcf/compare.py --reference`).
+#[derive(Deserialize)]
+struct Reference {
+    joints: Vec<String>,
+    states: Vec<State>,
+}
+
+#[derive(Deserialize)]
+struct State {
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    qdd: Vec<f64>,
+    torque: Vec<f64>,
+}
+
+#[test]
+fn torques_are_those_of_mujoco() {
+    let reference: Reference = serde_json::from_str(include_str!("reference/arm_mujoco.json")).unwrap();
+    let robot = parse(ARM, "arm.xml", None, Some("tool")).unwrap();
+    assert_eq!(robot.joint_names, reference.joints);
+    let standard = robot.standard_parameters.clone().unwrap();
+    let mut dynamics = ChainDynamics::new(robot.chain([0.0, 0.0, -9.81]).unwrap(), &standard).unwrap();
+    let mut torque = [0.0; 5];
+    for State { q, qd, qdd, torque: theirs } in &reference.states {
+        dynamics.inverse_dynamics(q, qd, qdd, &mut torque);
+        let largest = theirs.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        for (ours, theirs) in torque.iter().zip(theirs) {
+            assert!((ours - theirs).abs() < 1e-12 * largest, "{torque:?} and {theirs}");
+        }
+    }
+}
+
+#[test]
+fn classes_limits_rotors_and_friction_are_kept() {
+    let robot = parse(ARM, "arm.xml", None, Some("tool")).unwrap();
+    assert_eq!((robot.name.as_str(), robot.base.as_str(), robot.tip.as_str()), ("arm", "world", "tool"));
+    let mut kinds = vec![JointKind::Revolute; 5];
+    kinds[0] = JointKind::Prismatic;
+    assert_eq!(robot.kinds(), kinds);
+    assert_eq!(robot.armature_kg_m2, [0.05, 0.7, 0.7, 0.05, 0.01]);
+    let of =
+        |value: fn(&aurt_robots::JointFriction) -> f64| robot.friction.iter().map(value).collect::<Vec<_>>();
+    assert_eq!(of(|f| f.viscous_nm_s_rad), [12.0, 1.5, 1.5, 1.5, 1.5]);
+    assert_eq!(of(|f| f.coulomb_nm), [3.0; 5]);
+    let ranges: Vec<_> = robot.limits.iter().map(|l| l.position_rad).collect();
+    let pan = [-90_f64, 120.0].map(f64::to_radians);
+    assert_eq!(ranges[0], Some([-0.4, 0.9]));
+    assert!(ranges[1].unwrap().iter().zip(pan).all(|(a, b)| (a - b).abs() < 1e-15));
+    assert_eq!(ranges[2..], [None; 3]);
+    assert_eq!(robot.limits[1].torque_nm, Some(80.0));
+    assert!(robot.notes.iter().any(|n| n.contains("carried as fixed at zero") && n.contains("shutter")));
+}
+
+#[test]
+fn chains_are_chosen_as_in_urdf_files() {
+    assert!(is_mjcf(ARM) && !is_mjcf("<robot/>") && !is_mjcf("no XML"));
+    assert_eq!(tips(ARM, "arm.xml", None).unwrap(), ["tool", "sensor"]);
+    let several = parse(ARM, "arm.xml", None, None).unwrap_err().to_string();
+    assert!(several.contains("tool (5 joints), sensor (4 joints)"), "{several}");
+    let upper = parse(ARM, "arm.xml", Some("elbow"), Some("tool")).unwrap();
+    assert_eq!(upper.joint_names, ["wrist"]);
+    let unknown = parse(ARM, "arm.xml", None, Some("tol")).unwrap_err().to_string();
+    assert!(unknown.contains("did you mean `tool`?"), "{unknown}");
+}
+
+/// The message of a file that is refused; `body` is what hangs on the world.
+#[track_caller]
+fn refused(head: &str, body: &str) -> String {
+    let text = format!("<mujoco>\n{head}\n<worldbody>\n{body}\n</worldbody></mujoco>");
+    parse(&text, "bad.xml", None, None).unwrap_err().to_string()
+}
+
+const INERTIAL: &str = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
+
+#[test]
+fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
+    let body = |inside: &str| format!("<body name=\"b\"><joint name=\"j\"/>{INERTIAL}{inside}</body>");
+    let whole = |inside: &str| format!("<body name=\"b\">{inside}</body>");
+    for (head, bodies, parts) in [
+        (
+            "<compiler inertiafromgeom=\"true\"/>",
+            body(""),
+            &["bad.xml:2", "<compiler>", "mj_saveLastXML"][..],
+        ),
+        ("<compiler angle=\"grad\"/>", body(""), &["`angle` is `grad`", "degree and radian"]),
+        ("<compiler eulerseq=\"xyw\"/>", body(""), &["`eulerseq` is `xyw`"]),
+        ("<compiler settotalmass=\"3\"/>", body(""), &["`settotalmass` changes"]),
+        ("<include file=\"other.xml\"/>", body(""), &["bad.xml:2: <include>", "mj_saveLastXML"]),
+        ("", body("<replicate count=\"3\"/>"), &["<replicate>"]),
+        (
+            "",
+            whole("<joint/><geom type=\"box\" size=\"1 1 1\"/>"),
+            &["body b: its mass is that of its shapes", "<inertial>"],
+        ),
+        ("", whole("<joint/><inertial pos=\"0 0 0\" mass=\"1\"/>"), &["lacks `diaginertia`"]),
+        (
+            "",
+            whole("<joint/><inertial pos=\"0 0 0\" diaginertia=\"1 1 1\"/>"),
+            &["lacks the attribute `mass`"],
+        ),
+        ("", whole(&format!("<joint axis=\"0 0 0\"/>{INERTIAL}")), &["axis has no direction"]),
+        ("", whole(&format!("<joint type=\"screw\"/>{INERTIAL}")), &["type `screw` is not known"]),
+        ("", whole(&format!("<joint damping=\"much\"/>{INERTIAL}")), &["`damping`", "`much`"]),
+        (
+            "",
+            whole(&format!("<freejoint/>{INERTIAL}")),
+            &["is a free joint, which serial chains cannot have"],
+        ),
+        ("", whole(&format!("<joint class=\"none\"/>{INERTIAL}")), &["there is no class `none`"]),
+        ("", body("<body name=\"b\"/>"), &["the name `b` is taken"]),
+        ("", body("<body quat=\"0 0 0 0\"/>"), &["`quat` is zero"]),
+        ("", body("<body quat=\"1 0 0 0\" euler=\"0 0 0\"/>"), &["`quat` and `euler` are two orientations"]),
+        ("", String::new(), &["there is no <body>"]),
+    ] {
+        let message = refused(head, &bodies);
+        for part in parts {
+            assert!(message.contains(part), "{part}\n---\n{message}");
+        }
+    }
+    let typed = parse("<!DOCTYPE m []><mujoco/>", "bad.xml", None, None).unwrap_err().to_string();
+    assert!(typed.contains("document type"), "{typed}");
+    // Whoever starts the chain behind a free joint has one.
+    let text = format!(
+        "<mujoco><worldbody><body name=\"a\"><freejoint/>{INERTIAL}{}</body></worldbody></mujoco>",
+        body("")
+    );
+    assert!(
+        parse(&text, "a.xml", None, Some("b"))
+            .unwrap_err()
+            .to_string()
+            .contains("choose a base behind it: `a`")
+    );
+    assert_eq!(parse(&text, "a.xml", Some("a"), Some("b")).unwrap().joints.len(), 1);
+}
+
+#[test]
+fn what_acts_on_joints_beside_is_noted() {
+    let text = format!(
+        "<mujoco><compiler inertiafromgeom=\"false\"/><worldbody><body name=\"a\" gravcomp=\"1\"><joint name=\"j\" \
+         stiffness=\"3\"/>{INERTIAL}<body name=\"c\"><joint name=\"k\"/><geom size=\"1\"/></body></body></worldbody>\
+         <equality><joint joint1=\"j\" joint2=\"k\"/></equality></mujoco>"
+    );
+    let notes = parse(&text, "a.xml", None, None).unwrap().notes.join("\n");
+    for part in [
+        "<equality>",
+        "springs are not read",
+        "they are in: j",
+        "`gravcomp` is not read; it is in: a",
+        "assumed, for: c",
+    ] {
+        assert!(notes.contains(part), "{part}\n---\n{notes}");
+    }
+}
