@@ -103,7 +103,8 @@ fn as_anchor(heading: &str) -> String {
 
 #[test]
 fn commands_in_the_documentation_exist() {
-    let commands = fs::read_to_string(Path::new(ROOT).join("application/aurt-cli/src/commands/mod.rs")).unwrap();
+    let commands =
+        fs::read_to_string(Path::new(ROOT).join("application/aurt-cli/src/commands/mod.rs")).unwrap();
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
         for line in blocks(&text, "sh").iter().flat_map(|b| b.lines()) {
