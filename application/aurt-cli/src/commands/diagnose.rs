@@ -15,7 +15,6 @@ use crate::{
     doctor::{self, Examination, Subject},
     failure::Failure,
     output::{OutputFolder, Outputs},
-    proof::COMPARISON,
     rendering::{
         json::pretty,
         terminal::{Report, Terminal},
@@ -120,7 +119,7 @@ impl Diagnose {
 
         let mut files = vec![("verdict.json".to_owned(), pretty(&diagnosis.document).into_bytes())];
         if let Some(comparison) = &diagnosis.comparison {
-            files.push((COMPARISON.to_owned(), pretty(comparison).into_bytes()));
+            files.push(("comparison.json".to_owned(), pretty(comparison).into_bytes()));
         }
         if let Some(improved) = &diagnosis.improved {
             files.extend([

@@ -1,8 +1,13 @@
 use aurt_recording::Recording;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, Scene, bodies, friction, instrument, outside};
-use crate::SimulationError;
+use super::bodies;
+use super::friction;
+use super::instrument;
+use super::law::Law;
+use super::outside;
+use super::scene::Scene;
+use crate::error::SimulationError;
 
 /// An effect that is added to recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,9 @@
 
 use aurt_recording::Recording;
 
-use super::{Added, Law, Scene};
+use super::added::Added;
+use super::law::Law;
+use super::scene::Scene;
 use crate::random::Random;
 
 /// The difference that a law of the instrument makes.

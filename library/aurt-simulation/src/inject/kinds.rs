@@ -2,8 +2,8 @@
 
 use aurt_traits::MeasurementUnit;
 
-use crate::SimulationError;
 use crate::effects::{Family, Presence, kind};
+use crate::error::SimulationError;
 
 /// What is known of an effect that can be added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

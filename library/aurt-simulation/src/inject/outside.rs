@@ -1,6 +1,8 @@
 //! What acts from outside, and laws that no vocabulary has.
 
-use super::{Added, Law, Scene};
+use super::added::Added;
+use super::law::Law;
+use super::scene::Scene;
 
 /// A contact takes this long to build up and to end, s.
 const EDGE_S: f64 = 0.1;

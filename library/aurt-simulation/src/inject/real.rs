@@ -1,9 +1,9 @@
 use aurt_rbd::SerialChain;
-use aurt_recording::{PreprocessOptions, Recording};
+use aurt_recording::{PreprocessOptions, Preprocessed, Recording, preprocess};
 use aurt_traits::MeasurementUnit;
 
-use crate::SimulationError;
-use crate::fit::Structure;
+use super::structure::Structure;
+use crate::error::SimulationError;
 
 /// An experiment with real recordings, as plain data.
 #[derive(Debug, Clone)]
@@ -36,6 +36,15 @@ pub struct RealRecording {
 }
 
 impl RealExperiment {
+    /// A recording after this experiment's preprocessing.
+    ///
+    /// # Errors
+    /// [`SimulationError::Preprocessing`].
+    pub fn preprocessed(&self, recording: &Recording) -> Result<Preprocessed, SimulationError> {
+        preprocess(recording, &self.options)
+            .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
+    }
+
     /// Checks that the recordings are those of the robot.
     pub(super) fn validate(&self) -> Result<(), SimulationError> {
         let joints = self.chain.joints().len();
