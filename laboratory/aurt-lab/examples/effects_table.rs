@@ -1,10 +1,10 @@
 //! Table of every effect at medium strength: the torque that the experiment's structure cannot absorb over
 //! noise, per joint, and what it does to the residual of held-out recordings:
-//! `cargo run --release -p aurt-simulation --example effects_table [strength] [robot]`.
+//! `cargo run --release -p aurt-lab --example effects_table [strength] [robot]`.
 
-use aurt_simulation::case::{CaseRequest, CaseType, RecordingSettings, make_case};
-use aurt_simulation::effects::{catalogue, strangers};
-use aurt_simulation::{Robot, SimulationError, Strength};
+use aurt_lab::case::{CaseRequest, CaseType, RecordingSettings, make_case};
+use aurt_lab::{Strength, effects::all_kinds};
+use aurt_simulation::{Robot, SimulationError};
 
 fn main() -> Result<(), SimulationError> {
     let mut arguments = std::env::args().skip(1);
@@ -19,7 +19,7 @@ fn main() -> Result<(), SimulationError> {
         strength.name(),
         robot.name
     );
-    for kind in catalogue().iter().chain(strangers()) {
+    for kind in all_kinds() {
         if !CaseRequest::is_possible(&robot, &[kind]) {
             println!("{:31} not on this robot", kind.identifier);
             continue;

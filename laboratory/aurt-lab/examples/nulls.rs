@@ -1,13 +1,14 @@
 //! Table of what a fit of the true structure leaves on robots without any concealed effect, against the
 //! injected noise as it propagates through the chain:
-//! `cargo run --release -p aurt-simulation --example nulls [f_dyn in Hz]`.
+//! `cargo run --release -p aurt-lab --example nulls [f_dyn in Hz]`.
 //!
 //! The structure is fitted to four noisy recordings at once (two multi-sines, triangles rich in reversals, sweeps)
 //! and to nothing else. Propagated noise is what the same recordings without noise do not leave: current noise,
 //! and encoder noise and steps through q, q̇, sgn q̇ and q̈.
 
+use aurt_lab::fit::{ProcessedFit, processed_motion};
 use aurt_recording::Preprocessed;
-use aurt_simulation::fit::{ProcessedFit, Structure, processed_motion};
+use aurt_simulation::inject::Structure;
 use aurt_simulation::sensors::Instrument;
 use aurt_simulation::{Motion, Robot, Rotors, Scenario, SimulationError, simulate};
 

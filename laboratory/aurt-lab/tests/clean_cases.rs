@@ -1,6 +1,6 @@
 //! Cases of the clean world stay what they are, byte for byte: tables of earlier versions were made from them.
 
-use aurt_simulation::case::Plan;
+use aurt_lab::case::Plan;
 
 const PLAN: &str = r#"
     [recordings]

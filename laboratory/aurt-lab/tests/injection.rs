@@ -1,17 +1,18 @@
 //! Effects added to recordings: what is added is what the truth says, nowhere else, and nothing leaks.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+use aurt_lab::case::{Case, CaseRequest, CaseType, World};
+use aurt_lab::{Strength, injected::InjectedWorld};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
-use aurt_simulation::case::{Case, CaseRequest, CaseType, World};
-use aurt_simulation::fit::Structure;
 use aurt_simulation::inject::{
-    Injection, Kind, Presence, RealExperiment, RealRecording, Split, injectable, strange,
+    Injection, Kind, Presence, RealExperiment, RealRecording, Split, Structure, injectable,
+    unknown_injectable,
 };
-use aurt_simulation::{Logger, Motion, Scenario, Strength, robots, simulate};
+use aurt_simulation::{Logger, Motion, Scenario, robots, simulate};
 use aurt_traits::MeasurementUnit;
 
 /// A recording of a simulated robot stands for a real one.
-fn injection() -> Injection {
+fn injected() -> InjectedWorld {
     let robot = robots::ur10e();
     let recordings = (0..3)
         .map(|k| {
@@ -35,7 +36,7 @@ fn injection() -> Injection {
             RealRecording { name: format!("recording {k}"), recording }
         })
         .collect();
-    Injection::new(RealExperiment {
+    let injection = Injection::new(RealExperiment {
         name: "stand_in".into(),
         mdh_csv: robot.mdh_csv(),
         chain: robot.chain().unwrap(),
@@ -46,7 +47,8 @@ fn injection() -> Injection {
         structure: Structure::of(&robot),
         recordings,
     })
-    .unwrap()
+    .unwrap();
+    InjectedWorld { injection }
 }
 
 fn request(effect: &str) -> CaseRequest {
@@ -69,20 +71,20 @@ fn columns(case: &Case, file: &str) -> Vec<Vec<f64>> {
 
 #[test]
 fn a_reference_is_the_recordings_as_they_are() {
-    let injection = injection();
-    for name in injection.references() {
-        let case = injection.reference(&name).unwrap();
-        let split = injection.splits().into_iter().find(|s| s.reference_name("stand_in") == name).unwrap();
+    let world = injected();
+    for name in world.references() {
+        let case = world.reference(&name).unwrap();
+        let split = world.splits().into_iter().find(|s| s.reference_name("stand_in") == name).unwrap();
         let order = [&split.calibration[..], &split.target, &split.validation].concat();
         for (place, k) in order.into_iter().enumerate() {
             let columns = columns(&case, &format!("recording_{}.csv", place + 1));
-            let recording = &injection.recorded()[k].recording;
+            let recording = &world.injection.recorded()[k].recording;
             assert_eq!(columns[0], recording.time_s);
             assert_eq!(columns[1..7], recording.position_rad[..]);
             assert_eq!(columns[7..13], recording.measurement.as_ref().unwrap()[..]);
         }
     }
-    let text = injection.reference("no_such").unwrap_err().to_string();
+    let text = world.reference("no_such").unwrap_err().to_string();
     assert!(text.contains("stand_in_changed_1"), "{text}");
 }
 
@@ -90,26 +92,25 @@ fn a_reference_is_the_recordings_as_they_are() {
 /// that the truth says have it.
 #[test]
 fn what_was_added_is_what_the_truth_says() {
-    let injection = injection();
-    for effect in injectable(MeasurementUnit::NewtonMetre).into_iter().chain(strange()) {
+    let world = injected();
+    for effect in injectable(MeasurementUnit::NewtonMetre).into_iter().chain(unknown_injectable()) {
         if effect == "dropped_samples" {
             continue;
         }
         for seed in 0..2 {
-            let Ok(case) = injection.make(&request(effect), seed, "case_0001") else { continue };
+            let Ok(case) = world.make(&request(effect), seed, "case_0001") else { continue };
             let truth = &case.truth;
             assert_eq!(truth.world, World::Injected);
             let name = truth.reference.as_deref().unwrap();
-            let reference = injection.reference(name).unwrap();
+            let reference = world.reference(name).unwrap();
             let added: aurt_simulation::inject::Added =
                 serde_json::from_value(truth.effects[0].fields.clone()).unwrap();
-            let split =
-                injection.splits().into_iter().find(|s| s.reference_name("stand_in") == name).unwrap();
+            let split = world.splits().into_iter().find(|s| s.reference_name("stand_in") == name).unwrap();
             let order = [&split.calibration[..], &split.target, &split.validation].concat();
             for (place, k) in order.into_iter().enumerate() {
                 let file = format!("recording_{}.csv", place + 1);
                 let (with, without) = (columns(&case, &file), columns(&reference, &file));
-                let recorded = &injection.recorded()[k];
+                let recorded = &world.injection.recorded()[k];
                 let measured = recorded.recording.measurement.as_ref().unwrap();
                 let affected = match truth.effects[0].recording.as_deref() {
                     Some(only) => only == file,
@@ -138,10 +139,10 @@ fn what_was_added_is_what_the_truth_says() {
 /// Coulomb friction in words of its own: a step of twice the stated size wherever the joint reverses.
 #[test]
 fn coulomb_friction_is_a_square_wave_of_the_stated_size() {
-    let injection = injection();
-    let case = injection.make(&request("coulomb"), 3, "case_0001").unwrap();
+    let world = injected();
+    let case = world.make(&request("coulomb"), 3, "case_0001").unwrap();
     let effect = &case.truth.effects[0];
-    let reference = injection.reference(case.truth.reference.as_deref().unwrap()).unwrap();
+    let reference = world.reference(case.truth.reference.as_deref().unwrap()).unwrap();
     let (joint, size) = (effect.joints[0], effect.parameters[0].1[0]);
     assert_eq!(effect.parameters[0].0, "coulomb_nm");
     // More friction than at calibration may also be called a change of its level.
@@ -162,11 +163,11 @@ fn coulomb_friction_is_a_square_wave_of_the_stated_size() {
 
 #[test]
 fn strengths_are_those_that_were_asked_for() {
-    let injection = injection();
+    let world = injected();
     for (strength, wanted) in [(Strength::Weak, 0.7), (Strength::Medium, 1.5), (Strength::Strong, 4.0)] {
         for effect in ["stribeck", "payload", "rotor_inertia", "time_delay"] {
             let request = CaseRequest { strength, ..request(effect) };
-            let Ok(case) = injection.make(&request, 5, "case_0001") else { continue };
+            let Ok(case) = world.make(&request, 5, "case_0001") else { continue };
             let strongest = case.truth.effects[0].achieved.iter().copied().fold(0.0, f64::max);
             assert!((strongest / wanted - 1.0).abs() < 0.25, "{effect}: {strongest} of {wanted}");
         }
@@ -175,8 +176,8 @@ fn strengths_are_those_that_were_asked_for() {
 
 #[test]
 fn the_truth_is_not_in_the_case_folder_and_seeds_decide() {
-    let injection = injection();
-    let make = |seed| injection.make(&request("spring"), seed, "case_0001").unwrap();
+    let world = injected();
+    let make = |seed| world.make(&request("spring"), seed, "case_0001").unwrap();
     let case = make(7);
     let names: Vec<&str> = case.files.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
@@ -196,15 +197,15 @@ fn the_truth_is_not_in_the_case_folder_and_seeds_decide() {
 /// A null is the recordings as they are, in other roles than those of the reference.
 #[test]
 fn nulls_are_references_of_another_split() {
-    let injection = injection();
+    let world = injected();
     let null = CaseRequest { case_type: CaseType::Null, effects: Vec::new(), ..request("spring") };
     for seed in 0..4 {
-        let case = injection.make(&null, seed, "case_0001").unwrap();
+        let case = world.make(&null, seed, "case_0001").unwrap();
         let reference = case.truth.reference.clone().unwrap();
-        let same: Vec<String> = injection
+        let same: Vec<String> = world
             .references()
             .into_iter()
-            .filter(|name| injection.reference(name).unwrap().files == case.files)
+            .filter(|name| world.reference(name).unwrap().files == case.files)
             .collect();
         assert_eq!(same.len(), 1);
         assert_ne!(same[0], reference);
@@ -214,17 +215,19 @@ fn nulls_are_references_of_another_split() {
 
 #[test]
 fn what_cannot_be_added_is_refused_with_what_can() {
-    let injection = injection();
-    let text = injection.make(&request("sprign"), 1, "case_0001").unwrap_err().to_string();
+    let world = injected();
+    let text = world.make(&request("sprign"), 1, "case_0001").unwrap_err().to_string();
     assert!(text.contains("sprign") && text.contains("spring"), "{text}");
     assert!(Kind::named("backlash").unwrap_err().to_string().contains("known are coulomb"));
-    let one =
-        RealExperiment { recordings: injection.real().recordings[..1].to_vec(), ..injection.real().clone() };
+    let one = RealExperiment {
+        recordings: world.injection.real().recordings[..1].to_vec(),
+        ..world.injection.real().clone()
+    };
     let one = Injection::new(one).unwrap();
     assert!(Split::all(1, Presence::Changed).is_empty());
     let text = one.make(&request("payload"), 1, "case_0001").unwrap_err().to_string();
     assert!(text.contains("needs two recordings"), "{text}");
-    let mut odd = injection.real().clone();
+    let mut odd = world.injection.real().clone();
     odd.recordings[0].recording.position_rad.pop();
     let text = Injection::new(odd).unwrap_err().to_string();
     assert!(text.contains("recording 0: joints: expected 6, got 5"), "{text}");

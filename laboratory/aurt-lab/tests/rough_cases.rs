@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use aurt_simulation::Strength;
-use aurt_simulation::case::{Case, CaseType, Plan, World};
+use aurt_lab::Strength;
+use aurt_lab::case::{Case, CaseType, Plan, World};
 
 const PLAN: &str = r#"
     [singles]

@@ -52,7 +52,7 @@ pub struct Diagnose {
     /// Do as if an effect were unknown; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Take confidence from this file of `aurt prove --learn` instead of the program's own
+    /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
     /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)

@@ -7,8 +7,8 @@ use aurt_simulation::plant::Controller;
 use aurt_simulation::robots::Robot;
 use aurt_simulation::sensors::{Instrument, Logger};
 
-/// What surrounds the robot of a case: its controller, its sensors and logger, the habits of whoever records and writes
-/// the experiment, and the physics that the experiment neglects.
+/// What surrounds the robot of a case: its controller, its sensors and logger, how recordings are made and the experiment
+/// is written, and the physics that the experiment neglects.
 #[derive(Debug, Clone)]
 pub(super) struct Laboratory {
     pub controller: Controller,

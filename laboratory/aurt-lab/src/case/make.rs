@@ -340,7 +340,7 @@ pub(super) fn case_type(effects: &[&EffectKind]) -> CaseType {
     let known = |kind: &&EffectKind| catalogue().iter().any(|k| k.identifier == kind.identifier);
     match effects {
         [] => CaseType::Null,
-        all if !all.iter().all(known) => CaseType::Stranger,
+        all if !all.iter().all(known) => CaseType::UnknownEffect,
         [_] => CaseType::Single,
         _ => CaseType::Pair,
     }

@@ -35,7 +35,8 @@ pub struct Plan {
     /// Cases of one effect of the vocabulary.
     pub singles: Option<SinglePlan>,
     /// Cases of an effect outside the vocabulary.
-    pub strangers: Option<SinglePlan>,
+    #[serde(alias = "strangers")]
+    pub unknown_effects: Option<SinglePlan>,
     /// Cases of two effects of the vocabulary.
     pub pairs: Option<PairPlan>,
     /// Cases of no effect.
@@ -132,7 +133,7 @@ impl Plan {
         Self::parse(&text, path)
     }
 
-    /// Every effect once at medium strength, two strangers, two pairs, four nulls.
+    /// Every effect once at medium strength, two unknown effects, two pairs, four nulls.
     #[must_use]
     pub fn small() -> Self {
         let medium = |effects: &[&str]| SinglePlan {
@@ -143,13 +144,13 @@ impl Plan {
         Self {
             recordings: RecordingSettings::default(),
             singles: Some(medium(&[])),
-            strangers: Some(medium(&["cable_drag", "periodic_disturbance"])),
+            unknown_effects: Some(medium(&["cable_drag", "periodic_disturbance"])),
             pairs: Some(PairPlan { count: 2, ..PairPlan::default() }),
             nulls: Some(NullPlan { count: 4, ..NullPlan::default() }),
         }
     }
 
-    /// The cases, in an order that tells nothing.
+    /// The cases, in an order that reveals nothing.
     ///
     /// # Errors
     /// Unknown robots and effects; effects that fit none of the robots.
@@ -160,7 +161,7 @@ impl Plan {
         if let Some(plan) = &self.singles {
             plan.add(catalogue(), &mut requests)?;
         }
-        if let Some(plan) = &self.strangers {
+        if let Some(plan) = &self.unknown_effects {
             plan.add(unknown_effects(), &mut requests)?;
         }
         if let Some(plan) = &self.pairs {
@@ -190,7 +191,7 @@ impl Plan {
             })
         };
         let cases = of(&self.singles, catalogue())
-            .saturating_add(of(&self.strangers, unknown_effects()))
+            .saturating_add(of(&self.unknown_effects, unknown_effects()))
             .saturating_add(self.pairs.as_ref().map_or(0, |plan| plan.count))
             .saturating_add(self.nulls.as_ref().map_or(0, |plan| plan.count));
         if cases <= MOST_CASES {

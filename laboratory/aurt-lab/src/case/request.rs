@@ -18,7 +18,8 @@ pub enum CaseType {
     /// Two effects of the vocabulary.
     Pair,
     /// An effect outside the vocabulary.
-    Stranger,
+    #[serde(alias = "stranger")]
+    UnknownEffect,
 }
 
 /// One case to be made.

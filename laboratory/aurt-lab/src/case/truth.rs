@@ -9,7 +9,7 @@ use aurt_simulation::SimulationError;
 use aurt_simulation::effects::Family;
 use aurt_simulation::robots::Rotors;
 
-/// What is in a case; sealed away from whoever diagnoses it.
+/// What is in a case; hidden from the diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// Name of the case's folder.

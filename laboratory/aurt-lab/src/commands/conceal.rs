@@ -29,7 +29,7 @@ pub struct Conceal {
     /// Add effects to this experiment's recordings instead of simulating
     #[arg(long, value_name = "EXPERIMENT.toml")]
     into: Option<PathBuf>,
-    /// Which cases to make; without it every effect once, strangers, two pairs and four nulls
+    /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
     /// Seed of everything that is drawn
@@ -65,9 +65,9 @@ impl Conceal {
 
     /// Adds effects to an experiment's recordings.
     fn run_into(&self, path: &Path, mut plan: Plan, session: &mut Session) -> Result<Report, Failure> {
-        // The strangers of the small plan are the simulator's.
-        if let (None, Some(strangers)) = (&self.plan, &mut plan.strangers) {
-            strangers.effects.clear();
+        // The unknown effects of the small plan are the simulator's.
+        if let (None, Some(unknown)) = (&self.plan, &mut plan.unknown_effects) {
+            unknown.effects.clear();
         }
         let injection = InjectedWorld::read(path, &mut session.registry)?;
         let requests = injection.requests(&plan, self.seed)?;

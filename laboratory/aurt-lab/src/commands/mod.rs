@@ -88,6 +88,9 @@ struct Report {
 /// Exit status of a command that was interrupted, as shells have it for SIGINT.
 const INTERRUPTED: i32 = 130;
 
+/// Characters of an error message, at most.
+const MOST_CHARACTERS: usize = 4000;
+
 /// Does what the command line says.
 pub fn main() -> ExitCode {
     if let Some(status) = aurt_plugins::serve_if_asked() {
@@ -110,7 +113,8 @@ pub fn main() -> ExitCode {
             (if arguments.quiet && !arguments.json { String::new() } else { text }, u8::from(report.findings))
         }
         Err(failure) => {
-            let message = failure.to_string();
+            // What a file says can be much longer.
+            let message: String = failure.to_string().chars().take(MOST_CHARACTERS).collect();
             let _ = writeln!(std::io::stderr(), "Error: {}", harmless(&message));
             (if arguments.json { pretty(&json!({ "error": message })) } else { String::new() }, 2)
         }

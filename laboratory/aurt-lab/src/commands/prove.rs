@@ -33,7 +33,7 @@ pub struct Prove {
     /// World to make cases of: clean, rough, mujoco or injected; may be given several times
     #[arg(long, value_name = "WORLD", value_parser = world, default_values = ["clean", "rough"])]
     world: Vec<World>,
-    /// Which cases to make; without it every effect once, two strangers, two pairs and four nulls
+    /// Which cases to make; without it every effect once, two unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
     /// A handful of cases of each world, in some minutes
@@ -149,9 +149,9 @@ impl Prove {
             None if self.small => proof::small(world),
             None => {
                 let mut plan = Plan::small();
-                // The strangers of the plan are our own simulator's; others have theirs.
-                if let (World::Mujoco | World::Injected, Some(strangers)) = (world, &mut plan.strangers) {
-                    strangers.effects.clear();
+                // The unknown effects of the plan are our own simulator's; others have theirs.
+                if let (World::Mujoco | World::Injected, Some(unknown)) = (world, &mut plan.unknown_effects) {
+                    unknown.effects.clear();
                 }
                 plan
             }

@@ -1,4 +1,4 @@
-//! What a drive has beside its declared friction: the small lacks of every real experiment.
+//! What a drive has besides its declared friction: the small lacks of every real experiment.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -73,7 +73,7 @@ pub(crate) struct NoiseFreeFit {
     columns: Arc<Columns>,
     coefficients: Vec<f64>,
     noise_nm: Vec<f64>,
-    /// Speed at or below which a joint rests: its instants are neither fitted nor judged; `None` fits all and judges those
+    /// Speed at or below which a joint rests: its instants are neither fitted nor counted; `None` fits all and counts those
     /// that are not held.
     rest_rad_s: Option<f64>,
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use aurt_experiment::{Experiment, Registry};
 use aurt_simulation::{
     Random, SimulationError,
-    inject::{Injection, Kind, Presence, Split, injectable, strange},
+    inject::{Injection, Kind, Presence, Split, injectable, unknown_injectable},
 };
 
 use crate::{
@@ -51,7 +51,7 @@ impl InjectedWorld {
         self.splits().iter().map(|split| split.reference_name(&self.injection.real().name)).collect()
     }
 
-    /// The cases of a plan for these recordings, in an order that tells nothing; robots of the plan do not matter. An
+    /// The cases of a plan for these recordings, in an order that reveals nothing; robots of the plan do not matter. An
     /// effect that the recordings cannot have (no joint suits it, or their unit does not do) is left out where the plan
     /// asks for all effects.
     ///
@@ -63,7 +63,7 @@ impl InjectedWorld {
         let known = self.possible(&injectable(self.injection.real().unit))?;
         let lists = [
             (&plan.singles, known.clone(), CaseType::Single),
-            (&plan.strangers, self.possible(&strange())?, CaseType::Stranger),
+            (&plan.unknown_effects, self.possible(&unknown_injectable())?, CaseType::UnknownEffect),
         ];
         for (part, all, case_type) in lists {
             let Some(part) = part else { continue };

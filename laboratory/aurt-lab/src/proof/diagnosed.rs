@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::{FAILED, Place, Shard, Source, VERDICT, scores::reference_folder};
 use crate::product::{Failure, OutputFolder};
 
-/// What a proof does beside diagnosing.
+/// What a proof does besides diagnosing.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Whether cases stay after they were diagnosed.
@@ -103,7 +103,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
     forget(&folder, options)
 }
 
-/// Makes a case beside its place and moves it there when it is complete; the reason if it cannot be made.
+/// Makes a case in a temporary folder and moves it there when it is complete; the reason if it cannot be made.
 fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<Result<(), String>, Failure> {
     let fail = |path: PathBuf| move |source| Failure::Write { path, source };
     let building = aurt_output::StagedFolder::new(place.root())?;
@@ -167,7 +167,7 @@ fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result
         return Ok(());
     }
     let said = String::from_utf8_lossy(&done.stderr).trim().to_owned();
-    let reason = if said.is_empty() { format!("{} without a word", done.status) } else { said };
+    let reason = if said.is_empty() { format!("{} without a message", done.status) } else { said };
     OutputFolder::nested("--out", &out)?.write(&[(FAILED.to_owned(), reason.into_bytes())])
 }
 

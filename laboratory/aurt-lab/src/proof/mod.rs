@@ -1,6 +1,6 @@
 //! Proofs: concealed cases of several worlds, diagnosed by processes that see nothing but a case's folder, and scored.
 //!
-//! `place` says where things lie, `source` and its worlds make cases, `diagnosed` runs a case, `shard` divides and
+//! `place` says where things lie, the sources of `worlds` make cases, `diagnosed` runs a case, `shard` divides and
 //! collects, `scores` compares with the truth, `report` writes the tables, `learn` what confidence is made of, `program` is what diagnoses.
 
 mod diagnosed;
@@ -15,6 +15,7 @@ mod scores;
 mod shard;
 mod simulated;
 mod source;
+mod worlds;
 
 pub use diagnosed::{Options, prove};
 pub use learn::learn;
@@ -24,7 +25,8 @@ pub use program::program;
 pub use report::{Proven, report};
 pub use scores::{Verdicts, read_scores};
 pub use shard::{Shard, collect};
-pub use source::{Ingredients, Source, source};
+pub use source::{Ingredients, Source};
+pub use worlds::source;
 
 /// The verdict of a diagnosis.
 pub const VERDICT: &str = "verdict.json";

@@ -77,7 +77,7 @@ impl Mujoco {
         } else {
             let said = String::from_utf8_lossy(&output.stderr);
             // A traceback ends in what went wrong.
-            Err(said.trim().lines().last().unwrap_or("it failed without a word").to_owned())
+            Err(said.trim().lines().last().unwrap_or("it failed without a message").to_owned())
         }
     }
 }

@@ -19,14 +19,14 @@ pub fn small(world: World) -> Plan {
         World::Mujoco => (&["payload", "spring"], 2),
         World::Injected => (&["coulomb", "torque_ripple"], 1),
     };
-    let stranger = match world {
+    let unknown = match world {
         World::Clean | World::Rough => Some(strong(&["periodic_disturbance"])),
-        // Their strangers have names of their own.
+        // Their unknown effects have names of their own.
         World::Mujoco | World::Injected => None,
     };
     Plan {
         singles: Some(strong(singles)),
-        strangers: stranger,
+        unknown_effects: unknown,
         pairs: (world == World::Clean).then(|| PairPlan {
             robots: robots(),
             effects: vec!["spring".into(), "viscous".into()],

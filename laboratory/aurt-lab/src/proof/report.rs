@@ -99,10 +99,10 @@ const COUNTED: [Counted; 5] = [
     ("singles: all right", |s| (s.case_type == CaseType::Single).then_some(s.right)),
     ("pairs: both first", |s| (s.case_type == CaseType::Pair).then_some(s.first_label)),
     ("nulls flagged", |s| (s.case_type == CaseType::Null).then_some(!s.right)),
-    ("strangers unexplained", |s| (s.case_type == CaseType::Stranger).then_some(s.right)),
+    ("unknown effects: unexplained", |s| (s.case_type == CaseType::UnknownEffect).then_some(s.right)),
 ];
 
-/// The diagnosis beside simpler methods on the same cases, a column for every world.
+/// The diagnosis and simpler methods on the same cases, a column for every world.
 fn comparison(own: &[CaseScore], methods: &BTreeMap<&str, Vec<CaseScore>>) -> String {
     if methods.values().all(Vec::is_empty) {
         return String::new();

@@ -1,12 +1,8 @@
 use std::path::PathBuf;
 
 use crate::case::{Case, CaseRequest, CaseType, Plan, World};
-use aurt_plugins::Registry;
 use aurt_simulation::SimulationError;
 use serde::Deserialize;
-
-use super::{injected, mujoco, place::Place, simulated};
-use crate::product::Failure;
 
 /// A case that is to be made: what a proof has to know of it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -25,7 +21,7 @@ impl From<&CaseRequest> for Planned {
 
 /// What makes the cases of a world.
 pub trait Source: Sync {
-    /// The cases, in an order that tells nothing.
+    /// The cases, in an order that reveals nothing.
     fn planned(&self) -> &[Planned];
 
     /// Writes the folder of a case into `cases` and its truth into `sealed`; or says why it cannot be made.
@@ -65,21 +61,4 @@ impl Ingredients {
         let stem = |path: &PathBuf| path.file_stem().map(|s| s.to_string_lossy().into_owned());
         if world == World::Injected { self.into.iter().filter_map(stem).collect() } else { Vec::new() }
     }
-}
-
-/// The source of a world's cases, or why there is none on this machine.
-///
-/// # Errors
-/// Plans and experiments that are wrong.
-pub fn source(
-    world: World,
-    ingredients: &Ingredients,
-    place: &Place,
-    registry: &mut Registry,
-) -> Result<Result<Box<dyn Source>, String>, Failure> {
-    Ok(match world {
-        World::Clean | World::Rough => Ok(Box::new(simulated::Simulated::new(world, ingredients)?)),
-        World::Mujoco => mujoco::Mujoco::new(ingredients, place)?.map(|m| Box::new(m) as Box<dyn Source>),
-        World::Injected => injected::source(ingredients, registry)?,
-    })
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::case_score::{CaseScore, ScoredFinding};
+use super::case_score::CaseScore;
 use super::learnt::Learnt;
 use super::world_board::WorldBoard;
 use crate::case::World;
@@ -42,9 +42,4 @@ impl Scoreboard {
             .collect();
         Self { worlds, skipped: BTreeMap::new() }
     }
-}
-
-/// All findings of a set of scores.
-pub(super) fn findings(scores: &[CaseScore]) -> Vec<&ScoredFinding> {
-    scores.iter().flat_map(|s| &s.findings).collect()
 }

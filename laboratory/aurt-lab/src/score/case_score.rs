@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::claim::{Answer, Claim, is_change};
-use super::judgement::judge;
+use super::compared::compare;
 use super::neighbours::neighbours;
 use super::news::{Background, News, Sameness, meet};
 use super::parameters::{ParameterError, parameter_errors};
@@ -38,17 +38,17 @@ pub struct CaseScore {
     pub answer: Answer,
     /// Identifiers that were named and are news, without repetition.
     pub named: Vec<String>,
-    /// Whether it is right: a word that names, the right effects first, on their joints, in the right recordings, and
-    /// nothing beside them. Of nulls: nothing flagged; of strangers: `unexplained`; where the candidate was removed:
-    /// `unexplained`, or a neighbour under a word that names.
+    /// Whether it is right: a verdict that names an effect, the right effects first, on their joints, in the right recordings, and
+    /// no other claim them. Of nulls: nothing flagged; of unknown effects: `unexplained`; where the candidate was removed:
+    /// `unexplained`, or a neighbour under a verdict that names an effect.
     pub right: bool,
     /// The same, with effects that no recording tells apart counted as one.
     pub right_class: bool,
-    /// Whether the first label is right, whatever the word.
+    /// Whether the first label is right, whatever the verdict.
     pub first_label: bool,
     /// The same, with effects that no recording tells apart counted as one.
     pub first_label_class: bool,
-    /// Whether the first label or one of its alternatives is right, whatever the word.
+    /// Whether the first label or one of its alternatives is right, whatever the verdict.
     pub with_alternatives: bool,
     /// Whether the first label's family is right.
     pub right_family: bool,
@@ -63,7 +63,7 @@ pub struct CaseScore {
     pub beside: usize,
     /// The same, with effects that no recording tells apart counted as one.
     pub beside_class: usize,
-    /// What a null was flagged by: the claims that are news, or the word.
+    /// What a null was flagged by: the claims that are news, or the verdict.
     pub flagged_by: Vec<String>,
     /// F1 of the joints of the first label; of singles.
     pub joint_f1: Option<f64>,
@@ -100,16 +100,16 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
     let news = background.news(truth, claim);
     let change = truth.effects.first().is_some_and(|e| is_change(&e.present_in));
     let answer = claim.answer(change);
-    // With two words, the first label is the first of the question that the truth answers.
+    // With two verdicts, the first label is the first of the question that the truth answers.
     let order: Vec<&News<'_>> =
         distinct(news.iter().filter(|n| claim.structure.is_none() || n.change == change));
-    let strict = judge(&truth.effects, &news, &order, answer, Sameness::Strict);
-    let class = judge(&truth.effects, &news, &order, answer, Sameness::Class);
+    let strict = compare(&truth.effects, &news, &order, answer, Sameness::Strict);
+    let class = compare(&truth.effects, &news, &order, answer, Sameness::Class);
     let flagged_by = flagged_by(claim, &news, reference);
     let is_of_vocabulary = matches!(truth.case_type, CaseType::Single | CaseType::Pair) && removed.is_none();
     let (right, right_class) = match (truth.case_type, removed) {
         (CaseType::Null, _) => both(flagged_by.is_empty()),
-        (CaseType::Stranger, _) => both(answer == Answer::Unexplained),
+        (CaseType::UnknownEffect, _) => both(answer == Answer::Unexplained),
         (_, Some(removed)) => {
             let near = order.first().is_some_and(|n| neighbours(removed).contains(&n.effect));
             both(answer == Answer::Unexplained || near && answer.names())
@@ -170,11 +170,11 @@ fn distinct<'n, 'a>(news: impl Iterator<Item = &'n News<'a>>) -> Vec<&'n News<'a
     first
 }
 
-/// What speaks of something that is not there: claims that are news, or a word without any claim that is not the
-/// reference's word as well.
+/// What speaks of something that is not there: claims that are news, or a verdict without any claim that is not the
+/// reference's verdict as well.
 fn flagged_by(claim: &Claim, news: &[News<'_>], reference: Option<&Claim>) -> Vec<String> {
-    let words = [claim.verdict, claim.structure.unwrap_or(claim.verdict)];
-    if words.iter().all(|w| *w == Answer::NoMismatch) {
+    let verdicts = [claim.verdict, claim.structure.unwrap_or(claim.verdict)];
+    if verdicts.iter().all(|w| *w == Answer::NoMismatch) {
         return Vec::new();
     }
     let names: Vec<String> = distinct(news.iter()).iter().map(|n| n.effect.to_owned()).collect();
@@ -182,10 +182,11 @@ fn flagged_by(claim: &Claim, news: &[News<'_>], reference: Option<&Claim>) -> Ve
         return names;
     }
     let said_before =
-        |word: &Answer| reference.is_some_and(|r| r.verdict == *word || r.structure == Some(*word));
-    let word = words.into_iter().find(|w| *w != Answer::NoMismatch && !said_before(w));
-    word.filter(|w| claim.effects.is_empty() || *w == Answer::Failed)
-        .map(|w| vec![w.word().to_owned()])
+        |verdict: &Answer| reference.is_some_and(|r| r.verdict == *verdict || r.structure == Some(*verdict));
+    let verdict = verdicts.into_iter().find(|w| *w != Answer::NoMismatch && !said_before(w));
+    verdict
+        .filter(|w| claim.effects.is_empty() || *w == Answer::Failed)
+        .map(|w| vec![w.name().to_owned()])
         .unwrap_or_default()
 }
 

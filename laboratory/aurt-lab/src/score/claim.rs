@@ -29,9 +29,9 @@ impl Answer {
         matches!(self, Self::Named | Self::Ambiguous)
     }
 
-    /// The word in files and tables.
+    /// Its name in files and tables.
     #[must_use]
-    pub const fn word(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::NoMismatch => "no_mismatch",
             Self::Named => "named",
@@ -48,7 +48,7 @@ impl Answer {
 pub struct Claim {
     /// The answer: what has changed where there are targets, else what the model lacks.
     pub verdict: Answer,
-    /// What the model lacks in all recordings, in files that answer the two questions with two words.
+    /// What the model lacks in all recordings, in files that answer the two questions with two verdicts.
     #[serde(default)]
     pub structure: Option<Answer>,
     /// The effects, the most important first.

@@ -4,21 +4,21 @@
 //!
 //! | case | right if |
 //! |---|---|
-//! | single | the word names (`named`, or `ambiguous` with the truth among the first label and its at most two alternatives), the effect is first, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing is claimed beside it |
+//! | single | the verdict names an effect (`named`, or `ambiguous` with the truth among the first label and its at most two alternatives), the effect is first, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing else is claimed |
 //! | pair | the same of both, as the first two |
 //! | null | `no_mismatch`, or no claim but the background's and the reference's |
-//! | stranger | `unexplained` |
-//! | single whose candidate was removed | `unexplained`, or a neighbour ([`neighbours`]) first under a word that names |
+//! | unknown effect | `unexplained` |
+//! | single whose candidate was removed | `unexplained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
 //!
-//! Every part is counted for itself as well. What the experiment does not declare beside the effects (`background`), and
+//! Every part is counted for itself as well. What the experiment does not declare besides the effects (`background`), and
 //! what is claimed of the same recordings without the effects (the reference), is neither right nor wrong. Effects that no
 //! recording tells apart (`coulomb_asymmetry` and `current_offset`) are counted strictly, and as one class.
 
 mod board;
 mod case_score;
 mod claim;
+mod compared;
 mod isotonic;
-mod judgement;
 mod leak;
 mod learnt;
 mod neighbours;

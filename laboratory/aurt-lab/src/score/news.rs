@@ -52,7 +52,7 @@ pub(super) struct News<'a> {
     pub alternatives: &'a [ClaimedAlternative],
 }
 
-/// What is known of a case beside its effects.
+/// What is known of a case besides its effects.
 #[derive(Debug, Clone)]
 pub(super) struct Background<'a> {
     known: Vec<Known<'a>>,

@@ -67,15 +67,15 @@ impl Scoreboard {
             }
         }
         let share = |share: Share| (share.of > 0).then(|| share.to_string());
-        line("**pairs: both right, nothing beside**", &|b| share(b.pairs));
-        line("pairs: both named first, whatever the word", &|b| share(b.pairs_first_labels));
+        line("**pairs: both right, no other claim**", &|b| share(b.pairs));
+        line("pairs: both named first, whatever the verdict", &|b| share(b.pairs_first_labels));
         line("pairs: effects named at all", &|b| share(b.effects_of_pairs));
         line("**nulls flagged** (0 is right)", &|b| share(b.nulls_flagged));
-        line("**outside the vocabulary: unexplained**", &|b| share(b.strangers));
-        line("outside the vocabulary: claims a case (0 is right)", &|b| number(b.beside_strangers));
+        line("**outside the vocabulary: unexplained**", &|b| share(b.unknown_effects));
+        line("outside the vocabulary: claims a case (0 is right)", &|b| number(b.beside_unknown_effects));
         line("candidate removed: unexplained or a neighbour", &|b| share(b.removed));
         line("candidate removed: unnoticed (0 is right)", &|b| share(b.removed_unnoticed));
-        line("claims beside the truth, of a case of any kind (0 is right)", &|b| number(b.beside));
+        line("claims that are not true, of a case of any kind (0 is right)", &|b| number(b.beside));
         line("Brier score of the printed confidence (0 is right)", &|b| decimals(b.reliability.brier));
         line("Brier score of confidence learnt on the other worlds", &|b| {
             decimals(b.reliability_learnt_elsewhere.as_ref()?.brier)
@@ -111,7 +111,7 @@ impl Scoreboard {
             return String::new();
         }
         let mut text = format!(
-            "\nAll right · first label right, whatever the word / cases.\n\n{}",
+            "\nAll right · first label right, whatever the verdict / cases.\n\n{}",
             self.head(&["effect", "strength"])
         );
         for ((effect, strength), counts) in rows {
@@ -184,11 +184,11 @@ type Cell = fn(&Singles) -> Option<String>;
 const SINGLES: [(&str, Cell); 13] = [
     ("**all right**", |s| shown(s.right)),
     ("all right, inseparable labels as one", |s| shown(s.right_class)),
-    ("first label, whatever the word", |s| shown(s.first_label)),
+    ("first label, whatever the verdict", |s| shown(s.first_label)),
     ("first label, inseparable labels as one", |s| shown(s.first_label_class)),
     ("label anywhere", |s| shown(s.anywhere)),
-    ("a naming word, whatever the name", |s| shown(s.named)),
-    ("claims beside the truth a case (0 is right)", |s| number(s.beside)),
+    ("a verdict that names an effect, whichever it is", |s| shown(s.named)),
+    ("claims that are not true a case (0 is right)", |s| number(s.beside)),
     ("right presence, of those labelled", |s| shown(s.presence)),
     ("exactly the joints", |s| shown(s.joints)),
     ("joints of the first label, mean F1", |s| number(s.joint_f1)),

@@ -2,8 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::board::findings;
-use super::case_score::CaseScore;
+use super::case_score::{CaseScore, ScoredFinding};
 use super::claim::Answer;
 use super::learnt::Learnt;
 use super::reliability::Reliability;
@@ -14,21 +13,21 @@ use crate::strength::Strength;
 /// What became of cases of one effect, at one strength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Singles {
-    /// All of it right: word, first label, joints, presence, nothing beside.
+    /// All of it right: verdict, first label, joints, presence, no other claim.
     pub right: Share,
     /// The same, effects that no recording tells apart counted as one.
     pub right_class: Share,
-    /// First label right, whatever the word.
+    /// First label right, whatever the verdict.
     pub first_label: Share,
     /// The same, effects that no recording tells apart counted as one.
     pub first_label_class: Share,
-    /// First label or one of its alternatives right, whatever the word.
+    /// First label or one of its alternatives right, whatever the verdict.
     pub with_alternatives: Share,
     /// Family of the first label right.
     pub family: Share,
     /// Label anywhere.
     pub anywhere: Share,
-    /// A word that names, whatever the name.
+    /// A verdict that names an effect, whichever it is.
     pub named: Share,
     /// Anything was said to be missing.
     pub noticed: Share,
@@ -38,7 +37,7 @@ pub struct Singles {
     pub joints: Share,
     /// Mean F1 of the joints of the first label.
     pub joint_f1: Option<f64>,
-    /// Claims beside the truth, mean of a case.
+    /// Claims that are not true, mean of a case.
     pub beside: Option<f64>,
     /// The same, effects that no recording tells apart counted as one.
     pub beside_class: Option<f64>,
@@ -118,7 +117,7 @@ pub struct WorldBoard {
     pub singles: BTreeMap<Strength, Singles>,
     /// Pairs of which all is right.
     pub pairs: Share,
-    /// Pairs of which both were named before anything else, whatever the word.
+    /// Pairs of which both were named before anything else, whatever the verdict.
     pub pairs_first_labels: Share,
     /// Effects of pairs that were named at all.
     pub effects_of_pairs: Share,
@@ -126,15 +125,15 @@ pub struct WorldBoard {
     pub nulls_flagged: Share,
     /// What nulls were flagged by, and in how many.
     pub flagged_by: BTreeMap<String, usize>,
-    /// Strangers that were called unexplained.
-    pub strangers: Share,
-    /// Claims in the cases of strangers, mean of a case.
-    pub beside_strangers: Option<f64>,
+    /// Unknown effects that were called unexplained.
+    pub unknown_effects: Share,
+    /// Claims in the cases of unknown effects, mean of a case.
+    pub beside_unknown_effects: Option<f64>,
     /// Cases whose candidate was removed that were called unexplained or by a neighbour.
     pub removed: Share,
     /// Cases whose candidate was removed and in which nothing was said to be missing.
     pub removed_unnoticed: Share,
-    /// Claims beside the truth, mean of a case of any kind.
+    /// Claims that are not true, mean of a case of any kind.
     pub beside: Option<f64>,
     /// Effect by effect.
     pub effects: Vec<EffectRow>,
@@ -156,7 +155,8 @@ impl WorldBoard {
             own.iter().copied().filter(|s| s.case_type == case_type && !s.known_before).collect()
         };
         let singles = all(CaseType::Single);
-        let (pairs, nulls, strangers) = (all(CaseType::Pair), all(CaseType::Null), all(CaseType::Stranger));
+        let (pairs, nulls, unknown_effects) =
+            (all(CaseType::Pair), all(CaseType::Null), all(CaseType::UnknownEffect));
         let removed: Vec<&CaseScore> = scores.iter().filter(|s| s.removed.is_some()).collect();
         let share = |of: &[&CaseScore], is: fn(&&CaseScore) -> bool| Share::counted(of.iter().copied(), is);
         let mut flagged_by = BTreeMap::new();
@@ -178,8 +178,8 @@ impl WorldBoard {
             },
             nulls_flagged: share(&nulls, |s| !s.right),
             flagged_by,
-            strangers: share(&strangers, |s| s.right),
-            beside_strangers: mean(strangers.iter().map(|s| s.beside as f64)),
+            unknown_effects: share(&unknown_effects, |s| s.right),
+            beside_unknown_effects: mean(unknown_effects.iter().map(|s| s.beside as f64)),
             removed: share(&removed, |s| s.right),
             removed_unnoticed: share(&removed, |s| s.answer == Answer::NoMismatch),
             beside: mean(own.iter().filter(|s| !s.known_before).map(|s| s.beside as f64)),
@@ -235,10 +235,10 @@ fn confusion(singles: &[&CaseScore]) -> Vec<Confusion> {
     list
 }
 
-/// What a wrong answer called an effect, or what is wrong beside the right label.
+/// What a wrong answer called an effect, or what is wrong besides the right label.
 fn called(score: &CaseScore) -> String {
     if !score.answer.names() {
-        return score.answer.word().to_owned();
+        return score.answer.name().to_owned();
     }
     let label = score.named.first().map_or("no effect", String::as_str).to_owned();
     if !score.first_label {
@@ -252,7 +252,12 @@ fn called(score: &CaseScore) -> String {
         wrong.push("other recordings");
     }
     if score.beside > 0 {
-        wrong.push("more beside it");
+        wrong.push("more than it");
     }
     format!("{label}, {}", wrong.join(", "))
+}
+
+/// All findings of a set of scores.
+fn findings(scores: &[CaseScore]) -> Vec<&ScoredFinding> {
+    scores.iter().flat_map(|s| &s.findings).collect()
 }

@@ -2,8 +2,7 @@
 
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody};
 
-use super::added::Added;
-use super::law::Law;
+use super::law::{Added, Law};
 use super::resonator;
 use super::scene::Scene;
 use crate::effects::BaseTilt;

@@ -2,9 +2,8 @@
 
 use aurt_traits::MeasurementUnit;
 
-use super::added::Added;
 use super::bodies;
-use super::law::Law;
+use super::law::{Added, Law};
 use super::scene::Scene;
 
 /// The quantity that is an effect's size.

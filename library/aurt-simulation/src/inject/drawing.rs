@@ -1,9 +1,8 @@
 //! Shapes of effects, drawn for a robot's recordings: every shape from a continuum, within what the motion can show.
 
-use super::added::Added;
 use super::injection::Injection;
 use super::kinds::Kind;
-use super::law::Law;
+use super::law::{Added, Law};
 use crate::random::Random;
 
 /// Joints slower than this are as good as standing, rad/s (root mean square).

@@ -1,7 +1,6 @@
 //! Laws of friction, dry and viscous, with and without load and memory.
 
-use super::added::Added;
-use super::law::Law;
+use super::law::{Added, Law};
 use super::scene::Scene;
 use super::scene::direction;
 

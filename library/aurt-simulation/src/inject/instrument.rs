@@ -2,8 +2,7 @@
 
 use aurt_recording::Recording;
 
-use super::added::Added;
-use super::law::Law;
+use super::law::{Added, Law};
 use super::scene::Scene;
 use crate::random::Random;
 

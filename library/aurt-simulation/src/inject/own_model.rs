@@ -6,8 +6,7 @@ use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor};
 
 use super::gram::{Gram, mean_square};
-use super::real::RealExperiment;
-use super::structure::Structure;
+use super::real::{RealExperiment, Structure};
 use crate::error::SimulationError;
 
 /// The experiment's structure fitted to the recordings as they are.

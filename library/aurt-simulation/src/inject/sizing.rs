@@ -1,9 +1,9 @@
 //! Bringing an effect to strength, in units of what the unaltered model leaves.
 
-use super::added::Added;
 use super::gram::mean_square;
 use super::injection::{Injection, Recorded};
 use super::kinds::Kind;
+use super::law::Added;
 use super::own_model::Rows;
 use super::split::{Presence, Split};
 use crate::error::SimulationError;

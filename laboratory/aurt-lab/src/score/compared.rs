@@ -4,8 +4,8 @@ use crate::case::TrueEffect;
 
 /// What the claims on effects of the vocabulary come to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Judgement {
-    /// The first labels are the true ones, whatever the word.
+pub(super) struct Compared {
+    /// The first labels are the true ones, whatever the verdict.
     pub first_label: bool,
     /// They, or declared alternatives of theirs.
     pub with_alternatives: bool,
@@ -17,18 +17,18 @@ pub(super) struct Judgement {
     pub presence: bool,
     /// Claims that are not true.
     pub beside: usize,
-    /// All of it under a word that names.
+    /// All of it under a verdict that names an effect.
     pub right: bool,
 }
 
-/// Judges claims that are news. `order` is what the labels are taken from, in the verdict's order.
-pub(super) fn judge(
+/// Compares claims that are news with the truth. `order` is what the labels are taken from, in the verdict's order.
+pub(super) fn compare(
     truth: &[TrueEffect],
     news: &[News<'_>],
     order: &[&News<'_>],
     answer: Answer,
     sameness: Sameness,
-) -> Judgement {
+) -> Compared {
     // An alternative is part of the answer where the answer is a class.
     let class = answer == Answer::Ambiguous;
     let first = &order[..order.len().min(truth.len())];
@@ -57,7 +57,7 @@ pub(super) fn judge(
     }
     beside += news.iter().zip(&taken).filter(|(_, taken)| !**taken).map(|(n, _)| n.count()).sum::<usize>();
     let labels = among(first, class);
-    Judgement {
+    Compared {
         first_label: among(first, false),
         with_alternatives: among(first, true),
         anywhere: among(&news.iter().collect::<Vec<_>>(), class),

@@ -1,13 +1,16 @@
-//! `aurt prove` and `aurt score`: a small proof in parts, its continuation, what it teaches, and what is refused.
+//! `aurt-lab prove` and `aurt-lab score`: a small proof in parts, its continuation, what it teaches, and what is refused.
 
 use serde_json::Value;
 
-use crate::support::Folder;
+use crate::{
+    lab::{lab, lab_with},
+    support::Folder,
+};
 
 const PLAN: &str = "[recordings]\nduration_s = 20.0\nrate_hz = 500.0\n\
     [singles]\nrobots = ['ur10e']\neffects = ['payload', 'torque_ripple', 'saturation']\n\
     strengths = ['strong']\ntrials = 1\n\
-    [strangers]\nrobots = ['ur10e']\neffects = ['periodic_disturbance']\nstrengths = ['strong']\ntrials = 1\n\
+    [unknown_effects]\nrobots = ['ur10e']\neffects = ['periodic_disturbance']\nstrengths = ['strong']\ntrials = 1\n\
     [nulls]\nrobots = ['ur10e']\ncount = 2\n";
 
 fn share(of: &Value) -> (Option<u64>, Option<u64>) {
@@ -22,10 +25,10 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     let prove = ["prove", "--world", "clean", "--plan", "plan.toml", "--seed", "5", "--out"];
     for part in ["1/2", "2/2"] {
         let out = format!("part{}", &part[..1]);
-        let of = folder.aurt(prove.into_iter().chain([out.as_str(), "--shard", part])).succeeded();
+        let of = lab(&folder, prove.into_iter().chain([out.as_str(), "--shard", part])).succeeded();
         assert!(of.stdout().contains("clean: 3 of 6 cases, seed 5"), "{}", of.stdout());
     }
-    folder.aurt(["prove", "--collect", "part1", "part2", "--out", "proof"]).succeeded();
+    lab(&folder, ["prove", "--collect", "part1", "part2", "--out", "proof"]).succeeded();
     let board = folder.json("proof/scoreboard.json");
     let clean = &board["board"]["worlds"]["clean"];
     let strong = &clean["singles"]["strong"];
@@ -33,7 +36,7 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     assert_eq!(share(&strong["right"]), (Some(3), Some(3)), "{clean:#}");
     assert_eq!(strong["beside"], 0.0, "{clean:#}");
     assert_eq!(share(&clean["nulls_flagged"]), (Some(0), Some(2)));
-    assert_eq!(share(&clean["strangers"]), (Some(1), Some(1)));
+    assert_eq!(share(&clean["unknown_effects"]), (Some(1), Some(1)));
     assert_eq!(share(&clean["removed"]), (Some(3), Some(3)), "{clean:#}");
     assert!(!folder.path("part1/clean/cases/case_0001").exists(), "recordings are not kept");
     assert!(board["methods"]["lasso"]["worlds"]["clean"].is_object());
@@ -43,32 +46,32 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
     let kept = folder.path("proof/clean/verdicts/case_0002/verdict.json");
     let written = std::fs::metadata(&kept).unwrap().modified().unwrap();
     std::fs::remove_dir_all(folder.path("proof/clean/verdicts/case_0001")).unwrap();
-    let so_far = folder.aurt(["prove", "--so-far", "--out", "proof"]).succeeded();
+    let so_far = lab(&folder, ["prove", "--so-far", "--out", "proof"]).succeeded();
     assert!(so_far.stdout().contains("5 of 6 cases"), "{}", so_far.stdout());
     assert!(!folder.path("proof/clean/verdicts/case_0001").exists());
     // A killed proof leaves recordings of cases whose diagnosis ended after it, and half-made cases.
     let left = ["cases/case_0002", ".aurt-killed.part"].map(|name| folder.path("proof/clean").join(name));
     left.iter().for_each(|folder| std::fs::create_dir_all(folder).unwrap());
     std::thread::sleep(std::time::Duration::from_millis(1100));
-    folder.aurt(prove.into_iter().chain(["proof"])).succeeded();
+    lab(&folder, prove.into_iter().chain(["proof"])).succeeded();
     assert_eq!(folder.read("proof/scoreboard.md"), text);
     assert_eq!(std::fs::metadata(&kept).unwrap().modified().unwrap(), written);
     assert!(!left.iter().any(|folder| folder.exists()), "{left:?}");
 
     let (sealed, verdicts) = ("proof/clean/sealed", "proof/clean/verdicts");
-    let scored = folder.aurt(["score", "--sealed", sealed, "--verdicts", verdicts, "--json"]).succeeded();
+    let scored = lab(&folder, ["score", "--sealed", sealed, "--verdicts", verdicts, "--json"]).succeeded();
     let scored: Value = serde_json::from_str(&scored.stdout()).unwrap();
     assert_eq!(scored["board"]["worlds"]["clean"]["singles"], clean["singles"]);
 
     let other =
-        folder.aurt(["prove", "--world", "clean", "--plan", "plan.toml", "--seed", "6", "--out", "proof"]);
+        lab(&folder, ["prove", "--world", "clean", "--plan", "plan.toml", "--seed", "6", "--out", "proof"]);
     assert_eq!(other.status(), 2);
     assert!(other.stderr().contains("another plan or seed"), "{}", other.stderr());
 
     // A diagnosis that gives no verdict is no right one.
     std::fs::remove_file(&kept).unwrap();
     folder.write("proof/clean/verdicts/case_0002/failed.txt", "error: it broke");
-    let failed = folder.aurt(["prove", "--so-far", "--out", "proof", "--learn", "learnt.json"]);
+    let failed = lab(&folder, ["prove", "--so-far", "--out", "proof", "--learn", "learnt.json"]);
     assert_eq!(failed.status(), 1);
     assert!(failed.stdout().contains("clean case_0002: error: it broke"), "{}", failed.stdout());
     assert_eq!(folder.json("proof/scoreboard.json")["board"]["worlds"]["clean"]["failed"], 1);
@@ -80,39 +83,8 @@ fn a_small_proof_in_parts_is_right_and_goes_on_where_it_was() {
         (&learnt["learnt_from"][0]["seed"], &learnt["learnt_from"][0]["cases"]),
         (&5.into(), &6.into())
     );
-    folder.aurt(["prove", "--learn", "again.json", "--proof", "proof"]).succeeded();
+    lab(&folder, ["prove", "--learn", "again.json", "--proof", "proof"]).succeeded();
     assert_eq!(folder.read("again.json"), folder.read("learnt.json"));
-}
-
-/// What confidence is made of can be given; a file that cannot be used says why.
-#[test]
-fn confidence_comes_from_the_file_that_is_given() {
-    let plan = "[recordings]\nduration_s = 15.0\n[singles]\nrobots = ['two_link']\neffects = ['spring']\n\
-        strengths = ['strong']\ntrials = 1\n";
-    let folder = Folder::new().with_concealed(plan, "2");
-    let learnt = |rate: f64| {
-        format!(
-            r#"{{"schema": 1, "learnt_from": [], "confidence": {{"by": "score", "curves": {{"score": [[1.0, {rate}]]}}}},
-                "ambiguous": {{"findings": 0, "hits": 0}}}}"#
-        )
-    };
-    folder.write("learnt.json", &learnt(0.625));
-    folder.write("wrong.json", &learnt(6.25));
-    let diagnose = |file: &str| {
-        let arguments = ["diagnose", "cases/case_0001/experiment.toml", "--verdict-only", "--out", "said"];
-        folder.aurt(arguments.into_iter().chain(["--learnt", file]))
-    };
-    assert_eq!(diagnose("learnt.json").status(), 1);
-    let effects = folder.json("said/verdict.json")["effects"].as_array().unwrap().clone();
-    let sure: Vec<f64> = effects
-        .iter()
-        .filter(|e| e["alternatives"].as_array().unwrap().is_empty())
-        .map(|e| e["confidence"].as_f64().unwrap())
-        .collect();
-    assert!(!effects.is_empty() && sure.iter().all(|c| *c == 0.625), "{effects:#?}");
-    let wrong = diagnose("wrong.json");
-    assert_eq!(wrong.status(), 2);
-    assert!(wrong.stderr().contains("between 0 and 1"), "{}", wrong.stderr());
 }
 
 #[test]
@@ -120,12 +92,12 @@ fn a_world_that_cannot_be_made_here_is_skipped_with_a_line() {
     let folder = Folder::new();
     folder.write("world.py", "");
     let nowhere = [("AURT_PYTHON", "no-such-python"), ("AURT_MUJOCO_WORLD", "world.py")];
-    let skipped = folder
-        .aurt_with(
-            nowhere,
-            ["prove", "--small", "--world", "mujoco", "--world", "injected", "--seed", "1", "--out", "p"],
-        )
-        .succeeded();
+    let skipped = lab_with(
+        &folder,
+        nowhere,
+        ["prove", "--small", "--world", "mujoco", "--world", "injected", "--seed", "1", "--out", "p"],
+    )
+    .succeeded();
     let said = skipped.stdout();
     assert!(said.contains("world mujoco: skipped: no-such-python cannot import mujoco"), "{said}");
     assert!(said.contains("world injected: skipped: "), "{said}");
@@ -136,7 +108,7 @@ fn a_world_that_cannot_be_made_here_is_skipped_with_a_line() {
 fn a_proof_that_makes_no_sense_is_refused() {
     let folder = Folder::new();
     let refused = |arguments: &[&str], why: &str| {
-        let run = folder.aurt(std::iter::once("prove").chain(arguments.iter().copied()));
+        let run = lab(&folder, std::iter::once("prove").chain(arguments.iter().copied()));
         assert_eq!(run.status(), 2, "{arguments:?}");
         assert!(run.stderr().contains(why), "{arguments:?}: {}", run.stderr());
     };
@@ -152,7 +124,7 @@ fn a_proof_that_makes_no_sense_is_refused() {
 fn a_verdict_that_says_something_else_or_too_much_is_scored_as_wrong() {
     let folder = Folder::new().with_concealed(
         "[singles]\nrobots = ['ur10e']\neffects = ['payload']\nstrengths = ['strong']\ntrials = 1\n",
-        "1",
+        1,
     );
     let present = &folder.json("sealed/case_0001.json")["effects"][0]["present_in"];
     let said = |word: &str, effects: &[&str]| {
@@ -163,7 +135,8 @@ fn a_verdict_that_says_something_else_or_too_much_is_scored_as_wrong() {
             .collect();
         let text = format!(r#"{{"verdict": "{word}", "effects": [{}]}}"#, effects.join(", "));
         folder.write("said/case_0001/verdict.json", &text);
-        folder.aurt(["score", "--sealed", "sealed", "--verdicts", "said", "--out", "board.json"]).succeeded();
+        lab(&folder, ["score", "--sealed", "sealed", "--verdicts", "said", "--out", "board.json"])
+            .succeeded();
         let strong = folder.json("board.json")["board"]["worlds"]["clean"]["singles"]["strong"].clone();
         let count = |what: &str| strong[what]["count"].as_u64().unwrap();
         (count("right"), count("first_label"), strong["beside"].as_f64().unwrap())
@@ -172,8 +145,8 @@ fn a_verdict_that_says_something_else_or_too_much_is_scored_as_wrong() {
     assert_eq!(said("unexplained", &["payload"]), (0, 1, 0.0));
     assert_eq!(said("named", &["base_tilt"]), (0, 0, 1.0));
     assert_eq!(said("named", &["payload", "stribeck"]), (0, 1, 1.0));
-    let nothing = folder.aurt(["score", "--sealed", "sealed", "--verdicts", "cases"]);
+    let nothing = lab(&folder, ["score", "--sealed", "sealed", "--verdicts", "cases"]);
     assert_eq!(nothing.status(), 2);
-    let nowhere = folder.aurt(["score", "--sealed", "no", "--verdicts", "said"]);
+    let nowhere = lab(&folder, ["score", "--sealed", "no", "--verdicts", "said"]);
     assert_eq!(nowhere.status(), 2);
 }

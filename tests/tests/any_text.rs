@@ -1,6 +1,7 @@
 //! Plans and scenarios that are almost right: refused or planned, never more.
 
-use aurt_simulation::{ScenarioFile, case::Plan};
+use aurt::simulation::ScenarioFile;
+use aurt_lab::case::Plan;
 use proptest::prelude::*;
 
 const SCENARIO: &str = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 5.0\nharmonics = 5\n\
