@@ -223,7 +223,7 @@ fn what_cannot_be_added_is_refused_with_what_can() {
         recordings: world.injection.real().recordings[..1].to_vec(),
         ..world.injection.real().clone()
     };
-    let one = Injection::new(one).unwrap();
+    let one = InjectedWorld { injection: Injection::new(one).unwrap() };
     assert!(Split::all(1, Presence::Changed).is_empty());
     let text = one.make(&request("payload"), 1, "case_0001").unwrap_err().to_string();
     assert!(text.contains("needs two recordings"), "{text}");

@@ -131,16 +131,15 @@ impl Folder {
         environment: impl IntoIterator<Item = (&'e str, &'e str)>,
         arguments: impl IntoIterator<Item = S>,
     ) -> Run {
-        let output = Command::new(aurt())
+        let mut command = Command::new(aurt());
+        command
             .args(arguments)
             .current_dir(self.0.path())
             .env_remove("NO_COLOR")
             // Tests' own libraries; what is not trusted has a test of its own.
             .env("AURT_TRUST", "all")
-            .envs(environment)
-            .output()
-            .unwrap();
-        Run(output)
+            .envs(environment);
+        Run::of(command)
     }
 }
 
