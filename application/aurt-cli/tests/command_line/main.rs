@@ -15,7 +15,6 @@ mod exports;
 mod first_experiment;
 mod gains;
 mod instruction_sets;
-mod isolation;
 mod joined;
 mod learnt;
 mod long_recordings;

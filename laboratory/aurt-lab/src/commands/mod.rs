@@ -13,7 +13,7 @@ use std::{
 };
 
 use aurt_files::harmless;
-use aurt_plugins::{Registry, Trust, Worker};
+use aurt_plugins::{Registry, Trust};
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
 
@@ -93,9 +93,6 @@ const MOST_CHARACTERS: usize = 4000;
 
 /// Does what the command line says.
 pub fn main() -> ExitCode {
-    if let Some(status) = aurt_plugins::serve_if_asked() {
-        return status;
-    }
     let arguments = Arguments::parse();
     // Without it an interruption ends the command all the same, and the next one removes what it left.
     let _ = ctrlc::set_handler(|| {
@@ -131,10 +128,6 @@ fn run(arguments: &Arguments) -> Result<Report, Failure> {
     if arguments.allow_plugins {
         registry.trust(Trust::all());
     }
-    if let Ok(worker) = Worker::this_program() {
-        registry.serve_with(worker);
-    }
-    registry.isolate(cfg!(unix));
     let shows_progress = !arguments.json && !arguments.quiet && std::io::stderr().is_terminal();
     let mut session = Session { registry, shows_progress };
     match &arguments.command {
