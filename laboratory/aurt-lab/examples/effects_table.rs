@@ -2,7 +2,7 @@
 //! noise, per joint, and what it does to the residual of held-out recordings:
 //! `cargo run --release -p aurt-lab --example effects_table [strength] [robot]`.
 
-use aurt_lab::case::{CaseRequest, CaseType, RecordingSettings, make_case};
+use aurt_lab::case::{CaseRequest, CaseType, RecordingSettings, World, make_case};
 use aurt_lab::{Strength, effects::all_kinds};
 use aurt_simulation::{Robot, SimulationError};
 
@@ -31,7 +31,7 @@ fn main() -> Result<(), SimulationError> {
             strength,
         };
         let started = std::time::Instant::now();
-        let truth = make_case("table", &request, &RecordingSettings::default(), 7)?.truth;
+        let truth = make_case(World::Clean, "table", &request, &RecordingSettings::default(), 7)?.truth;
         let show = |v: &[f64]| v.iter().map(|x| format!("{x:5.2}")).collect::<Vec<_>>().join(" ");
         let held_out = &truth.validation[0];
         let ratio: Vec<f64> = held_out.before_nm.iter().zip(&held_out.floor_nm).map(|(b, f)| b / f).collect();

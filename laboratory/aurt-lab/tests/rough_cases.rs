@@ -19,7 +19,7 @@ const PLAN: &str = r#"
 fn cases() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     CASES.get_or_init(|| {
-        let made = |k| Plan::parse(PLAN, "plan.toml").and_then(|plan| plan.make_in(World::Rough, 11, k));
+        let made = |k| Plan::parse(PLAN, "plan.toml").and_then(|plan| plan.make(World::Rough, 11, k));
         (0..6).map(|k| made(k).unwrap_or_else(|error| panic!("case {k}: {error}"))).collect()
     })
 }
@@ -28,12 +28,12 @@ fn cases() -> &'static [Case] {
 #[test]
 fn the_seed_decides() {
     let plan = Plan::parse(PLAN, "plan.toml").unwrap();
-    let made = |seed| plan.make_in(World::Rough, seed, 0).unwrap();
+    let made = |seed| plan.make(World::Rough, seed, 0).unwrap();
     let (first, again, other) = (made(4), made(4), made(5));
     assert_eq!((&first.files, &first.truth), (&again.files, &again.truth));
     assert_ne!(first.files, other.files);
-    assert_ne!(first.files, plan.make(4, 0).unwrap().files, "rough cases are clean ones");
-    let text = plan.make_in(World::Mujoco, 4, 0).unwrap_err().to_string();
+    assert_ne!(first.files, plan.make(World::Clean, 4, 0).unwrap().files, "rough cases are clean ones");
+    let text = plan.make(World::Mujoco, 4, 0).unwrap_err().to_string();
     assert!(text.contains("mujoco"), "{text}");
 }
 

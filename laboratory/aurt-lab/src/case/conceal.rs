@@ -1,35 +1,15 @@
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aurt_output::{write_file, write_folder};
 use rayon::prelude::*;
 
-use super::make::{Case, make_case, make_case_in};
+use super::make::{Case, make_case};
 use super::plan::Plan;
-use super::truth::Truth;
 use super::world::World;
 use aurt_simulation::SimulationError;
 
-/// How far the making of cases has come.
-#[derive(Debug, Clone)]
-pub struct Progress<'a> {
-    /// Cases that are done.
-    pub done: usize,
-    /// All cases.
-    pub all: usize,
-    /// The case that was done last.
-    pub last: &'a str,
-}
-
-/// What was concealed.
-#[derive(Debug, Clone)]
-pub struct Concealed {
-    /// The truths, case after case.
-    pub truths: Vec<Truth>,
-}
-
 /// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
-/// `sealed/case_0001.json` … with the truth. The same plan and seed give the same bytes, on any number of
+/// `sealed/case_0001.json` … with the truth; says how many. The same plan and seed give the same bytes, on any number of
 /// threads.
 ///
 /// # Errors
@@ -39,61 +19,31 @@ pub fn conceal(
     seed: u64,
     cases: impl AsRef<Path>,
     sealed: impl AsRef<Path>,
-    progress: &(dyn Fn(Progress<'_>) + Sync),
-) -> Result<Concealed, SimulationError> {
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<usize, SimulationError> {
     let (cases, sealed) = (cases.as_ref(), sealed.as_ref());
     let all = plan.requests(seed)?.len();
     for folder in [cases, sealed] {
         std::fs::create_dir_all(folder)
             .map_err(|source| SimulationError::Io { path: folder.into(), source })?;
     }
-    let done = AtomicUsize::new(0);
-    let truths = (0..all)
-        .into_par_iter()
-        .map(|index| {
-            let name = Plan::case_name(index);
-            let case = plan.make(seed, index)?;
-            case.write(cases, sealed)?;
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(Progress { done, all, last: &name });
-            Ok(case.truth)
-        })
-        .collect::<Result<Vec<_>, SimulationError>>()?;
-    Ok(Concealed { truths })
+    (0..all).into_par_iter().try_for_each(|index| {
+        let case = plan.make(World::Clean, seed, index)?;
+        case.write(cases, sealed)?;
+        progress(&case.name);
+        Ok::<(), SimulationError>(())
+    })?;
+    Ok(all)
 }
 
 impl Plan {
-    /// The cases of a plan one by one, without writing them: name, and the case or why it cannot be made.
-    ///
-    /// # Errors
-    /// As [`Plan::requests`].
-    pub fn cases(
-        &self,
-        seed: u64,
-    ) -> Result<impl Iterator<Item = (String, Result<Case, SimulationError>)>, SimulationError> {
-        let settings = self.recordings;
-        Ok(self.requests(seed)?.into_iter().enumerate().map(move |(index, request)| {
-            let name = Self::case_name(index);
-            let make = |attempt| make_case(&name, &request, &settings, case_seed(seed, index, attempt));
-            let case = again(make);
-            (name, case)
-        }))
-    }
-
-    /// One case of a plan in the clean world; `index` counts from 0 along [`Plan::requests`].
-    ///
-    /// # Errors
-    /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case; what making it reports.
-    pub fn make(&self, seed: u64, index: usize) -> Result<Case, SimulationError> {
-        self.make_in(World::Clean, seed, index)
-    }
-
     /// One case of a plan in a world of this simulator. The rough world draws lengths, rates and motions of its own; of the
     /// plan it takes robots, effects and strengths.
     ///
     /// # Errors
-    /// As [`Plan::make`], and [`SimulationError::Unreadable`] for worlds that this simulator does not make.
-    pub fn make_in(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
+    /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case or this simulator does not make the
+    /// world; what making it reports.
+    pub fn make(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
         let requests = self.requests(seed)?;
         let request = requests.get(index).ok_or_else(|| SimulationError::Unreadable {
             path: "plan".into(),
@@ -101,7 +51,7 @@ impl Plan {
         })?;
         again(|attempt| {
             let seed = case_seed(seed, index, attempt);
-            make_case_in(world, &Self::case_name(index), request, &self.recordings, seed)
+            make_case(world, &Self::case_name(index), request, &self.recordings, seed)
         })
     }
 

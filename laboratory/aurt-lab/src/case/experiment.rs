@@ -3,8 +3,10 @@
 use aurt_traits::MeasurementUnit;
 
 use super::layout::{Role, Slot};
-use aurt_simulation::inject::{JointStructure, Structure};
-use aurt_simulation::robots::Robot;
+use aurt_simulation::{
+    inject::{JointStructure, Structure},
+    robots::Robot,
+};
 
 /// Name of the file of the recording of a slot.
 pub(super) fn file_name(slot: usize) -> String {

@@ -1,9 +1,10 @@
 use serde::{Deserialize, Serialize};
 
-use aurt_simulation::Random;
-use aurt_simulation::SimulationError;
-use aurt_simulation::robots::Robot;
-use aurt_simulation::trajectory::{Motion, Trajectory};
+use aurt_simulation::{
+    Random, SimulationError,
+    robots::Robot,
+    trajectory::{Motion, Trajectory},
+};
 
 /// What a recording is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -11,14 +11,17 @@ use super::request::{CaseRequest, CaseType};
 use super::rough;
 use super::truth::{TrueEffect, Truth, ValidationFloor};
 use super::world::World;
-use crate::effects::read_effect;
-use crate::fit::{ProcessedFit, processed_motion};
-use aurt_simulation::Random;
-use aurt_simulation::SimulationError;
-use aurt_simulation::effects::{Draw, Effect, EffectKind, Hidden, catalogue};
-use aurt_simulation::robots::Robot;
-use aurt_simulation::sensors::SimulatedRecording;
-use aurt_simulation::simulate;
+use crate::{
+    effects::read_effect,
+    fit::{ProcessedFit, processed_motion},
+};
+use aurt_simulation::{
+    Random, SimulationError,
+    effects::{Draw, Effect, EffectKind, Hidden, catalogue},
+    robots::Robot,
+    sensors::SimulatedRecording,
+    simulate,
+};
 
 /// A case: the files that a diagnosis may see, and the truth.
 #[derive(Debug, Clone)]
@@ -37,24 +40,12 @@ const GOOD_ENOUGH: f64 = 0.7;
 /// and the least such error over noise.
 const CONCERNED: (f64, f64) = (0.2, 0.1);
 
-/// Makes one case of the clean world from its seed.
-///
-/// # Errors
-/// If the request makes no sense for the robot, or something refuses to be simulated.
-pub fn make_case(
-    name: &str,
-    request: &CaseRequest,
-    settings: &RecordingSettings,
-    seed: u64,
-) -> Result<Case, SimulationError> {
-    make_case_in(World::Clean, name, request, settings, seed)
-}
-
 /// Makes one case of a world from its seed; the rough world's recordings have lengths and rates of their own.
 ///
 /// # Errors
-/// As [`make_case`], and [`SimulationError::Unreadable`] for worlds that this simulator does not make.
-pub fn make_case_in(
+/// If the request makes no sense for the robot, something refuses to be simulated, or this simulator does not make the
+/// world.
+pub fn make_case(
     world: World,
 
     name: &str,

@@ -12,9 +12,9 @@ mod rough;
 mod truth;
 mod world;
 
-pub use conceal::{Concealed, Progress, conceal};
+pub use conceal::conceal;
 pub use layout::{RecordingSettings, Role};
-pub use make::{Case, make_case, make_case_in};
+pub use make::{Case, make_case};
 pub use plan::{NullPlan, PairPlan, Plan, SinglePlan};
 pub use request::{CaseRequest, CaseType};
 pub use truth::{TrueEffect, Truth, ValidationFloor};

@@ -1,11 +1,11 @@
 use serde::{Deserialize, Serialize};
 
-use crate::effects::kind;
-use crate::strength::Strength;
-use aurt_simulation::Random;
-use aurt_simulation::SimulationError;
-use aurt_simulation::effects::{EffectKind, Presence};
-use aurt_simulation::robots::{Robot, Rotors};
+use crate::{effects::kind, strength::Strength};
+use aurt_simulation::{
+    Random, SimulationError,
+    effects::{EffectKind, Presence},
+    robots::{Robot, Rotors},
+};
 
 /// What a case is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -5,9 +5,7 @@ use serde_json::Value;
 
 use super::{request::CaseType, world::World};
 use crate::strength::Strength;
-use aurt_simulation::SimulationError;
-use aurt_simulation::effects::Family;
-use aurt_simulation::robots::Rotors;
+use aurt_simulation::{SimulationError, effects::Family, robots::Rotors};
 
 /// What is in a case; hidden from the diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

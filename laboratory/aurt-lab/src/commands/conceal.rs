@@ -2,17 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::case::{Plan, Truth, conceal};
-use aurt_simulation::{Random, SimulationError};
-use clap::Args;
-use rayon::prelude::*;
-use serde_json::json;
-
 use crate::{
+    case::{Plan, Truth, conceal},
     commands::{Report, Session},
     injected::InjectedWorld,
     product::Failure,
 };
+use aurt_simulation::{Random, SimulationError};
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
 
 /// Make cases for a proof: recordings of simulated robots with concealed physics, and the sealed truth.
 ///
@@ -56,11 +55,9 @@ impl Conceal {
         if let Some(experiment) = &self.into {
             return self.run_into(experiment, plan, session);
         }
-        let count = plan.requests(self.seed)?.len();
-        let progress = session.progress(count);
-        let concealed = conceal(&plan, self.seed, &self.cases, &self.sealed, &|p| progress.step(p.last))?;
-        drop(progress);
-        Ok(self.report(concealed.truths.len(), &[], None))
+        let progress = session.progress(plan.requests(self.seed)?.len());
+        let count = conceal(&plan, self.seed, &self.cases, &self.sealed, &|case| progress.step(case))?;
+        Ok(self.report(count, &[], None))
     }
 
     /// Adds effects to an experiment's recordings.

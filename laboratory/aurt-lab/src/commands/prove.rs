@@ -5,15 +5,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::case::{Plan, World};
-use clap::Args;
-use serde_json::json;
-
 use crate::{
+    case::{Plan, World},
     commands::{Report, Session, conceal::read_plan},
     product::{Failure, OutputFolder, pretty},
     proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
 };
+use clap::Args;
+use serde_json::json;
 
 /// Count how often a diagnosis is right: conceal effects, diagnose each case in a process of its own that sees
 /// nothing but the case's folder, score.

@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use crate::score::Scoreboard;
-use clap::Args;
-use serde_json::json;
-
 use crate::{
     commands::Report,
     product::{Failure, OutputFile, pretty},
     proof::{Verdicts, read_scores},
+    score::Scoreboard,
 };
+use clap::Args;
+use serde_json::json;
 
 /// Compare verdicts on concealed cases with the sealed truth.
 ///

@@ -1,14 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use aurt_simulation::Random;
-use aurt_simulation::SimulationError;
-use aurt_simulation::effects::{
-    Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind,
+use aurt_simulation::{
+    Random, SimulationError,
+    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
+    error::Complaints,
+    plant::{Instant, ShaftTorque},
+    robots::Robot,
 };
-use aurt_simulation::error::Complaints;
-use aurt_simulation::plant::{Instant, ShaftTorque};
-use aurt_simulation::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "cable_drag",

@@ -1,9 +1,6 @@
 use aurt_rbd::{SerialChain, base_parameters};
-use aurt_simulation::inject::Structure;
+use aurt_simulation::{SimulationError, inject::Structure, robots::Robot};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor};
-
-use aurt_simulation::SimulationError;
-use aurt_simulation::robots::Robot;
 
 /// The columns of a structure along motions: base inertial parameters, then the joints' terms.
 #[derive(Debug)]

@@ -1,10 +1,11 @@
 use aurt_traits::Motion;
 
 use super::columns::Columns;
-use aurt_simulation::Random;
-use aurt_simulation::SimulationError;
-use aurt_simulation::inject::{Gram, Structure};
-use aurt_simulation::robots::Robot;
+use aurt_simulation::{
+    Random, SimulationError,
+    inject::{Gram, Structure},
+    robots::Robot,
+};
 
 /// Random samples on which it is judged what the base parameters absorb.
 const SAMPLES: usize = 80;

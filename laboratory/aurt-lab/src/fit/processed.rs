@@ -4,10 +4,12 @@ use std::sync::Arc;
 use aurt_recording::{PreprocessOptions, Preprocessed, ReadReport, Recording, Segment, preprocess};
 
 use super::columns::Columns;
-use aurt_simulation::SimulationError;
-use aurt_simulation::inject::{Gram, Structure, mean_square};
-use aurt_simulation::robots::Robot;
-use aurt_simulation::sensors::SimulatedRecording;
+use aurt_simulation::{
+    SimulationError,
+    inject::{Gram, Structure, mean_square},
+    robots::Robot,
+    sensors::SimulatedRecording,
+};
 
 /// A structure fitted to recordings after the usual preprocessing (filtered, differentiated, decimated).
 #[derive(Debug)]

@@ -9,13 +9,13 @@ use std::{
 
 use crate::{
     case::{CaseType, Plan, Truth},
+    product::{Failure, OutputFolder},
     score::leaks,
 };
 use aurt_plugins::Trust;
 use rayon::prelude::*;
 
 use super::{FAILED, Place, Shard, Source, VERDICT, scores::reference_folder};
-use crate::product::{Failure, OutputFolder};
 
 /// What a proof does besides diagnosing.
 #[derive(Debug, Clone)]

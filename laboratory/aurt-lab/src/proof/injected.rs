@@ -2,12 +2,15 @@
 
 use std::path::Path;
 
-use crate::case::{Case, CaseRequest, Plan};
+use crate::{
+    case::{Case, CaseRequest, Plan},
+    injected::InjectedWorld,
+    product::Failure,
+};
 use aurt_plugins::Registry;
 use aurt_simulation::{Random, SimulationError};
 
 use super::source::{Ingredients, Planned, Source};
-use crate::{injected::InjectedWorld, product::Failure};
 
 /// Cases of all experiments, one after the other.
 struct Injected {

@@ -4,11 +4,10 @@ use std::path::Path;
 
 use crate::{
     case::World,
+    product::{Failure, OutputFile, pretty},
     score::{CaseScore, Learnt},
 };
 use serde_json::json;
-
-use crate::product::{Failure, OutputFile, pretty};
 
 /// Writes what the scores of proofs teach.
 ///

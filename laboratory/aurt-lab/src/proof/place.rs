@@ -3,10 +3,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::case::{Plan, World};
+use crate::{
+    case::{Plan, World},
+    product::{Failure, OutputFolder, pretty},
+};
 use serde::{Deserialize, Serialize};
-
-use crate::product::{Failure, OutputFolder, pretty};
 
 /// The folders of one world of a proof.
 #[derive(Debug, Clone)]

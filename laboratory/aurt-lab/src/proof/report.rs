@@ -4,12 +4,12 @@ use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
 use crate::{
     case::{CaseType, World},
+    product::Failure,
     score::{CaseScore, Scoreboard},
 };
 use serde_json::{Map, Value, json};
 
 use super::{Place, Proof, Verdicts, diagnosed::complaints, scores::scores_so_far};
-use crate::product::Failure;
 
 /// The simpler methods of `comparison.json`, by their keys in it.
 const METHODS: [&str; 3] = ["best_single", "lasso", "stlsq"];

@@ -8,12 +8,12 @@ use std::{
 
 use crate::{
     case::Truth,
+    product::Failure,
     score::{CaseScore, Claim, score},
 };
 use serde_json::Value;
 
 use super::{COMPARISON, FAILED, VERDICT};
-use crate::product::Failure;
 
 /// Whose verdicts are scored.
 #[derive(Debug, Clone, PartialEq, Eq)]

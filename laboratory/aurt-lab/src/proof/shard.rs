@@ -6,10 +6,9 @@ use std::{
     str::FromStr,
 };
 
-use crate::case::World;
+use crate::{case::World, product::Failure};
 
 use super::Place;
-use crate::product::Failure;
 
 /// A part of the cases: those whose index leaves a remainder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use crate::case::{Plan, World};
+use crate::{
+    case::{Plan, World},
+    product::Failure,
+};
 
 use super::source::{Ingredients, Planned, Source};
-use crate::product::Failure;
 
 /// Cases of our own simulator.
 #[derive(Debug)]
@@ -34,7 +36,7 @@ impl Source for Simulated {
     }
 
     fn write(&self, index: usize, cases: &Path, sealed: &Path) -> Result<(), String> {
-        let write = || self.plan.make_in(self.world, self.seed, index)?.write(cases, sealed);
+        let write = || self.plan.make(self.world, self.seed, index)?.write(cases, sealed);
         write().map_err(|error| error.to_string())
     }
 }

@@ -7,9 +7,11 @@ use super::compared::compare;
 use super::neighbours::neighbours;
 use super::news::{Background, News, Sameness, meet};
 use super::parameters::{ParameterError, parameter_errors};
-use crate::case::{CaseType, Truth, World};
-use crate::effects::kind;
-use crate::strength::Strength;
+use crate::{
+    case::{CaseType, Truth, World},
+    effects::kind,
+    strength::Strength,
+};
 use aurt_simulation::effects::Family;
 
 /// A joint counts for the held-out improvement if its mean squared error exceeds the floor by this share.

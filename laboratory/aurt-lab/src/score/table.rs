@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 use super::board::Scoreboard;
 use super::share::Share;
 use super::world_board::{Singles, WorldBoard};
-use crate::case::World;
-use crate::strength::Strength;
+use crate::{case::World, strength::Strength};
 
 /// A cell without a value.
 const NOTHING: &str = "–";

@@ -7,8 +7,7 @@ use super::claim::Answer;
 use super::learnt::Learnt;
 use super::reliability::Reliability;
 use super::share::{Share, mean, median};
-use crate::case::CaseType;
-use crate::strength::Strength;
+use crate::{case::CaseType, strength::Strength};
 
 /// What became of cases of one effect, at one strength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
