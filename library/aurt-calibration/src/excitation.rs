@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::calibrated::CalibratedParameter;
+use crate::CalibratedParameter;
 
 /// A standard deviation above this share of the value: the interval then includes zero.
 const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;

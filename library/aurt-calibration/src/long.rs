@@ -4,13 +4,12 @@ use aurt_recording::{LongPrepared, LongSegment, Stretch};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel, RobotState, RobotTile};
 
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice,
+    Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice, RowBlock,
     Validation,
-    accumulate::{Accumulated, Folding, Measured},
-    noise_bandwidth_factor,
-    stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
-    validate::{beyond, forget_unread},
-    wls::{FittedTo, Setting, estimate, finished},
+    calibrate::{FittedTo, Setting, finished},
+    estimate, noise_bandwidth_factor, predict_tile,
+    rows::{Accumulated, FilteredRows, Folding, Measured, TILE_SAMPLES},
+    validation::{beyond, forget_unread},
 };
 
 /// As [`calibrate`](crate::calibrate), on recordings longer than memory: memory does not depend on their length, and
@@ -53,7 +52,7 @@ pub fn calibrate_long(
     let names = recordings.iter().map(LongPrepared::name).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let bandwidth = noise_bandwidth_factor(first.parallel_filter(), first.decimation());
-    let fitted_to = FittedTo { recordings: None, bandwidth, ranges, names, shift: None };
+    let fitted_to = FittedTo { rows: None, bandwidth, ranges, names, shift: None };
     finished(&setting, &found.system, estimate, &load, fitted_to)
 }
 

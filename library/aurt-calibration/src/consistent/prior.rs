@@ -4,10 +4,8 @@ use aurt_traits::{MeasurementUnit, RobotModel};
 use nalgebra::Matrix4;
 use thiserror::Error;
 
-use super::{
-    program::Pull,
-    pseudo_inertia::{Standard, pseudo_inertia, standard_of},
-};
+use super::program::Pull;
+use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Standard parameters that are known before, from CAD or a URDF.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,11 @@
 //! The convex program behind consistent estimates, and Newton's method along its central path.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, SMatrix};
+use nalgebra::{DMatrix, DVector, Matrix4, SMatrix};
 
-use super::pseudo_inertia::{Standard, adjoint, metric, pseudo_inertia};
+use crate::{
+    linear::{Cholesky, gram},
+    physical::{Standard, adjoint, metric, pseudo_inertia},
+};
 
 /// A point is centred when Newton's decrement, squared and over the weight of the barrier, is below this on the way,
 /// and below the second at the end.
@@ -76,7 +79,7 @@ pub(crate) struct Reached {
     pub at: DVector<f64>,
     /// ½ ‖ξ‖²/s.
     pub loss: f64,
-    /// The optimum's loss is at most so much below.
+    /// The optimum's loss is at most so much below, whether or not the search converged.
     pub within: f64,
     pub steps: usize,
     pub converged: bool,
@@ -159,51 +162,70 @@ impl Program {
     /// within `tolerance` of the least that is possible, or no longer falls but by rounding; nothing if the point is not
     /// inside.
     ///
-    /// The bound: F is convex, and at the centre of weight μ its gradient is −μ times the barrier's. With a pull
-    /// towards P₀, F(y) − F(y*) ≤ μ (ν + Σ tr P₀⁻¹P*) with ν = 4 for a body and 1 for what is positive; P* is taken
-    /// for P. Where the pull is Euclidean, ‖P₀⁻¹P − 1‖² adds to the trace.
     pub(crate) fn solve(&self, start: DVector<f64>, tolerance: f64) -> Option<Reached> {
+        self.solve_in(start, tolerance, MOST_STEPS)
+    }
+
+    fn solve_in(&self, start: DVector<f64>, tolerance: f64, most_steps: usize) -> Option<Reached> {
         let inverse: Vec<Matrix4<f64>> =
             self.bodies.iter().map(|b| b.prior.try_inverse()).collect::<Option<_>>()?;
         let mut y = start;
-        let corners = (4 * self.bodies.len() + self.positive.len()).max(1) as f64;
-        let mut weight = (self.loss(&y) / corners).max(tolerance / corners);
+        let mut weight = (self.loss(&y) / self.corners()).max(tolerance / self.corners());
         let mut steps = 0;
+        // No loss is below this: it is a sum of squares, and centres raise it.
+        let mut least: f64 = 0.0;
         let mut before: Option<Reached> = None;
         loop {
             // Where rounding ends the path, the last centre is a machine all the same.
             let Some(mut local) = self.local(&y, &inverse, weight) else { return before };
-            let reach = corners
-                + self
-                    .standard(&y)
-                    .iter()
-                    .zip(&inverse)
-                    .map(|(s, prior)| {
-                        let p = pseudo_inertia(&s.data.0[0]);
-                        match self.pull {
-                            Pull::Entropic => prior.dot(&p),
-                            Pull::Euclidean => {
-                                (prior * p - Matrix4::identity()).norm_squared() + prior.dot(&p)
-                            }
-                        }
-                    })
-                    .sum::<f64>();
-            let within = weight * reach;
-            let last = within <= tolerance.max(ROUNDING * self.loss(&y));
-            let centred =
-                self.centre(&mut y, &mut local, &inverse, weight, CENTRED[usize::from(last)], &mut steps);
-            if last || steps >= MOST_STEPS {
-                let loss = self.loss(&y);
-                let converged = last && centred;
-                return Some(Reached { at: y, loss, within, steps, converged, weight });
-            }
+            let expected = weight * self.reach(&y, &inverse);
+            let last = expected <= tolerance.max(ROUNDING * self.loss(&y));
+            let enough = CENTRED[usize::from(last)];
+            let centred = self.centre(&mut y, &mut local, &inverse, weight, enough, (&mut steps, most_steps));
             let loss = self.loss(&y);
-            before = Some(Reached { at: y.clone(), loss, within, steps, converged: false, weight });
+            if let Some(gap) = centred.and_then(|decrement| self.gap(&y, &inverse, weight, decrement)) {
+                least = least.max(loss - gap);
+            }
+            let within = (loss - least).max(0.0);
+            let converged = last && centred.is_some();
+            let reached = Reached { at: y.clone(), loss, within, steps, converged, weight };
+            if last || steps >= most_steps {
+                return Some(reached);
+            }
+            before = Some(reached);
             let next = weight * FALL;
             y = self.predicted(&y, &local, weight, next).unwrap_or(y);
             steps += 1;
             weight = next;
         }
+    }
+
+    /// ν, the parameter of the barrier: 4 for a body and 1 for what is positive.
+    fn corners(&self) -> f64 {
+        (4 * self.bodies.len() + self.positive.len()).max(1) as f64
+    }
+
+    /// ν + Σ tr P₀⁻¹P; where the pull is Euclidean, ‖P₀⁻¹P − 1‖² adds to the trace.
+    fn reach(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>]) -> f64 {
+        let of_body = |(standard, prior): (&Standard, &Matrix4<f64>)| {
+            let p = pseudo_inertia(&standard.data.0[0]);
+            match self.pull {
+                Pull::Entropic => prior.dot(&p),
+                Pull::Euclidean => (prior * p - Matrix4::identity()).norm_squared() + prior.dot(&p),
+            }
+        };
+        self.corners() + self.standard(y).iter().zip(inverse).map(of_body).sum::<f64>()
+    }
+
+    /// How far the least F can be below that of a point near the centre of weight μ, by Newton's decrement there, squared.
+    ///
+    /// F is convex, and at the centre its gradient is −μ times the barrier's, so that with a pull towards P₀
+    /// F(y) − F(y*) ≤ μ (ν + Σ tr P₀⁻¹(P* − P) − tr P⁻¹P*). Of this ν + Σ tr P₀⁻¹P is kept, which is no less unless
+    /// tr P₀⁻¹P* exceeds twice tr P₀⁻¹P. A decrement λ = β √μ adds μ (β + √ν) β / (1 − β) (Nesterov, *Lectures on Convex
+    /// Optimization*, 2018, theorem 5.3.10); for β ≥ 1 nothing is known.
+    fn gap(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64, decrement: f64) -> Option<f64> {
+        let (reach, beta) = (self.reach(y, inverse), (decrement.max(0.0) / weight).sqrt());
+        (beta < 1.0).then(|| weight * (reach + (beta + reach.sqrt()) * beta / (1.0 - beta)))
     }
 
     /// Where the central path leads, to first order, at a smaller weight: H dy = −∇φ dμ with H at the weight before. Near
@@ -236,7 +258,7 @@ impl Program {
         Some(rates)
     }
 
-    /// Newton steps at one weight of the barrier.
+    /// Newton steps at one weight of the barrier; Newton's decrement, squared, where they end near the centre.
     fn centre(
         &self,
         y: &mut DVector<f64>,
@@ -244,30 +266,24 @@ impl Program {
         inverse: &[Matrix4<f64>],
         weight: f64,
         enough: f64,
-        steps: &mut usize,
-    ) -> bool {
-        while *steps < MOST_STEPS {
+        (steps, most_steps): (&mut usize, usize),
+    ) -> Option<f64> {
+        while *steps < most_steps {
             let mut gradient = &local.gradient * weight;
             let mut seen = gradient.rows_mut(self.free, self.seen);
             seen.axpy(1.0 / self.scale, &y.rows(self.free, self.seen), 1.0);
-            let Some(direction) = self.direction(local, &gradient, weight) else { return false };
+            let direction = self.direction(local, &gradient, weight)?;
             let decrement = -gradient.dot(&direction);
-            if decrement <= enough * weight {
-                return true;
+            // Near the centre, or what is left to gain is rounding.
+            if decrement <= (enough * weight).max(ROUNDING.powi(2) * self.loss(y)) {
+                return Some(decrement);
             }
-            // What is left to gain is rounding.
-            if decrement <= ROUNDING.powi(2) * self.loss(y) {
-                return true;
-            }
-            let Some(length) = self.length(y, &direction, inverse, weight, -decrement) else { return false };
+            let length = self.length(y, &direction, inverse, weight, -decrement)?;
             y.axpy(length, &direction, 1.0);
             *steps += 1;
-            match self.local(y, inverse, weight) {
-                Some(found) => *local = found,
-                None => return false,
-            }
+            *local = self.local(y, inverse, weight)?;
         }
-        false
+        None
     }
 
     /// How far to go along a direction in which the objective begins with the slope given: to where it is least. With the
@@ -322,7 +338,7 @@ impl Program {
     /// −H⁻¹ g, from H = diag(0, 1/s) + μ RᵀR with its diagonal scaled to one.
     fn direction(&self, local: &Local, gradient: &DVector<f64>, weight: f64) -> Option<DVector<f64>> {
         let n = self.variables();
-        let mut hessian = local.root.tr_mul(&local.root) * weight;
+        let mut hessian = gram(&local.root) * weight;
         for k in self.free..n {
             hessian[(k, k)] += 1.0 / self.scale;
         }
@@ -339,12 +355,12 @@ impl Program {
 }
 
 /// The Cholesky factor; of a matrix that is singular to rounding, that of one nearby.
-fn factorised(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+fn factorised(matrix: DMatrix<f64>) -> Option<Cholesky> {
     let mut ridge = 0.0;
     loop {
         let mut attempt = matrix.clone();
         (0..attempt.nrows()).for_each(|k| attempt[(k, k)] += ridge);
-        if let Some(found) = attempt.cholesky() {
+        if let Some(found) = Cholesky::of(&attempt) {
             return Some(found);
         }
         if ridge > 1e-6 || !matrix.iter().all(|v| v.is_finite()) {
@@ -378,7 +394,7 @@ mod tests {
         // Inside: balls, and numbers that are one.
         let mut inside = DVector::from_element(n, 1.0);
         let ball = Matrix4::from_diagonal(&nalgebra::Vector4::new(0.1, 0.1, 0.1, 1.0));
-        let own = super::super::pseudo_inertia::standard_of(&ball);
+        let own = crate::physical::standard_of(&ball);
         (0..bodies).for_each(|b| inside.rows_mut(10 * b, 10).copy_from(&own));
         let start = spread.clone().lu().solve(&(&inside - &centre)).unwrap();
         let program = Program {
@@ -431,6 +447,27 @@ mod tests {
                 "{seed}: {gap:e} of {}",
                 reached.loss
             );
+        }
+    }
+
+    /// Wherever a search is stopped, the loss that it states as within reach is.
+    #[test]
+    fn the_bound_of_a_search_that_was_stopped_is_true() {
+        for seed in 1..=40 {
+            let (program, start) = any(seed, 3);
+            let least = program.solve(start.clone(), 1e-6).unwrap().loss;
+            let mut stopped = 0;
+            for most_steps in 1..=60 {
+                let reached = program.solve_in(start.clone(), 1e-6, most_steps).unwrap();
+                let above = reached.loss - least;
+                assert!(
+                    above <= reached.within + 1e-6,
+                    "{seed}, {most_steps} steps: {above:e} above, {:e} stated",
+                    reached.within
+                );
+                stopped += usize::from(!reached.converged);
+            }
+            assert!(stopped > 5, "{seed}: {stopped}");
         }
     }
 

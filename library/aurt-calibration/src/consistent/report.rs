@@ -1,8 +1,11 @@
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::{Fit, assembly::Assembly, program::Reached, pseudo_inertia::pseudo_inertia};
-use crate::uncertainty::with_deviation;
+use super::{
+    assembly::{Assembly, Fit},
+    program::Reached,
+};
+use crate::{physical::pseudo_inertia, with_deviation};
 
 /// Estimates that differ from least squares by more than this share of their standard deviation have moved.
 const NOTABLE: f64 = 0.5;

@@ -15,18 +15,18 @@
 
 mod covariance;
 mod problem;
+mod recorded;
 
-use aurt_recording::ZeroPhase;
 use aurt_traits::{LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, System, TermScopes, accumulate_scoped,
-    physical::carried, uncertainty::noise_bandwidth_factor, wls::check,
+    CalibrationError, JointFactor, NamedRecording, System, accumulate_scoped, physical::carried, rows::check,
 };
 use covariance::{covariance, white};
 use problem::{Point, Problem, Seen};
+pub use recorded::{GainsOf, KnownLoad};
 
 /// Passes, each with the load torque of the last.
 const PASSES: usize = 8;
@@ -36,32 +36,6 @@ const SETTLED: f64 = 1e-6;
 const HARDLY: f64 = 0.1;
 /// A sign is told if the ratio is so many standard deviations below zero.
 const BEYOND_NOISE: f64 = 2.0;
-
-/// What is known of the load that some of the recordings carry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownLoad {
-    /// Its mass, kg.
-    pub mass_kg: f64,
-    /// Standard deviation of the mass, kg.
-    pub mass_std_kg: f64,
-    /// Its centre of mass in the frame of the link that carries it, m, where it is known.
-    pub centre_of_mass_m: Option<[f64; 3]>,
-}
-
-/// What gains are estimated of.
-#[derive(Debug, Clone, Copy)]
-pub struct GainsOf<'a> {
-    /// The robot. With a known load one of its arm terms is a payload with a column of mass.
-    pub model: &'a RobotModel,
-    /// Recordings, of which some carry the load.
-    pub recordings: &'a [NamedRecording],
-    /// In which of them each arm term acts.
-    pub scopes: &'a TermScopes,
-    /// The load; without one there are ratios only.
-    pub load: Option<KnownLoad>,
-    /// Treatment of rows at rest and of the load torque.
-    pub options: &'a CalibrationOptions,
-}
 
 /// What recordings determine of a gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -255,13 +229,6 @@ fn solved(of: &GainsOf<'_>, known: &[Option<f64>]) -> Result<(Problem, Point, Lo
     let problem = Problem::new(&system, known.to_vec());
     let point = problem.minimum(before.map_or_else(|| problem.start(), Ok)?)?;
     Ok((problem, point, load))
-}
-
-/// By how much the variance of an estimate exceeds that of independent rows.
-fn bandwidth(of: &GainsOf<'_>) -> f64 {
-    let first = of.recordings.iter().find_map(|r| r.data.segments.first());
-    let filter = first.map(|s| -> (&ZeroPhase, usize) { (&s.parallel_filter, s.decimation) });
-    filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation))
 }
 
 /// Gains in the scale that there is, with what is known of them; `covariance` is that of log g_j, column after column.

@@ -2,7 +2,7 @@
 
 use aurt_traits::{ArmSeries, ColumnGroup, Columns, Invariant, JointSeries, ModelError, Motion, RobotModel};
 
-use super::{Estimated, Fitted};
+use super::fitted::{Estimated, Fitted};
 use crate::JointRange;
 
 /// Speeds that are tried, as shares of the largest that calibration covered.

@@ -125,7 +125,7 @@ pub fn drift_windows(
     recording: &NamedRecording,
     cut: Cut,
 ) -> Result<Vec<DriftWindow>, CalibrationError> {
-    crate::wls::check(reference.model, std::slice::from_ref(recording))?;
+    crate::rows::check(reference.model, std::slice::from_ref(recording))?;
     let start_s = |segment: &Segment| segment.motion.view().time_s().first().copied();
     let first_s = recording.data.segments.first().and_then(start_s).unwrap_or(0.0);
     let cut = Cut { origin_s: cut.origin_s.or(Some(first_s)), ..cut };

@@ -3,8 +3,8 @@ use rayon::prelude::*;
 
 use super::{
     dynamics::{DynamicsColumn, Source, dynamics_rows},
+    kept::Kept,
     load::LoadSeries,
-    parts::Kept,
     rigid::RigidRows,
 };
 use crate::{

@@ -6,7 +6,7 @@ use super::{
     parts::{StackSums, add},
     rigid::RigidRows,
 };
-use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
+use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validation::validated};
 
 /// A measured row beside its prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,7 @@
 use aurt_traits::{ColumnGroup, RobotModel};
 
-use crate::{
-    Calibration, CalibrationError, NamedRecording, ValidatedRows, stream::for_each_predicted_block,
-    validate::validated, wls::check,
-};
+use super::validate::{ValidatedRows, validated};
+use crate::{Calibration, CalibrationError, NamedRecording, for_each_predicted_block, rows::check};
 
 /// Measurement and prediction of one recording, row by row: what [`Metrics`](crate::Metrics) are means over.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -4,11 +4,10 @@ use aurt_recording::Segment;
 use aurt_traits::RobotModel;
 use serde::{Deserialize, Serialize};
 
+use super::metrics::{JointMetrics, Metrics};
 use crate::{
-    Calibration, CalibrationError, Metrics, NamedRecording,
-    metrics::JointMetrics,
-    stream::{for_each_predicted_block, for_each_tile, predict_tile},
-    wls::check,
+    Calibration, CalibrationError, NamedRecording, for_each_predicted_block, for_each_tile, predict_tile,
+    rows::check,
 };
 
 /// How a calibrated model does on one recording, on the filtered and decimated measurement.

@@ -6,10 +6,12 @@ use aurt_recording::{Segment, ZeroPhase};
 use aurt_traits::{LoadTorque, MotionView, RobotModel, RobotState, RobotTile};
 use rayon::prelude::*;
 
-use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes,
+use super::{
+    recordings::NamedRecording,
+    scope::TermScopes,
     stream::{FilteredRows, RowBlock, TILE_SAMPLES},
 };
+use crate::{CalibrationError, CalibrationOptions, JointFactor, Rest, System};
 
 /// Accumulates the factors of all joints over all recordings: segments in parallel and, within a segment, the joints'
 /// filters and triangles beside the evaluation of the next tile. Triangles are merged in the order of segments, so
