@@ -13,6 +13,7 @@ use crate::{
     physical,
     robust::{Loss, reweight},
     rows::{Accumulated, Observed, accumulate_ranged, check, ranges},
+    separability::Dependence,
     system::{estimate_coefficients, noise_scale, ones, variance, weights},
     uncertainty::{calibrated_parameters, noise_bandwidth_factor},
 };
@@ -186,9 +187,9 @@ pub(crate) fn finished(
         estimate.solution.coefficients = coefficients;
         consistent = Some(report);
     }
-    // Motions are not to blame for noise of the positions.
+    // Position noise is not a matter of excitation.
     let judged = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    // What was taken off is no error any more.
+    // A bias that was corrected is no error.
     let biased = looked.as_ref().filter(|looked| looked.corrected.is_none());
     if let Some(looked) = biased {
         looked.shift.widen(&mut estimate.solution.covariance);
@@ -197,7 +198,12 @@ pub(crate) fn finished(
     let is_eliminated =
         |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
     let judged: Vec<CalibratedParameter> = judged.into_iter().filter(|p| !is_eliminated(&p.name)).collect();
-    let mut warnings = warnings(&judged, estimate.solution.condition_number);
+    let inseparable = inseparable(setting, system, &estimate, load)?;
+    let inseparable: Vec<(&str, String)> = inseparable
+        .iter()
+        .map(|d| (model.parameters()[d.column].name.as_str(), d.combinations(model)))
+        .collect();
+    let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
     warnings.extend(position_bias.iter().filter(|_| biased.is_some()).flat_map(PositionBias::warnings));
@@ -253,6 +259,22 @@ fn position_noise(
     }
     let weights = fit_weights(options.estimator, estimate, system);
     look(&Fitted { rows, system, weights: &weights, solution: &estimate.solution }, is_used, shift).map(Some)
+}
+
+/// Coefficients that are set to zero since no motion tells them from others.
+fn inseparable(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: &Estimate,
+    load: &LoadTorque,
+) -> Result<Vec<Dependence>, CalibrationError> {
+    let Setting { model, options, .. } = *setting;
+    // What was eliminated could have been told.
+    if options.estimator == Estimator::Essential || estimate.solution.excited.iter().all(|e| *e) {
+        return Ok(Vec::new());
+    }
+    let found = Dependence::all(system, &fit_weights(options.estimator, estimate, system))?;
+    Ok(Dependence::structural(found, model, load))
 }
 
 fn fit_weights(estimator: Estimator, estimate: &Estimate, system: &System) -> Vec<f64> {

@@ -25,6 +25,7 @@ mod recursive;
 mod robust;
 mod row_cache;
 mod rows;
+mod separability;
 mod statistics;
 mod system;
 mod uncertainty;

@@ -63,8 +63,8 @@ impl RobustReport {
         let many = self.rejected.iter().enumerate().filter(|(_, share)| **share > MANY);
         many.map(|(joint, share)| {
             format!(
-                "{:.0} % of the rows of joint {joint} have no weight in the fit: rather than impacts, the model may lack something \
-                 there; compare with `estimator = \"wls\"`",
+                "{:.0} % of the rows of joint {joint} have no weight in the fit: so many rows indicate a missing effect rather \
+                 than impacts; compare with `estimator = \"wls\"`",
                 100.0 * share
             )
         })

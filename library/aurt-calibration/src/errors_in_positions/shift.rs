@@ -40,8 +40,9 @@ impl Shift {
             draw.iter().zip(estimate).zip(&factors).map(|((d, e), factor)| factor * (d - e)).collect()
         };
         let draws: Vec<Vec<f64>> = drawn.iter().map(shifted).collect();
-        let mean = |k: usize| draws.iter().map(|d| d[k]).sum::<f64>() / draws.len() as f64;
-        Self { all: (0..factors.len()).map(mean).collect(), draws, coefficients }
+        let mean = |k: usize| drawn.iter().map(|d| d[k] - estimate[k]).sum::<f64>() / drawn.len() as f64;
+        let all = factors.iter().enumerate().map(|(k, factor)| factor * mean(k)).collect();
+        Self { all, draws, coefficients }
     }
 
     /// Of the coefficients.

@@ -92,13 +92,13 @@ pub enum GainsError {
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// The load weighs nothing.
-    #[error("the mass of a load that shows the scale of gains must be positive and finite, is {mass_kg} kg")]
+    #[error("the mass of the load must be positive and finite, but is {mass_kg} kg")]
     Mass {
         /// The mass.
         mass_kg: f64,
     },
     /// The deviation of the mass is none.
-    #[error("the standard deviation of the mass must be zero or positive and finite, is {std_kg} kg")]
+    #[error("the standard deviation of the mass must be finite and not negative, but is {std_kg} kg")]
     MassDeviation {
         /// The deviation.
         std_kg: f64,
@@ -108,7 +108,7 @@ pub enum GainsError {
     CentreOfMass,
     /// No term of the model is the load.
     #[error(
-        "the model has {found} loads with a column `m`, and one is needed whose mass is known; give the experiment one \
+        "the model has {found} loads with a column `m`, but exactly one of known mass is required; add to the experiment one \
          [[arm_terms]] model = \"payload\" with the `recordings` that carry it"
     )]
     Loads {
@@ -117,12 +117,12 @@ pub enum GainsError {
     },
     /// The centre of mass is given, but the payload has no columns for it.
     #[error(
-        "a centre of mass needs the columns mX, mY and mZ of the payload, which its `parameters` leave out"
+        "a centre of mass requires the columns mX, mY and mZ of the payload; add them to its `parameters`"
     )]
     NoMoments,
     /// All recordings carry the load.
     #[error(
-        "the load acts in all recordings, so that it cannot be told from the last link; list a recording without it, and name \
+        "the load acts in all recordings, so it cannot be separated from the last link; add a recording without it, and name \
          those with it as `recordings` of the payload"
     )]
     NeverWithout,
@@ -133,7 +133,7 @@ pub enum GainsError {
     NeverWith,
     /// Nothing is determined.
     #[error(
-        "these recordings determine neither a gain nor a ratio of two: joints must move so that links weigh on several of them; \
+        "these recordings determine no gain and no ratio of gains: move the joints so that a link loads several of them; \
          `aurt excite` plans such a motion"
     )]
     Undetermined,
@@ -289,15 +289,15 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(joints) = list(&|g| g.decided == Decided::Nothing) {
         warnings.push(format!(
-            "the gain of joint {joints} is not determined: nothing that moves with it weighs on another joint too; move it \
-             together with its neighbours, or load it off its axis"
+            "the gain of joint {joints} is not determined: no link that it moves loads another joint; move it together with \
+             its neighbours, or attach a load off its axis"
         ));
     }
     if of.load.is_some()
         && let Some(joints) = list(&|g| g.decided == Decided::Ratio)
     {
         warnings.push(format!(
-            "of joint {joints} the load shows no scale, only ratios are determined: carry it through more positions"
+            "the load does not determine the gain of joint {joints}, only its ratio: move the load through more positions"
         ));
     }
     let is_doubtful = |g: &Gain| {
@@ -306,15 +306,15 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     };
     if let Some(joints) = list(&is_doubtful) {
         warnings.push(format!(
-            "the gain of joint {joints} is hardly determined, to no better than {:.0} %: faster motion of it, or a load \
-             off its axis, shows more",
+            "the gain of joint {joints} is poorly determined (standard deviation above {:.0} %): move the joint faster, or \
+             attach a load off its axis",
             100.0 * HARDLY
         ));
     }
     let is_turned = |g: &Gain| g.ratio_std_dev.is_some_and(|s| g.ratio < -BEYOND_NOISE * s);
     if let Some(joints) = list(&is_turned) {
         warnings.push(format!(
-            "joint {joints} has the opposite sign of the reference joint: its measurement, or its axis, is turned around"
+            "the gain of joint {joints} has the opposite sign of the reference joint: its measurement or its axis is inverted"
         ));
     }
     warnings

@@ -44,9 +44,8 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
         return Vec::new();
     }
     vec![format!(
-        "unphysical: negative inertia of a motor ({}). Something else that follows acceleration stands in its place: a \
-         delay of the measurement, torque constants that do not fit, or bodies that the motions hardly excite; \
-         `aurt diagnose` looks for it",
+        "unphysical: negative inertia of a motor ({}). The estimate compensates for another error proportional to \
+         acceleration: a delay of the measurement, wrong torque constants, or badly excited bodies; run `aurt diagnose`",
         negative.join(", ")
     )]
 }

@@ -182,7 +182,7 @@ pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) 
         // A joint that stands shows the noise of its sensor, and a ratio of two of these says nothing.
         if velocity[joint] > REST_RAD_S && range.velocity_rad_s <= REST_RAD_S {
             warnings.push(format!(
-                "joint {joint} moves at up to {:.2} rad/s, and stood still in calibration: nothing is known of its friction",
+                "joint {joint} moves at up to {:.2} rad/s but stood still in calibration: its friction is unknown",
                 velocity[joint]
             ));
         } else if velocity[joint] > (RANGE_MARGIN * range.velocity_rad_s).max(REST_RAD_S) {
