@@ -1,4 +1,4 @@
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{
     ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, RigidBodyRegressor, RobotModel,
 };
@@ -167,10 +167,8 @@ pub(crate) fn dynamics_rows(
         .map(|(joint, column)| DynamicsColumn { joint, column, rows: vec![0.0; rows] })
         .collect();
     let mut data = vec![0.0; columns.len() * STRIDE];
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, columns.len(), segment.decimation);
-    let mut store = |block: DecimatedTile<'_>| {
-        keep(&block, columns.iter_mut().map(|c| &mut *c.rows));
-    };
+    let mut bank = segment.bank(columns.len());
+    let mut store = |block: DecimatedTile<'_>| block.copy_to(columns.iter_mut().map(|c| &mut *c.rows));
     for (first, end) in tiles(segment) {
         for source in &mut running {
             source.evaluate(segment, load, (first, end), &mut data)?;
@@ -226,13 +224,4 @@ fn begin<'m>(sources: &[Source<'m>], joints: usize) -> (Vec<Running<'m>>, Vec<(u
 pub(super) fn tiles(segment: &Segment) -> impl Iterator<Item = (usize, usize)> {
     let samples = segment.motion.samples();
     (0..samples).step_by(TILE_SAMPLES).map(move |first| (first, (first + TILE_SAMPLES).min(samples)))
-}
-
-/// Puts a block's columns into theirs.
-pub(super) fn keep<'a>(block: &DecimatedTile<'_>, columns: impl Iterator<Item = &'a mut [f64]>) {
-    for (k, column) in columns.enumerate() {
-        let first = block.first_row().min(column.len());
-        let count = block.rows().min(column.len() - first);
-        column[first..first + count].copy_from_slice(&block.column(k)[..count]);
-    }
 }

@@ -6,11 +6,11 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
 use super::{
-    dynamics::{keep, tiles},
+    dynamics::tiles,
     load::LoadSeries,
     rigid::RigidRows,
 };
@@ -218,8 +218,8 @@ pub(super) fn filtered(
         return Ok(rows);
     }
     let samples = segment.motion.samples();
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, count, segment.decimation);
-    let mut store = |block: DecimatedTile<'_>| keep(&block, rows.iter_mut().map(|r| &mut **r));
+    let mut bank = segment.bank(count);
+    let mut store = |block: DecimatedTile<'_>| block.copy_to(rows.iter_mut().map(|r| &mut **r));
     for (first, end) in tiles(segment) {
         bank.push(&columns[first..], samples, end - first, &mut store);
     }

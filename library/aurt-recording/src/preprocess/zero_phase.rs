@@ -4,6 +4,9 @@ use crate::preprocess::butterworth::{Butterworth, Section};
 /// Series that are filtered side by side, one in each lane.
 const LANES: usize = 8;
 
+/// Share of the impulse response that lies beyond the filter's [memory](ZeroPhase::memory).
+const NEGLIGIBLE: f64 = 1e-3;
+
 /// Lowest and highest cut-off as shares of the Nyquist frequency. At the ends the poles come so close to 1 and −1
 /// that about eight digits of the filtered series are left.
 pub(crate) const CUTOFF_RANGE: [f64; 2] = [1e-4, 1.0 - 1e-4];
@@ -68,6 +71,14 @@ impl ZeroPhase {
     #[must_use]
     pub fn padding(&self) -> usize {
         self.design.padding()
+    }
+
+    /// Samples after which a sample hardly matters: 1e-3 of the impulse response's absolute sum, or less, lies further away
+    /// on either side. An output this far from the ends of its series is what a longer series would give, to that share of
+    /// what the continued series differs from the true one.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        self.design.decay_samples(NEGLIGIBLE)
     }
 
     /// The gain |H(f)|² that forward and backward pass have together at a frequency.
