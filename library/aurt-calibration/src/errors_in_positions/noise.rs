@@ -99,6 +99,7 @@ mod tests {
             rate_hz,
             decimation: 1,
             parallel_filter: filter.clone(),
+            kept_rows: 0..4000,
         };
         (segment, filter)
     }

@@ -150,7 +150,7 @@ fn windows_of_segment(
     if segment.rows() == 0 || time_s.is_empty() {
         return Ok(());
     }
-    let at = |row: usize| time_s[(row * segment.decimation).min(time_s.len() - 1)];
+    let at = |row: usize| time_s[segment.sample(row)];
     let row_s = if segment.rows() > 1 { at(1) - at(0) } else { 0.0 };
     let mut inside = 0..segment.rows();
     while !inside.is_empty() && at(inside.start) < cut.span_s[0] {

@@ -1,11 +1,11 @@
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{
     ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, RigidBodyRegressor, RobotModel,
 };
 
 use super::{
     load::LoadSeries,
-    series::{filtered, keep, separable, tiles},
+    series::{filtered, separable, tiles},
 };
 use crate::{CalibrationError, rows::TILE_SAMPLES};
 
@@ -166,10 +166,8 @@ pub(crate) fn dynamics_rows(
         .map(|(joint, column)| DynamicsColumn { joint, column, rows: vec![0.0; rows] })
         .collect();
     let mut data = vec![0.0; columns.len() * STRIDE];
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, columns.len(), segment.decimation);
-    let mut store = |block: DecimatedTile<'_>| {
-        keep(&block, columns.iter_mut().map(|c| &mut *c.rows));
-    };
+    let mut bank = segment.bank(columns.len());
+    let mut store = |block: DecimatedTile<'_>| block.copy_to(columns.iter_mut().map(|c| &mut *c.rows));
     for (first, end) in tiles(segment) {
         for source in &mut running {
             source.evaluate(segment, load, (first, end), &mut data)?;

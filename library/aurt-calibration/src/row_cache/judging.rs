@@ -74,7 +74,7 @@ impl RigidRows<'_> {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
                 }
                 for row in validated(segment, rows, rest) {
-                    let sample = row * segment.decimation;
+                    let sample = segment.sample(row);
                     visit(JudgedRow {
                         segment: s,
                         time_s: motion.time_s()[sample],

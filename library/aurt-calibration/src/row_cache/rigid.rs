@@ -1,13 +1,10 @@
 use std::sync::Arc;
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor, RobotModel};
 use rayon::prelude::*;
 
-use super::{
-    kept::Parts,
-    series::{keep, tiles},
-};
+use super::{kept::Parts, series::tiles};
 use crate::{CalibrationError, NamedRecording, rows::check};
 
 /// Recordings with the filtered, decimated rows of their rigid-body columns.
@@ -137,8 +134,8 @@ impl<'r> RigidRows<'r> {
     fn filtered(&self, segment: &Segment) -> Result<SegmentRows, CalibrationError> {
         let (slots, rows) = (self.layout.slots(), segment.rows());
         let mut data = vec![0.0; slots * rows];
-        let mut store = |block: DecimatedTile<'_>| keep(&block, data.chunks_exact_mut(rows.max(1)));
-        let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, slots, segment.decimation);
+        let mut store = |block: DecimatedTile<'_>| block.copy_to(data.chunks_exact_mut(rows.max(1)));
+        let mut bank = segment.bank(slots);
         let motion = segment.motion.view();
         let mut tile = RigidTile::default();
         for (first, end) in tiles(segment) {

@@ -1,6 +1,6 @@
 //! Columns of a model over a whole segment.
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
 use crate::{CalibrationError, rows::TILE_SAMPLES};
@@ -56,8 +56,8 @@ pub(super) fn filtered(
         return Ok(rows);
     }
     let samples = segment.motion.samples();
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, count, segment.decimation);
-    let mut store = |block: DecimatedTile<'_>| keep(&block, rows.iter_mut().map(|r| &mut **r));
+    let mut bank = segment.bank(count);
+    let mut store = |block: DecimatedTile<'_>| block.copy_to(rows.iter_mut().map(|r| &mut **r));
     for (first, end) in tiles(segment) {
         bank.push(&columns[first..], samples, end - first, &mut store);
     }
@@ -69,13 +69,4 @@ pub(super) fn filtered(
 pub(super) fn tiles(segment: &Segment) -> impl Iterator<Item = (usize, usize)> {
     let samples = segment.motion.samples();
     (0..samples).step_by(TILE_SAMPLES).map(move |first| (first, (first + TILE_SAMPLES).min(samples)))
-}
-
-/// Puts a block's columns into theirs.
-pub(super) fn keep<'a>(block: &DecimatedTile<'_>, columns: impl Iterator<Item = &'a mut [f64]>) {
-    for (k, column) in columns.enumerate() {
-        let first = block.first_row().min(column.len());
-        let count = block.rows().min(column.len() - first);
-        column[first..first + count].copy_from_slice(&block.column(k)[..count]);
-    }
 }

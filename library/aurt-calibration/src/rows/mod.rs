@@ -11,7 +11,7 @@ pub(crate) use accumulate::{Accumulated, Folding, Measured, accumulate_ranged};
 pub(crate) use joint_rows::JointRows;
 pub(crate) use pieces::{Observed, Piece};
 pub(crate) use recordings::{check, ranges};
-pub(crate) use stream::{FilteredRows, TILE_SAMPLES};
+pub(crate) use stream::TILE_SAMPLES;
 
 pub use accumulate::{accumulate, accumulate_scoped};
 pub use recordings::{JointRange, NamedRecording};

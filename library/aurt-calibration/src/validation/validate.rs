@@ -43,7 +43,7 @@ pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_ra
     let motion = segment.motion.view();
     let moves = |row: &usize| {
         (0..motion.joints())
-            .any(|j| motion.velocity_rad_s(j)[row * segment.decimation].abs() > rest_velocity_rad_s)
+            .any(|j| motion.velocity_rad_s(j)[segment.sample(*row)].abs() > rest_velocity_rad_s)
     };
     match (all.clone().find(moves), all.clone().rfind(moves)) {
         (Some(first), Some(last)) => first..last + 1,
