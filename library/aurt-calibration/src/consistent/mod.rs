@@ -14,6 +14,7 @@
 mod assembly;
 mod body;
 mod inside;
+mod newton;
 mod prior;
 mod program;
 mod report;
