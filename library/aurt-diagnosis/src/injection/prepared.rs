@@ -127,9 +127,8 @@ impl<'a> Prepared<'a> {
         let data = preprocess(repaired.as_ref().unwrap_or(&added), &options)?;
         let mut rows = vec![Vec::new(); self.question.model.joints()];
         for segment in &data.segments {
-            let kept = segment.rows();
             for (all, series) in rows.iter_mut().zip(segment.measurement.iter().flatten()) {
-                all.extend(series.iter().take(kept));
+                all.extend_from_slice(series);
             }
         }
         Ok(rows)

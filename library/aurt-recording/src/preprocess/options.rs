@@ -21,6 +21,10 @@ pub struct PreprocessOptions {
     pub rest_velocity_rad_s: f64,
     /// Cut the rest before the first and after the last motion (calibration does, validation does not).
     pub trim_rest: bool,
+    /// Count the rows within the filters' memory of ends and gaps, and filter the regressor after cutting the rest, as the
+    /// paper does. By default these rows do not count: there the filters see series that they had to continue themselves.
+    #[serde(default)]
+    pub count_ends: bool,
     /// Longer gaps between stamps split the recording, in s. `None`: 0.1 s or ten periods, whichever is longer.
     pub max_gap_s: Option<f64>,
     /// Per joint, factors of the measurement: y = (raw − offset) · gain. Torque constants in Nm/A turn currents
@@ -51,6 +55,7 @@ impl Default for PreprocessOptions {
             parallel_cutoff_hz: None,
             trim_rest: true,
             rest_velocity_rad_s: 0.03,
+            count_ends: false,
             max_gap_s: None,
             gains: None,
             offsets: None,

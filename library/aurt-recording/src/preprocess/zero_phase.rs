@@ -4,6 +4,9 @@ use crate::preprocess::butterworth::{Butterworth, Section};
 /// Series that are filtered side by side, one in each lane.
 const LANES: usize = 8;
 
+/// Share of a step that is left of it beyond the filter's [memory](ZeroPhase::memory).
+const SETTLED: f64 = 1e-3;
+
 /// Lowest and highest cut-off as shares of the Nyquist frequency. At the ends the poles come so close to 1 and −1
 /// that about eight digits of the filtered series are left.
 pub(crate) const CUTOFF_RANGE: [f64; 2] = [1e-4, 1.0 - 1e-4];
@@ -68,6 +71,23 @@ impl ZeroPhase {
     #[must_use]
     pub fn padding(&self) -> usize {
         self.design.padding()
+    }
+
+    /// For how many samples the filter remembers: after these its step response stays within 1e-3 of the step, on either
+    /// side. An output this far from the ends of its series is what a longer series would give, to that share of the difference
+    /// between the true series and the one by which the filter continues it.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let reach = self.design.decay_samples(SETTLED * SETTLED) + self.padding();
+        let mut impulse = vec![0.0; 2 * reach + 1];
+        impulse[reach] = 1.0;
+        let Ok(response) = self.filter(&impulse) else { return reach };
+        let mut step = 0.0;
+        let settled = |h: &&f64| {
+            step += **h;
+            f64::abs(step) <= SETTLED
+        };
+        reach - response.iter().take_while(settled).count().min(reach)
     }
 
     /// The gain |H(f)|² that forward and backward pass have together at a frequency.

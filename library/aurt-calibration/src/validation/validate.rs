@@ -4,11 +4,10 @@ use aurt_recording::Segment;
 use aurt_traits::RobotModel;
 use serde::{Deserialize, Serialize};
 
+use super::metrics::{JointMetrics, Metrics};
 use crate::{
-    Calibration, CalibrationError, Metrics, NamedRecording,
-    metrics::JointMetrics,
-    stream::{for_each_predicted_block, for_each_tile, predict_tile},
-    wls::check,
+    Calibration, CalibrationError, NamedRecording, for_each_predicted_block, for_each_tile, predict_tile,
+    rows::check,
 };
 
 /// How a calibrated model does on one recording, on the filtered and decimated measurement.
@@ -44,7 +43,7 @@ pub(crate) fn validated(segment: &Segment, rows: ValidatedRows, rest_velocity_ra
     let motion = segment.motion.view();
     let moves = |row: &usize| {
         (0..motion.joints())
-            .any(|j| motion.velocity_rad_s(j)[row * segment.decimation].abs() > rest_velocity_rad_s)
+            .any(|j| motion.velocity_rad_s(j)[segment.sample(*row)].abs() > rest_velocity_rad_s)
     };
     match (all.clone().find(moves), all.clone().rfind(moves)) {
         (Some(first), Some(last)) => first..last + 1,
@@ -183,7 +182,7 @@ pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) 
         // A joint that stands shows the noise of its sensor, and a ratio of two of these says nothing.
         if velocity[joint] > REST_RAD_S && range.velocity_rad_s <= REST_RAD_S {
             warnings.push(format!(
-                "joint {joint} moves at up to {:.2} rad/s, and stood still in calibration: nothing is known of its friction",
+                "joint {joint} moves at up to {:.2} rad/s but stood still in calibration: its friction is unknown",
                 velocity[joint]
             ));
         } else if velocity[joint] > (RANGE_MARGIN * range.velocity_rad_s).max(REST_RAD_S) {

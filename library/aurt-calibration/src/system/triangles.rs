@@ -1,7 +1,12 @@
 use aurt_traits::Dispatch;
 use nalgebra::{DMatrix, DVector};
 
-use crate::{CalibrationError, JointFactor, condition::condition_number, dense, factor::dot};
+use super::factor::JointFactor;
+use crate::{
+    CalibrationError,
+    dense::{self, dot},
+    linear::condition_number,
+};
 
 /// A column that is not longer than this is zero: what exponentials leave far from where they act (1e-160) is no motion.
 const LEAST_LENGTH: f64 = 1e-100;

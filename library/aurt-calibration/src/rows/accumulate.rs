@@ -2,14 +2,16 @@
 
 use std::ops::Range;
 
-use aurt_recording::{Segment, ZeroPhase};
+use aurt_recording::{Segment, ZeroPhaseBank};
 use aurt_traits::{LoadTorque, MotionView, RobotModel, RobotState, RobotTile};
 use rayon::prelude::*;
 
-use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, Rest, System, TermScopes,
-    stream::{FilteredRows, RowBlock, TILE_SAMPLES},
+use super::{
+    recordings::NamedRecording,
+    scope::TermScopes,
+    stream::{RowBlock, TILE_SAMPLES},
 };
+use crate::{CalibrationError, CalibrationOptions, JointFactor, Rest, System};
 
 /// Accumulates the factors of all joints over all recordings: segments in parallel and, within a segment, the joints'
 /// filters and triangles beside the evaluation of the next tile. Triangles are merged in the order of segments, so
@@ -86,11 +88,11 @@ fn accumulate_segment(
     load: &LoadTorque,
     options: &CalibrationOptions,
 ) -> Result<Accumulated, CalibrationError> {
-    let filter = (&segment.parallel_filter, segment.decimation);
-    let mut folding = Folding::new(model, filter, segment.rows(), acting, load, options);
+    let bank = |columns| segment.bank(columns);
+    let mut folding = Folding::new(model, &bank, acting, load, options);
     if let Some(measurement) = &segment.measurement {
         let motion = segment.motion.view();
-        let speed = |joint: usize, row: usize| motion.velocity_rad_s(joint)[row * segment.decimation].abs();
+        let speed = |joint: usize, row: usize| motion.velocity_rad_s(joint)[segment.sample(row)].abs();
         folding.push(motion, &Measured { first_row: 0, measurement, speed: &speed })?;
         folding.finish(&Measured { first_row: 0, measurement, speed: &speed })
     } else {
@@ -119,11 +121,10 @@ pub(crate) struct Folding<'a> {
 }
 
 impl<'a> Folding<'a> {
-    /// Nothing taken in yet; `rows` rows will count of what the filter, with its decimation, delivers.
+    /// Nothing taken in yet; `bank` makes the filter of some columns.
     pub(crate) fn new(
         model: &'a RobotModel,
-        filter: (&ZeroPhase, usize),
-        rows: usize,
+        bank: &dyn Fn(usize) -> ZeroPhaseBank,
         acting: &'a [bool],
         load: &'a LoadTorque,
         options: &'a CalibrationOptions,
@@ -138,7 +139,8 @@ impl<'a> Folding<'a> {
                     model,
                     acting,
                     options,
-                    filter: FilteredRows::new(filter, slots.len(), rows),
+                    filter: bank(slots.len()),
+                    delivered: 0,
                     factors: joints
                         .clone()
                         .map(|j| JointFactor::new(model.row_columns(j).to_vec()))
@@ -205,7 +207,7 @@ impl<'a> Folding<'a> {
 
     /// Rows that have been delivered.
     pub(crate) fn delivered(&self) -> usize {
-        self.shares.first().map_or(0, |share| share.filter.delivered())
+        self.shares.first().map_or(0, |share| share.delivered)
     }
 
     fn empty(self) -> Result<Accumulated, CalibrationError> {
@@ -236,23 +238,25 @@ struct Share<'a> {
     acting: &'a [bool],
     first_joint: usize,
     slots: Range<usize>,
-    filter: FilteredRows,
+    filter: ZeroPhaseBank,
+    delivered: usize,
     factors: Vec<JointFactor>,
 }
 
 impl Share<'_> {
     fn push(&mut self, tile: &RobotTile, measured: &Measured<'_>) {
         let data = &tile.raw()[self.slots.start * tile.stride()..];
-        let Self { model, options, acting, first_joint, filter, factors, .. } = self;
+        let Self { model, options, acting, first_joint, filter, delivered, factors, .. } = self;
         filter.push(data, tile.stride(), tile.samples(), &mut |block| {
-            fold(model, options, acting, *first_joint, measured, block, factors);
+            *delivered = block.first_row() + block.rows();
+            fold(model, options, acting, *first_joint, measured, block.into(), factors);
         });
     }
 
     fn finish(self, measured: &Measured<'_>) -> Result<Vec<JointFactor>, CalibrationError> {
-        let Self { model, options, acting, first_joint, filter, mut factors, .. } = self;
+        let Self { model, options, acting, first_joint, mut filter, mut factors, .. } = self;
         filter.finish(&mut |block| {
-            fold(model, options, acting, first_joint, measured, block, &mut factors);
+            fold(model, options, acting, first_joint, measured, block.into(), &mut factors);
         })?;
         Ok(factors)
     }

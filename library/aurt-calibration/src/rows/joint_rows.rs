@@ -3,7 +3,8 @@
 use aurt_recording::Segment;
 use aurt_traits::{LoadTorque, RobotModel};
 
-use crate::{CalibrationError, CalibrationOptions, Rest, stream::for_each_row_block};
+use super::stream::for_each_row_block;
+use crate::{CalibrationError, CalibrationOptions, Rest};
 
 /// A joint's rows over a segment; rows that were left out of the fit are zero, so that those around them keep their
 /// distance in time.
@@ -20,7 +21,7 @@ pub(crate) struct JointRows {
 ///
 /// # Errors
 /// What models report.
-pub(crate) fn rows_of(
+pub(super) fn rows_of(
     model: &RobotModel,
     segment: &Segment,
     acting: &[bool],

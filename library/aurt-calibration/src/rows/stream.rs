@@ -1,6 +1,6 @@
 //! A segment's regressor, tile by tile: evaluated, filtered in parallel with the measurement, decimated.
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhase, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{LoadTorque, RobotModel, RobotState, RobotTile};
 
 use crate::CalibrationError;
@@ -18,11 +18,17 @@ pub struct RowBlock<'a> {
     tile: DecimatedTile<'a>,
 }
 
+impl<'a> From<DecimatedTile<'a>> for RowBlock<'a> {
+    fn from(tile: DecimatedTile<'a>) -> Self {
+        Self { first_row: tile.first_row(), rows: tile.rows(), tile }
+    }
+}
+
 impl<'a> RowBlock<'a> {
     /// The rows of one column: a tile slot of the robot model, or a joint for predictions.
     #[must_use]
     pub fn column(&self, column: usize) -> &'a [f64] {
-        &self.tile.column(column)[..self.rows]
+        self.tile.column(column)
     }
 
     /// The joint's measurement for these rows.
@@ -34,7 +40,7 @@ impl<'a> RowBlock<'a> {
     /// |q̇| of a joint at a row of the block, rad/s.
     #[must_use]
     pub fn speed(&self, segment: &Segment, joint: usize, row: usize) -> f64 {
-        segment.motion.view().velocity_rad_s(joint)[(self.first_row + row) * segment.decimation].abs()
+        segment.motion.view().velocity_rad_s(joint)[segment.sample(self.first_row + row)].abs()
     }
 }
 
@@ -71,11 +77,12 @@ pub fn for_each_row_block(
     load: &LoadTorque,
     mut visit: impl FnMut(RowBlock<'_>),
 ) -> Result<(), CalibrationError> {
-    let mut filter = FilteredRows::of(segment, model.slots());
+    let mut filter = segment.bank(model.slots());
+    let mut visit = |tile: DecimatedTile<'_>| visit(RowBlock::from(tile));
     for_each_tile(model, segment, load, |_, tile| {
         filter.push(tile.raw(), tile.stride(), tile.samples(), &mut visit);
     })?;
-    filter.finish(&mut visit)
+    Ok(filter.finish(&mut visit)?)
 }
 
 /// Evaluates ŷ = W ζ over a segment and hands over its filtered, decimated rows, one column per joint.
@@ -90,13 +97,14 @@ pub fn for_each_predicted_block(
     mut visit: impl FnMut(RowBlock<'_>),
 ) -> Result<(), CalibrationError> {
     let joints = model.joints();
-    let mut filter = FilteredRows::of(segment, joints);
+    let mut filter = segment.bank(joints);
+    let mut visit = |tile: DecimatedTile<'_>| visit(RowBlock::from(tile));
     let mut predicted = vec![0.0; joints * TILE_SAMPLES];
     for_each_tile(model, segment, load, |_, tile| {
         predict_tile(model, tile, coefficients, TILE_SAMPLES, &mut predicted);
         filter.push(&predicted, TILE_SAMPLES, tile.samples(), &mut visit);
     })?;
-    filter.finish(&mut visit)
+    Ok(filter.finish(&mut visit)?)
 }
 
 /// ŷ = Σ coefficient · column over a tile, joint after joint, `stride` apart.
@@ -116,55 +124,5 @@ pub fn predict_tile(
                 *s += coefficient * value;
             }
         }
-    }
-}
-
-/// A filter bank that stops at the end of the measurement.
-pub(crate) struct FilteredRows {
-    bank: ZeroPhaseBank,
-    rows: usize,
-    delivered: usize,
-}
-
-impl FilteredRows {
-    /// A bank of `columns` columns, of whose rows the first `rows` count.
-    pub(crate) fn new((filter, decimation): (&ZeroPhase, usize), columns: usize, rows: usize) -> Self {
-        Self { bank: ZeroPhaseBank::new(filter, columns, decimation), rows, delivered: 0 }
-    }
-
-    /// A bank for a segment.
-    fn of(segment: &Segment, columns: usize) -> Self {
-        Self::new((&segment.parallel_filter, segment.decimation), columns, segment.rows())
-    }
-
-    /// Rows handed over so far.
-    pub(crate) const fn delivered(&self) -> usize {
-        self.delivered
-    }
-
-    pub(crate) fn push(
-        &mut self,
-        data: &[f64],
-        stride: usize,
-        samples: usize,
-        visit: &mut impl FnMut(RowBlock<'_>),
-    ) {
-        let Self { bank, rows, delivered } = self;
-        bank.push(data, stride, samples, &mut |tile| {
-            *delivered = tile.first_row() + tile.rows();
-            hand_over(tile, *rows, visit);
-        });
-    }
-
-    pub(crate) fn finish(mut self, visit: &mut impl FnMut(RowBlock<'_>)) -> Result<(), CalibrationError> {
-        let rows = self.rows;
-        Ok(self.bank.finish(&mut |tile| hand_over(tile, rows, visit))?)
-    }
-}
-
-fn hand_over(tile: DecimatedTile<'_>, total: usize, visit: &mut impl FnMut(RowBlock<'_>)) {
-    let rows = tile.rows().min(total.saturating_sub(tile.first_row()));
-    if rows > 0 {
-        visit(RowBlock { first_row: tile.first_row(), rows, tile });
     }
 }

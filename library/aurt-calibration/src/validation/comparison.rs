@@ -1,9 +1,7 @@
 use aurt_traits::{ColumnGroup, RobotModel};
 
-use crate::{
-    Calibration, CalibrationError, NamedRecording, ValidatedRows, stream::for_each_predicted_block,
-    validate::validated, wls::check,
-};
+use super::validate::{ValidatedRows, validated};
+use crate::{Calibration, CalibrationError, NamedRecording, for_each_predicted_block, rows::check};
 
 /// Measurement and prediction of one recording, row by row: what [`Metrics`](crate::Metrics) are means over.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -55,12 +53,11 @@ pub fn compare(
         let Some(measurement) = &segment.measurement else { continue };
         let looked_at = validated(segment, rows, calibration.options.rest_velocity_rad_s);
         let motion = segment.motion.view();
-        let sample = |row: usize| row * segment.decimation;
         found.segment_starts.push(found.time_s.len());
-        found.time_s.extend(looked_at.clone().map(|row| motion.time_s()[sample(row)]));
+        found.time_s.extend(looked_at.clone().map(|row| motion.time_s()[segment.sample(row)]));
         for (joint, series) in found.joints.iter_mut().enumerate() {
             series.measured.extend_from_slice(&measurement[joint][looked_at.clone()]);
-            let at = |of: &[f64]| looked_at.clone().map(|row| of[sample(row)]).collect::<Vec<_>>();
+            let at = |of: &[f64]| looked_at.clone().map(|row| of[segment.sample(row)]).collect::<Vec<_>>();
             series.position_rad.extend(at(motion.position_rad(joint)));
             series.velocity_rad_s.extend(at(motion.velocity_rad_s(joint)));
             series.acceleration_rad_s2.extend(at(motion.acceleration_rad_s2(joint)));

@@ -125,20 +125,6 @@ impl JointFactor {
     }
 }
 
-/// Scalar product in eight interleaved partial sums, so that it vectorises and rounds less.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut partial = [0.0_f64; 8];
-    let (a_blocks, a_rest) = a.as_chunks::<8>();
-    let (b_blocks, b_rest) = b.as_chunks::<8>();
-    for (x, y) in a_blocks.iter().zip(b_blocks) {
-        for lane in 0..8 {
-            partial[lane] += x[lane] * y[lane];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
-    partial.iter().sum::<f64>() + rest
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

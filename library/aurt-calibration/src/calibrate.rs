@@ -1,51 +1,22 @@
-use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
-    CalibratedParameter, CalibrationError, ConsistentReport, EssentialReport, Fit, JointFactor, JointRange,
-    PositionBias, RobustReport, System, TermScopes,
-    accumulate::{Accumulated, accumulate_ranged, accumulate_scoped},
-    calibrated::{Calibration, CalibrationOptions, Deviations, Estimator, LoadTorqueChoice},
+    CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, ConsistentReport, Deviations,
+    EssentialReport, Estimate, Estimator, Fit, Hausman, JointFactor, JointRange, LoadTorqueChoice,
+    NamedRecording, PositionBias, RobustReport, System, TermScopes, accumulate_scoped,
     consistent::{Prior, make_consistent},
-    deviations::{Observed, sandwich},
+    deviations::Sandwich,
     errors_in_positions::{Fitted, Looked, Shift, Tested, look},
-    essential::{Full, Listed, eliminate},
+    essential::{Full, eliminate},
+    estimate,
     excitation::warnings,
     physical,
-    robust::{Rows, reweight},
-    system::Solution,
+    robust::{Loss, reweight},
+    rows::{Accumulated, Observed, accumulate_ranged, check, ranges},
+    separability::Dependence,
+    system::{estimate_coefficients, noise_scale, ones, variance, weights},
     uncertainty::{calibrated_parameters, noise_bandwidth_factor},
 };
-
-/// A preprocessed recording with the name under which reports mention it.
-#[derive(Debug, Clone)]
-pub struct NamedRecording {
-    /// Name or path of the recording.
-    pub name: String,
-    /// Its segments.
-    pub data: Preprocessed,
-}
-
-impl NamedRecording {
-    /// Rows per joint over all segments.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.data.segments.iter().map(Segment::rows).sum()
-    }
-
-    /// Whether another recording holds the same motion and measurement, whatever its name.
-    #[must_use]
-    pub fn is_copy_of(&self, other: &Self) -> bool {
-        let (own, others) = (&self.data.segments, &other.data.segments);
-        own.len() == others.len()
-            && own.iter().zip(others).all(|(a, b)| {
-                let (x, y) = (a.motion.view(), b.motion.view());
-                a.measurement == b.measurement
-                    && x.joints() == y.joints()
-                    && (0..x.joints()).all(|j| x.position_rad(j) == y.position_rad(j))
-            })
-    }
-}
 
 /// Estimates the model's coefficients from recordings: OLS for σ_j (equation 14), then WLS with weights
 /// 1/σ_j² (equation 13).
@@ -97,9 +68,26 @@ pub fn calibrate_scoped(
     let names = recordings.iter().map(|r| r.name.clone()).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let recordings: Vec<&NamedRecording> = recordings.iter().collect();
-    let fitted_to =
-        FittedTo { recordings: Some((&recordings, scopes)), bandwidth, ranges, names, shift: None };
+    let rows = Observed { model, recordings: &recordings, scopes, load: &load, options };
+    let fitted_to = FittedTo { rows: Some(rows), bandwidth, ranges, names, shift: None };
     finished(&setting, &system, estimate, &load, fitted_to)
+}
+
+/// The test of Durbin, Wu and Hausman for a calibration by weighted least squares on `recordings`, without the noise of the
+/// positions; `None` where no instrument differs from the regressor.
+///
+/// # Errors
+/// What models report, and [`CalibrationError::Recording`] if a segment is too short for the filter of the instruments.
+pub fn hausman(
+    model: &RobotModel,
+    recordings: &[&NamedRecording],
+    scopes: &TermScopes,
+    calibration: &Calibration,
+) -> Result<Option<Hausman>, CalibrationError> {
+    let Calibration { load, options, sigma, .. } = calibration;
+    let rows = Observed { model, recordings, scopes, load, options };
+    let coefficients = &calibration.coefficients();
+    Tested { rows, coefficients, weights: &weights(sigma) }.test(&Shift::default())
 }
 
 /// What a calibration is about.
@@ -113,8 +101,8 @@ pub(crate) struct Setting<'a> {
 
 /// What a solution was fitted to.
 pub(crate) struct FittedTo<'a> {
-    /// The recordings and in which of them each arm term acts, where they are at hand to be looked at again.
-    pub recordings: Option<(&'a [&'a NamedRecording], &'a TermScopes)>,
+    /// The recordings, where they are available to be looked at again.
+    pub rows: Option<Observed<'a>>,
     /// The [`noise_bandwidth_factor`] of the filter that rows passed.
     pub bandwidth: f64,
     /// What joints did.
@@ -137,55 +125,44 @@ pub(crate) fn finished(
     fitted_to: FittedTo<'_>,
 ) -> Result<Calibration, CalibrationError> {
     let Setting { model, unit, f_dyn_hz, options } = *setting;
-    let FittedTo { recordings, mut bandwidth, ranges, names, shift } = fitted_to;
+    let FittedTo { rows, mut bandwidth, ranges, names, shift } = fitted_to;
+    let needed = |estimator| rows.ok_or(CalibrationError::NeedsRows { estimator });
     let mut essential = None;
     if options.estimator == Estimator::Essential {
-        let (recordings, scopes) =
-            recordings.ok_or(CalibrationError::NeedsRows { estimator: "essential" })?;
         let weights = weights(&estimate.sigma);
-        let full = Full { model, options, load, system, weights: &weights };
-        let listed: Vec<Listed<'_>> = recordings
-            .iter()
-            .map(|recording| Listed { recording, acting: scopes.acting(model, &recording.name) })
-            .collect();
-        let (kept, report) = eliminate(&full, &listed)?;
+        let (kept, report) = eliminate(&Full { rows: needed("essential")?, system, weights: &weights })?;
         estimate.solution = system.solve(&weights, |k| kept[k])?;
         essential = Some(report);
     }
-    let looked = position_noise(setting, system, &estimate, load, recordings, shift)?;
+    let looked = position_noise(options, system, &estimate, rows, shift)?;
+    // (WᵀΩ⁻¹W)⁻¹ as the estimator has it, where that is not the covariance of white noise.
     let mut bread = None;
     if let Some((coefficients, inverse)) = looked.as_ref().and_then(|looked| looked.corrected.as_ref()) {
         estimate.solution.coefficients.clone_from(coefficients);
         estimate.solution.covariance.clone_from(inverse);
-        bread = Some(inverse.as_slice());
+        bread = Some(inverse.clone());
     }
-    let instrumental;
     if options.estimator == Estimator::Iv {
-        let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "iv" })?;
         let weights = weights(&estimate.sigma);
         let coefficients = &estimate.solution.coefficients;
-        let tested = Tested { model, recordings, scopes, load, options, coefficients, weights: &weights };
+        let tested = Tested { rows: needed("iv")?, coefficients, weights: &weights };
         if let Some((coefficients, own)) = tested.instrumental()? {
             estimate.solution.coefficients = coefficients;
             estimate.solution.covariance.clone_from(&own);
-            instrumental = own;
-            bread = Some(instrumental.as_slice());
+            bread = Some(own);
         }
     }
     let mut robust = None;
     if options.estimator == Estimator::Irls {
-        let (recordings, scopes) = recordings.ok_or(CalibrationError::NeedsRows { estimator: "irls" })?;
-        let observed = Rows { model, recordings, scopes, load, options };
-        let reweighted = reweight(&observed, system, &estimate)?;
+        let reweighted = reweight(&needed("irls")?, system, &estimate)?;
         estimate.solution.coefficients = reweighted.coefficients;
         estimate.solution.covariance = reweighted.covariance;
         estimate.sigma = reweighted.sigma;
-        robust = Some((reweighted.report, reweighted.bread));
+        bread = Some(reweighted.bread);
+        robust = Some(reweighted.report);
     }
-    let bread = robust.as_ref().map(|(_, bread)| bread.as_slice()).or(bread);
-    if let Some((recordings, scopes)) = recordings.filter(|_| options.deviations == Deviations::Memory) {
-        let observed = (recordings, scopes, load);
-        remember(setting, system, &mut estimate, (bandwidth, bread), observed)?;
+    if let Some(rows) = rows.filter(|_| options.deviations == Deviations::Memory) {
+        remember(rows, system, &mut estimate, bandwidth, bread)?;
         bandwidth = 1.0;
     }
     let n = estimate.solution.coefficients.len();
@@ -210,10 +187,9 @@ pub(crate) fn finished(
         estimate.solution.coefficients = coefficients;
         consistent = Some(report);
     }
-    let robust = robust.map(|(report, _)| report);
-    // Motions are not to blame for noise of the positions.
+    // Position noise is not a matter of excitation.
     let judged = calibrated_parameters(model, unit, &estimate.solution, bandwidth);
-    // What was taken off is no error any more.
+    // A bias that was corrected is no error.
     let biased = looked.as_ref().filter(|looked| looked.corrected.is_none());
     if let Some(looked) = biased {
         looked.shift.widen(&mut estimate.solution.covariance);
@@ -222,10 +198,15 @@ pub(crate) fn finished(
     let is_eliminated =
         |name: &str| essential.iter().any(|report: &EssentialReport| report.eliminated().any(|e| e == name));
     let judged: Vec<CalibratedParameter> = judged.into_iter().filter(|p| !is_eliminated(&p.name)).collect();
-    let mut warnings = warnings(&judged, estimate.solution.condition_number);
+    let inseparable = inseparable(setting, system, &estimate, load)?;
+    let inseparable: Vec<(&str, String)> = inseparable
+        .iter()
+        .map(|d| (model.parameters()[d.column].name.as_str(), d.combinations(model)))
+        .collect();
+    let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
     warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
-    warnings.extend(position_bias.iter().filter(|_| biased.is_some()).filter_map(PositionBias::warning));
+    warnings.extend(position_bias.iter().filter(|_| biased.is_some()).flat_map(PositionBias::warnings));
     warnings.extend(robust.iter().flat_map(RobustReport::warnings));
     warnings.extend(physical::warnings(&physical::Fitted {
         model,
@@ -263,57 +244,72 @@ pub(crate) fn finished(
 /// [`CalibrationError::NeedsRows`] and [`CalibrationError::NoisyPositions`] if the estimator cannot do without; what models
 /// report.
 fn position_noise(
-    setting: &Setting<'_>,
+    options: &CalibrationOptions,
     system: &System,
     estimate: &Estimate,
-    load: &LoadTorque,
-    recordings: Option<(&[&NamedRecording], &TermScopes)>,
+    rows: Option<Observed<'_>>,
     shift: Option<&Shift>,
 ) -> Result<Option<Looked>, CalibrationError> {
-    let Setting { model, options, .. } = *setting;
     let is_used = options.estimator == Estimator::Eiv;
-    let Some((recordings, scopes)) = recordings else {
+    let Some(rows) = rows else {
         return if is_used { Err(CalibrationError::NeedsRows { estimator: "eiv" }) } else { Ok(None) };
     };
     if !is_used && !options.tells_position_bias() {
         return Ok(None);
     }
-    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
-    let solution = &estimate.solution;
-    let fitted = Fitted { model, options, load, scopes, recordings, system, weights: &weights, solution };
-    look(&fitted, is_used, shift).map(Some)
+    let weights = fit_weights(options.estimator, estimate, system);
+    look(&Fitted { rows, system, weights: &weights, solution: &estimate.solution }, is_used, shift).map(Some)
+}
+
+/// Coefficients that are set to zero since no motion tells them from others.
+fn inseparable(
+    setting: &Setting<'_>,
+    system: &System,
+    estimate: &Estimate,
+    load: &LoadTorque,
+) -> Result<Vec<Dependence>, CalibrationError> {
+    let Setting { model, options, .. } = *setting;
+    // What was eliminated could have been told.
+    if options.estimator == Estimator::Essential || estimate.solution.excited.iter().all(|e| *e) {
+        return Ok(Vec::new());
+    }
+    let found = Dependence::all(system, &fit_weights(options.estimator, estimate, system))?;
+    Ok(Dependence::structural(found, model, load))
+}
+
+fn fit_weights(estimator: Estimator, estimate: &Estimate, system: &System) -> Vec<f64> {
+    if estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) }
 }
 
 /// Puts the covariance of noise with a memory in the place of that of independent rows.
 fn remember(
-    setting: &Setting<'_>,
+    rows: Observed<'_>,
     system: &System,
     estimate: &mut Estimate,
-    (bandwidth, bread): (f64, Option<&[f64]>),
-    (recordings, scopes, load): (&[&NamedRecording], &TermScopes, &LoadTorque),
+    bandwidth: f64,
+    bread: Option<Vec<f64>>,
 ) -> Result<(), CalibrationError> {
-    let Setting { model, options, .. } = *setting;
-    let weights = if options.estimator.is_weighted() { weights(&estimate.sigma) } else { ones(system) };
-    let excited = estimate.solution.excited.clone();
+    let options = rows.options;
+    let weights = fit_weights(options.estimator, estimate, system);
+    let excited = &estimate.solution.excited;
     // What was eliminated is not fitted.
     let is_fitted = |k: usize| options.estimator != Estimator::Essential || excited[k];
     let mut plain = system.solve(&weights, is_fitted)?;
     if let Some(bread) = bread {
-        plain.covariance.copy_from_slice(bread);
+        plain.covariance = bread;
     }
-    let covariance = sandwich(&Observed {
-        model,
-        recordings,
-        scopes,
-        load,
-        options,
+    let sigma = &estimate.sigma;
+    let by_row = |joint: usize, residual: f64| Loss::Tukey.weight(residual / sigma[joint]);
+    let covariance = Sandwich {
+        rows,
         coefficients: &estimate.solution.coefficients,
         weights: &weights,
         bread: &plain.covariance,
-        sigma: (options.estimator == Estimator::Irls).then_some(estimate.sigma.as_slice()),
+        row_weight: (options.estimator == Estimator::Irls).then_some(&by_row),
         instruments: options.estimator == Estimator::Iv,
         lift: None,
-    })?;
+    }
+    .covariance()?;
     let n = plain.coefficients.len();
     // Where shapes were searched, the coefficients are surer than they look with these known: that factor stays.
     let unit = if options.estimator.is_weighted() { 1.0 } else { variance(system, &plain) };
@@ -333,119 +329,6 @@ fn remember(
     for c in 0..n {
         for r in 0..n {
             estimate.solution.covariance[c * n + r] = covariance[c * n + r] * factor[r] * factor[c];
-        }
-    }
-    Ok(())
-}
-
-/// Mean squared residual of an unweighted fit.
-fn variance(system: &System, solution: &Solution) -> f64 {
-    let parameters = solution.excited.iter().filter(|e| **e).count();
-    let rows = system.factors().iter().map(JointFactor::rows).sum::<usize>();
-    solution.residual_sum.iter().sum::<f64>() / rows.saturating_sub(parameters).max(1) as f64
-}
-
-/// By how much the variance of the coefficients, in the mean, exceeds that of independent rows.
-fn noise_scale(system: &System, estimate: &Estimate) -> Result<f64, CalibrationError> {
-    let plain = system.solve(&weights(&estimate.sigma), |_| true)?.covariance;
-    let n = estimate.solution.coefficients.len();
-    let ratios: Vec<f64> = (0..n)
-        .map(|k| estimate.solution.covariance[k * n + k] / plain[k * n + k])
-        .filter(|r| r.is_finite() && *r > 0.0)
-        .collect();
-    Ok(if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 })
-}
-
-/// A solution with the σ_j that weighted it.
-#[derive(Debug, Clone)]
-pub struct Estimate {
-    /// The coefficients and their covariance; for WLS the covariance of equation (13).
-    pub solution: Solution,
-    /// σ_j of equation (14), from the global OLS.
-    pub sigma: Vec<f64>,
-}
-
-/// OLS, σ_j, and, if asked for, WLS from accumulated factors.
-///
-/// # Errors
-/// [`CalibrationError::TooFewSamples`] unless every joint has more rows than there are parameters.
-pub fn estimate(system: &System, estimator: Estimator) -> Result<Estimate, CalibrationError> {
-    let (ols, excited) = system.solve_coefficients(&ones(system))?;
-    let parameters = excited.iter().filter(|e| **e).count();
-    let sigma = sigma(system, &ols, parameters)?;
-    let weights = if estimator.is_weighted() { weights(&sigma) } else { ones(system) };
-    let mut solution = system.solve(&weights, |_| true)?;
-    if estimator == Estimator::Ols {
-        let variance = variance(system, &solution);
-        solution.covariance.iter_mut().for_each(|c| *c *= variance);
-    }
-    Ok(Estimate { solution, sigma })
-}
-
-/// The coefficients of [`estimate`] alone.
-///
-/// # Errors
-/// As [`estimate`].
-pub(crate) fn estimate_coefficients(
-    system: &System,
-    estimator: Estimator,
-) -> Result<Vec<f64>, CalibrationError> {
-    let (ols, excited) = system.solve_coefficients(&ones(system))?;
-    let sigma = sigma(system, &ols, excited.iter().filter(|e| **e).count())?;
-    if estimator.is_weighted() { Ok(system.solve_coefficients(&weights(&sigma))?.0) } else { Ok(ols) }
-}
-
-fn ones(system: &System) -> Vec<f64> {
-    vec![1.0; system.factors().len()]
-}
-
-/// σ_j of equation (14) from the global OLS.
-fn sigma(system: &System, ols: &[f64], parameters: usize) -> Result<Vec<f64>, CalibrationError> {
-    let rows = system.factors().iter().map(JointFactor::rows);
-    rows.zip(system.residual_sum(ols))
-        .map(|(rows, sum)| {
-            if rows <= parameters {
-                return Err(CalibrationError::TooFewSamples { rows, parameters });
-            }
-            Ok((sum / (rows - parameters) as f64).sqrt())
-        })
-        .collect()
-}
-
-/// 1/σ_j. A joint that is met exactly would get an infinite weight; the largest residual sets the scale.
-pub(crate) fn weights(sigma: &[f64]) -> Vec<f64> {
-    let floor = sigma.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-12 + f64::MIN_POSITIVE.sqrt();
-    sigma.iter().map(|s| 1.0 / s.max(floor)).collect()
-}
-
-fn ranges(recordings: &[NamedRecording], load_torque: Option<&[f64]>, joints: usize) -> Vec<JointRange> {
-    let fastest = |joint: usize| {
-        let segments = recordings.iter().flat_map(|r| &r.data.segments);
-        let speeds = segments.flat_map(|s| s.motion.view().velocity_rad_s(joint));
-        speeds.fold(0.0_f64, |a, v| a.max(v.abs()))
-    };
-    (0..joints)
-        .map(|joint| JointRange {
-            velocity_rad_s: fastest(joint),
-            load_torque: load_torque.map(|largest| largest[joint]),
-        })
-        .collect()
-}
-
-/// Refuses recordings without a measurement or of another robot.
-pub(crate) fn check(model: &RobotModel, recordings: &[NamedRecording]) -> Result<(), CalibrationError> {
-    for recording in recordings {
-        for segment in &recording.data.segments {
-            if segment.motion.joints() != model.joints() {
-                return Err(CalibrationError::Joints {
-                    file: recording.name.clone().into(),
-                    expected: model.joints(),
-                    found: segment.motion.joints(),
-                });
-            }
-            if segment.measurement.is_none() {
-                return Err(CalibrationError::NoMeasurement { file: recording.name.clone().into() });
-            }
         }
     }
     Ok(())
