@@ -19,7 +19,7 @@ use crate::{
     failure::Failure,
     fitting::{Assigned, Detail, Job},
     progress::Progress,
-    rendering::style::Style,
+    rendering::{joints::with_names, style::Style},
     reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{metrics, verdict::Shown},
 };
@@ -92,7 +92,7 @@ impl Diagnoser {
             progress.step("calibrating the improved model");
             let model = self.improved(&improvement, registry)?;
             let asked = Asked::of(question);
-            let document = json!(verdict);
+            let document = with_names(json!(verdict), self.model.rigid_body().joint_names());
             let held_out = verdict.held_out.recordings.clone();
             let added: Vec<String> =
                 improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect();

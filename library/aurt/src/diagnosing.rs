@@ -22,7 +22,7 @@ use crate::{
     failure::Failure,
     fitting::{calibration_options, fit_experiment},
     progress::Progress,
-    rendering::style::Style,
+    rendering::{joints::with_names, style::Style},
     reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{diagnosed_series::DiagnosedSeries, verdict::Shown},
     simulated,
@@ -172,7 +172,7 @@ pub fn diagnose_experiment(
     }
     let asked = Asked::of(&question);
     let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
-    let document = json!(verdict);
+    let document = with_names(json!(verdict), structure.rigid_body().joint_names());
     let comparison = options.compare.then(|| {
         let answer = |method: Method| json!(method.answer(&question, &investigation));
         let methods = Method::ALL.into_iter().map(|method| (method.name().to_owned(), answer(method)));
@@ -222,6 +222,7 @@ pub fn diagnose_experiment(
             rows,
             first_s: recording.raw.time_s.first().copied().unwrap_or(0.0),
             origin_s: recording.raw.report.origin_s,
+            joint_names: recording.raw.joints.names().to_vec(),
             unit,
         };
         series(&question, &investigation).into_iter().zip(&recordings).map(of_rows).collect()
