@@ -208,7 +208,10 @@ mod tests {
         let names = ["a\"*/\n?\u{e9}", "a<b>&-->", "x::y", "x:_y", "${HOME}\\"].map(str::to_owned);
         let joints = vec![Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], [0.0; 3])); 5];
         let chain = SerialChain::new(joints, [0.0; 3]).unwrap();
-        assert_eq!(joint_names(&chain, str::to_owned, &["joint_1".to_owned()])[..2], ["joint_0", "joint_1_1"]);
+        assert_eq!(
+            joint_names(&chain, str::to_owned, &["joint_1".to_owned()])[..2],
+            ["joint_0", "joint_1_1"]
+        );
         let chain = chain.with_joint_names(names.to_vec()).unwrap();
         let sdf = joint_names(&chain, |name| attribute(&name.replace("::", ":_")), &[]);
         assert_eq!(sdf, ["a&quot;*/ ?\u{e9}", "a&lt;b&gt;&amp;--&gt;", "x:_y", "x:_y_3", "${HOME}\\"]);

@@ -105,7 +105,8 @@ impl RobotJoints {
             wanted: self.names.clone(),
             lacking,
         })?;
-        Ok(Some(places).filter(|p| p.len() != names.len() || p.iter().enumerate().any(|(k, place)| k != *place)))
+        Ok(Some(places)
+            .filter(|p| p.len() != names.len() || p.iter().enumerate().any(|(k, place)| k != *place)))
     }
 }
 

@@ -104,7 +104,8 @@ impl Calibrator {
         };
         let joints = job.pipeline().joints;
         let recordings = self.recordings.iter();
-        let assigned = recordings.map(|(r, role)| Ok(Assigned { loaded: Loaded::of(r, &joints)?, role: *role }));
+        let assigned =
+            recordings.map(|(r, role)| Ok(Assigned { loaded: Loaded::of(r, &joints)?, role: *role }));
         job.fit(&assigned.collect::<Result<Vec<_>, Failure>>()?, detail, progress)
     }
 }
@@ -132,8 +133,7 @@ impl CalibratedModel {
     /// What makes the recording unfit.
     pub fn predict(&self, recording: &Recording) -> Result<Vec<Prediction>, Failure> {
         let pipeline = self.pipeline();
-        let prepared =
-            pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, Purpose::Prediction)?;
+        let prepared = pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, Purpose::Prediction)?;
         Ok(predict(&self.model, &self.calibration, &prepared)?)
     }
 

@@ -142,8 +142,11 @@ pub fn diagnose_experiment(
     };
     check_joints(&experiment.path, structure.joints())?;
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.robot.robot_joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let most_rows = options.most_rows.unwrap_or(MOST_ROWS);
     let (recordings, unit) = read(experiment, &pipeline, most_rows, |what| progress.step(what))?;
     if let Some(given) = options.frozen.as_ref().map(|f| f.calibration.unit).filter(|given| *given != unit) {

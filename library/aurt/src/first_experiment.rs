@@ -139,7 +139,8 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
                 Failure::Argument {
                     option: "--robot",
                     reason: errors.to_string(),
-                    remedy: "choose the ends of the chain with `--base` and `--tip`, or correct the file".into(),
+                    remedy: "choose the ends of the chain with `--base` and `--tip`, or correct the file"
+                        .into(),
                 }
             })?;
         let mut ends = format!("tip = {}\n", quoted(&described.tip));
@@ -186,7 +187,9 @@ fn bag_keys(known: &Known, arm: &Arm, looked: &[Looked], guesses: &mut Vec<Strin
     if !names.is_empty() {
         let listed: Vec<String> = names.iter().map(|name| quoted(name)).collect();
         if stated.is_none() {
-            keys.push_str("# Guessed: the order of the recording is that of the robot's joints, base first.\n");
+            keys.push_str(
+                "# Guessed: the order of the recording is that of the robot's joints, base first.\n",
+            );
             guesses.push(format!(
                 "the robot has no names for its joints: those of the recordings are taken in this order, base first: {}; if it is \
                  another, correct joint_names",

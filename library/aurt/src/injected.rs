@@ -51,8 +51,11 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         ));
     }
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.robot.robot_joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let parts = &experiment.recordings;
     let mut sources: Vec<&RecordingSource> = Vec::new();
     for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {

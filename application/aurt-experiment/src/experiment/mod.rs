@@ -155,7 +155,8 @@ fn read_sections(
     let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
     // What names the joints in the recordings names those of a robot that has no names.
     let stated = recordings.calibration.first().and_then(|source| source.recorded.joint_names.as_ref());
-    if let Some((robot, names)) = robot.as_mut().zip(stated).filter(|(robot, _)| robot.joint_names.is_empty()) {
+    if let Some((robot, names)) = robot.as_mut().zip(stated).filter(|(robot, _)| robot.joint_names.is_empty())
+    {
         robot.joint_names.clone_from(names);
     }
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();

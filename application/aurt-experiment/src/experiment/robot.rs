@@ -80,8 +80,7 @@ impl Robot {
             });
             Some(constants)
         });
-        let stated =
-            section.take("joint_names").and_then(|node| recorded_as::names(&section, node));
+        let stated = section.take("joint_names").and_then(|node| recorded_as::names(&section, node));
         section.finish();
         let joints = geometry.as_ref().map(RobotDescription::joints);
         let robot = geometry.zip(gravity_m_s2).map(|(geometry, gravity_m_s2)| Self {

@@ -47,8 +47,11 @@ pub(super) fn tree(
             JointKind::Revolute => "hinge",
             JointKind::Prismatic => "slide",
         };
-        let _ =
-            write!(text, "{indent}  <joint name=\"{}\" type=\"{kind}\" axis=\"0 0 {}\"", names[j], joint.sign);
+        let _ = write!(
+            text,
+            "{indent}  <joint name=\"{}\" type=\"{kind}\" axis=\"0 0 {}\"",
+            names[j], joint.sign
+        );
         for (attribute, value) in [
             ("armature", dynamics.armature),
             ("damping", dynamics.damping),

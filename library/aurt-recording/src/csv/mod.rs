@@ -30,7 +30,10 @@ use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::csv::table::{recording, report};
 use crate::format::{BEGINNING_BYTES, unreadable};
-use crate::{ReadReport, RecordedAs, RecordedJoints, Recording, RecordingError, RecordingFormat, RecordingInput, RobotJoints};
+use crate::{
+    ReadReport, RecordedAs, RecordedJoints, Recording, RecordingError, RecordingFormat, RecordingInput,
+    RobotJoints,
+};
 
 /// What to read, and what to put up with.
 #[derive(Debug, Clone, PartialEq)]

@@ -136,7 +136,8 @@ pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> 
     calibration
         .chain(validation)
         .map(|(source, role)| {
-            let loaded = Loaded::read(source.into(), Some(&experiment.robot.robot_joints()), Purpose::Calibration)?;
+            let loaded =
+                Loaded::read(source.into(), Some(&experiment.robot.robot_joints()), Purpose::Calibration)?;
             Ok(Assigned { loaded, role })
         })
         .collect()

@@ -37,7 +37,8 @@ impl Inspected {
     /// What makes it unfit.
     pub fn new(loaded: Loaded, preprocessing: &Preprocessing) -> Result<Self, Failure> {
         let instrument = Instrument::default();
-        let pipeline = Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
+        let pipeline =
+            Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
         let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
         let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
         Ok(Self { loaded, prepared, joints })

@@ -59,6 +59,9 @@ pub struct Alarm {
     pub group: DriftGroup,
     /// Its joint; none for the load.
     pub joint: Option<usize>,
+    /// That joint's name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_name: Option<String>,
     /// The parameter.
     pub parameter: String,
     /// Whether it rose.
