@@ -21,6 +21,7 @@ pub struct SerialChain {
     frames: Vec<JointFrame>,
     places: Vec<Place>,
     gravity_m_s2: [f64; 3],
+    joint_names: Vec<String>,
 }
 
 /// What a joint does.
@@ -221,7 +222,7 @@ impl SerialChain {
         let places = (0..joints.len())
             .map(|j| Place::new(joints[j].kind, &frames[j], j.checked_sub(1).map(|before| &joints[before])))
             .collect();
-        Ok(Self { joints, frames, places, gravity_m_s2 })
+        Ok(Self { joints, frames, places, gravity_m_s2, joint_names: Vec::new() })
     }
 
     /// The chain of a table of modified Denavit–Hartenberg parameters.
@@ -230,6 +231,21 @@ impl SerialChain {
     /// As [`Self::new`].
     pub fn from_mdh(table: &MdhTable, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
         Self::new(table.joints(), gravity_m_s2)
+    }
+
+    /// The same chain with names for its joints, base first; an empty list for none.
+    ///
+    /// # Errors
+    /// [`RbdError::Count`] if the number of names is not that of the joints; [`RbdError::JointName`].
+    pub fn with_joint_names(self, joint_names: Vec<String>) -> Result<Self, RbdError> {
+        check_joint_names(&joint_names, self.joints.len())?;
+        Ok(Self { joint_names, ..self })
+    }
+
+    /// The joints' names, base first; empty where they have none.
+    #[must_use]
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
     }
 
     /// The joints, base first.
@@ -261,17 +277,31 @@ impl SerialChain {
     }
 }
 
+/// Whether names can be those of `joints` joints: none at all, or one each, of which no two are alike.
+pub(crate) fn check_joint_names(names: &[String], joints: usize) -> Result<(), RbdError> {
+    if !names.is_empty() && names.len() != joints {
+        return Err(RbdError::Count { what: "joint names", expected: joints, found: names.len() });
+    }
+    let refused = |(joint, name): &(usize, &String)| name.trim().is_empty() || names[..*joint].contains(name);
+    match names.iter().enumerate().find(refused) {
+        Some((joint, name)) => Err(RbdError::JointName { joint, name: name.clone() }),
+        None => Ok(()),
+    }
+}
+
 /// What a saved chain holds.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChainSpec {
     gravity_m_s2: [f64; 3],
     joints: Vec<Joint>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    joint_names: Vec<String>,
 }
 
 impl From<SerialChain> for ChainSpec {
     fn from(chain: SerialChain) -> Self {
-        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints }
+        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints, joint_names: chain.joint_names }
     }
 }
 
@@ -279,7 +309,7 @@ impl TryFrom<ChainSpec> for SerialChain {
     type Error = RbdError;
 
     fn try_from(spec: ChainSpec) -> Result<Self, RbdError> {
-        Self::new(spec.joints, spec.gravity_m_s2)
+        Self::new(spec.joints, spec.gravity_m_s2)?.with_joint_names(spec.joint_names)
     }
 }
 
@@ -309,7 +339,14 @@ mod tests {
             Joint { theta_offset_rad: 0.1, sign: -1.0, ..Joint::revolute(placement) },
             Joint::revolute(turned),
         ];
-        let chain = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
+        let names = ["a\"\n*/", "b"].map(str::to_owned).to_vec();
+        let nameless = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
+        assert!(!serde_json::to_string(&nameless).unwrap().contains("joint_names"));
+        let chain = nameless.clone().with_joint_names(names).unwrap();
+        for bad in [vec!["a"], vec!["a", "a"], vec!["a", " "]] {
+            let bad = bad.into_iter().map(str::to_owned).collect();
+            assert!(nameless.clone().with_joint_names(bad).is_err());
+        }
         let boxed: Box<dyn aurt_traits::RigidBodyRegressor> = Box::new(chain.clone());
         let text = serde_json::to_string(&boxed).unwrap();
         assert!(text.contains(r#""kind":"serial_chain""#), "{text}");

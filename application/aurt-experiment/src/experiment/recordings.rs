@@ -5,11 +5,9 @@ use aurt_traits::MeasurementUnit;
 
 use super::{
     errors::Complaint,
-    geometry::Geometry,
     joined,
     joint_count::JointCheck,
     recorded_as,
-    robot::Robot,
     section::{Reader, Section},
 };
 use crate::{Node, NodeKind};
@@ -138,21 +136,6 @@ impl Recordings {
             (optional("validation"), optional("target"), optional("simulated"));
         section.finish();
         Self { calibration, validation, target, simulated }
-    }
-}
-
-impl Recordings {
-    /// Lets formats that name joints find those of a robot that names them, unless the experiment does.
-    pub(super) fn name_joints(&mut self, robot: &Robot) {
-        // Robots known by name have numbers for joints.
-        let Geometry::Urdf { robot, .. } = &robot.geometry else { return };
-        let all = [&mut self.calibration, &mut self.validation, &mut self.target, &mut self.simulated];
-        for source in all.into_iter().flatten() {
-            source.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
-            for other in &mut source.recorded.joined {
-                other.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
-            }
-        }
     }
 }
 

@@ -38,6 +38,7 @@ pub fn processed_motion(
         velocity_rad_s: None,
         measurement: Some(by_joint(&recording.measurement)),
         unit: recording.unit,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     };
     let mut options = PreprocessOptions::new(f_dyn_hz);

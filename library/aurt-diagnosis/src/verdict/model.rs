@@ -26,6 +26,9 @@ pub struct Verdict {
     /// Unit of the measurement. In A, parameters called `_nm` are in A, and those called `_kg` in A/Nm kg.
     #[serde(default)]
     pub unit: MeasurementUnit,
+    /// Names of the joints, base first; empty where they have none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// The answer: where there are targets beside other recordings, of what has changed in them; else of what is missing.
     pub verdict: Answer,
     /// Of what is missing in all recordings, where [`Self::verdict`] is about what has changed.

@@ -78,6 +78,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors);
     let mut verdict = Verdict {
         unit: question.unit,
+        joint_names: question.model.rigid_body().joint_names().to_vec(),
         verdict: answer,
         structure,
         effects,

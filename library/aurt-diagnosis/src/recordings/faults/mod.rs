@@ -109,6 +109,7 @@ impl RecordingFaults {
             velocity_rad_s: recording.velocity_rad_s.as_ref().map(family),
             measurement: recording.measurement.as_ref().map(family),
             unit: recording.unit,
+            joints: recording.joints.clone(),
             report: recording.report.clone(),
         })
     }

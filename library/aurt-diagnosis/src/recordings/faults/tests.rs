@@ -53,6 +53,7 @@ fn recording(seed: u64, rate_hz: f64, jitter_s: f64, noise: f64, step: f64) -> R
         velocity_rad_s: None,
         measurement: Some(y),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     }
 }

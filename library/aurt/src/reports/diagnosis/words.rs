@@ -7,7 +7,10 @@ use aurt_diagnosis::{
 };
 use aurt_traits::MeasurementUnit;
 
-use crate::{rendering::number::significant, reports::parts};
+use crate::{
+    rendering::{joints::label, number::significant},
+    reports::parts,
+};
 
 /// What was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -215,7 +218,7 @@ fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> 
         let joints: Vec<String> = first.joints.iter().map(ToString::to_string).collect();
         match (effect.is_some_and(|e| e.whole_arm()) || first.family == Family::Q, joints.len()) {
             (true, _) => title.to_owned(),
-            (false, 1) => format!("{title} on joint {}", joints[0]),
+            (false, 1) => format!("{title} on {}", label(&verdict.joint_names, first.joints[0])),
             (false, _) => format!("{title} on joints {}", parts::listed(&joints)),
         }
     });
@@ -272,7 +275,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
         .filter(|j| held.is_worse(**j))
         .map(|j| {
             let [before, after] = [&held.rms_before, &held.rms_after].map(|of| significant(of[*j], 3));
-            format!("joint {j} ({before} → {after} {unit})")
+            format!("{} ({before} → {after} {unit})", label(&verdict.joint_names, *j))
         })
         .collect();
     if worse.is_empty() {
@@ -312,6 +315,7 @@ mod tests {
 
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
+            joint_names: Vec::new(),
             unit: MeasurementUnit::NewtonMetre,
             verdict: answer,
             structure: None,
