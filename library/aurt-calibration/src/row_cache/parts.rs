@@ -9,11 +9,7 @@ use std::{
 use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{Columns, JointModel, JointSeries, JointStack};
 
-use super::{
-    dynamics::tiles,
-    load::LoadSeries,
-    rigid::RigidRows,
-};
+use super::{dynamics::tiles, load::LoadSeries, rigid::RigidRows};
 use crate::CalibrationError;
 
 /// What is kept may take this much memory; what comes after is computed each time.

@@ -236,7 +236,5 @@ impl OwnModel {
 
 /// Columns after the filter that the measurement has passed, decimated as it was.
 fn filtered(segment: &Segment, columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SimulationError> {
-    segment
-        .filtered(columns)
-        .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
+    segment.filtered(columns).map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
 }
