@@ -5,10 +5,8 @@ use aurt_traits::MeasurementUnit;
 
 use super::{
     columns::{RecordingColumns, columns},
-    errors::Complaint,
     geometry::Geometry,
     joined,
-    joint_count::JointCheck,
     recorded_as::{self, UNITS},
     robot::Robot,
     section::{Reader, Section},

@@ -8,9 +8,9 @@ use std::cell::RefCell;
 
 use aurt_traits::{CoulombModel, HysteresisModel, InnerModels, Slot, ViscousBasis};
 
+use super::{SlotModel, build, build_saved};
 use crate::{
-    Node, Registry, SlotModel,
-    build::{build, build_saved},
+    Node, Registry,
     configuration::{Entry, NodeKind},
     error::BuildError,
     place::{self, Tracked},
@@ -19,7 +19,7 @@ use crate::{
 
 /// How a table was written down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub(super) enum Form {
     /// By a person, in an experiment.
     Written,
     /// By this program, in a model file; models of libraries say there which library they are from.
@@ -28,7 +28,7 @@ pub(crate) enum Form {
 
 /// The models that the keys of a term's table describe; none where a key is not given.
 #[derive(Debug, Default)]
-pub(crate) struct Inner {
+pub(super) struct Inner {
     coulomb: Option<Box<dyn CoulombModel>>,
     hysteresis: Option<Box<dyn HysteresisModel>>,
     viscous: Option<Box<dyn ViscousBasis>>,
@@ -42,7 +42,7 @@ fn names_inner(entry: &Entry) -> bool {
 }
 
 /// A linked model's table without the tables of its inner models; nothing if it has none.
-pub(crate) fn outer_table<M: SlotModel + ?Sized>(registered: &Registered, table: &Node) -> Option<Node> {
+pub(super) fn outer_table<M: SlotModel + ?Sized>(registered: &Registered, table: &Node) -> Option<Node> {
     if !table.entries().iter().any(names_inner) || !is_made_of_models::<M>(registered) {
         return None;
     }
@@ -62,7 +62,7 @@ fn is_made_of_models<M: SlotModel + ?Sized>(registered: &Registered) -> bool {
 
 impl Inner {
     /// Builds the inner models of a term's table; all that is wrong with any of them is reported.
-    pub(crate) fn build(registry: &Registry, table: &Node, form: Form) -> Result<Self, Vec<BuildError>> {
+    pub(super) fn build(registry: &Registry, table: &Node, form: Form) -> Result<Self, Vec<BuildError>> {
         let mut errors = Vec::new();
         let inner = Self {
             coulomb: one(registry, table, form, &mut errors),
@@ -73,7 +73,7 @@ impl Inner {
     }
 
     /// Puts the models in the places of a term's.
-    pub(crate) fn fill(self, places: InnerModels<'_>) {
+    pub(super) fn fill(self, places: InnerModels<'_>) {
         if let Some(model) = self.coulomb {
             *places.coulomb = model;
         }

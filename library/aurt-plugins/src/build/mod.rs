@@ -8,17 +8,17 @@ use aurt_traits::{
 use serde::{Deserialize, de::value::Error as SerdeError};
 use serde_json::{Map, Value};
 
+use self::inner::{Form, Inner};
 use crate::{
-    Node, Origin, Registry,
+    Node, Registry,
     configuration::NodeKind,
-    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryListing, LibraryModel},
+    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryModel, PLUGIN_KEY},
     error::BuildError,
-    inner::{self, Form, Inner},
+    listing::{LibraryListing, Origin},
     place::{self, Place, Tracked},
 };
 
-/// The key under which a saved model of a library says where it is from.
-pub(crate) const PLUGIN_KEY: &str = "plugin";
+mod inner;
 
 mod sealed {
     use std::sync::Arc;
@@ -98,7 +98,29 @@ slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |_| None, |m| JointMod
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
 slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |m| m.inner_models(), |_| Vec::new());
 
-pub(crate) fn build<M: SlotModel + ?Sized>(
+impl Registry {
+    /// The model that a table `{ model = "…", … }` describes, for the slot of the trait `M`:
+    /// `registry.build::<dyn CoulombModel>(&table)`.
+    ///
+    /// # Errors
+    /// All complaints about the configuration, each with its place in the text.
+    pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
+        build(self, table, Form::Written)
+    }
+
+    /// The model that a saved table `{"model": "…", …}` describes.
+    ///
+    /// # Errors
+    /// As [`Self::build`], without places; [`BuildError::LibraryNotLoaded`] for a model of a library that is not there.
+    pub fn build_from_json<M: SlotModel + ?Sized>(
+        &self,
+        table: &Value,
+    ) -> Result<Box<M>, Vec<BuildError>> {
+        build_saved(self, table)
+    }
+}
+
+fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     table: &Node,
     form: Form,
@@ -204,10 +226,7 @@ fn compatible(a: &str, b: &str) -> bool {
 }
 
 /// The model of a saved table, which may say what library it is from.
-pub(crate) fn build_saved<M: SlotModel + ?Sized>(
-    registry: &Registry,
-    table: &Value,
-) -> Result<Box<M>, Vec<BuildError>> {
+fn build_saved<M: SlotModel + ?Sized>(registry: &Registry, table: &Value) -> Result<Box<M>, Vec<BuildError>> {
     let mut table = table.clone();
     let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
     let built = build::<M>(registry, &Node::from(&table), Form::Saved);
