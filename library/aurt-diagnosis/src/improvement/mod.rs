@@ -8,10 +8,10 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::hypotheses::effects::Addition;
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::Question;
+use crate::vocabulary::Addition;
 
 /// What has to be added to an experiment.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -88,7 +88,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
                     improvement.notes.push(format!(
                         "{} on joint {joint} is in the target recordings only; `[instrument]` holds for all \
                          recordings, so it was not added",
-                        group.effect
+                        group.effect.id
                     ));
                     continue;
                 }

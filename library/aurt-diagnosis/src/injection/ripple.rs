@@ -5,21 +5,21 @@ use aurt_traits::ArmTerm;
 use crate::error::DiagnosisError;
 use crate::evidence::residuals::residuals;
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::{Addition, Context, Proposal, find};
 use crate::injection::anew::Anew;
 use crate::injection::prepared::Prepared;
 use crate::recordings::rows::{JointRows, RecordingRows, Role};
 use crate::recordings::term_rows::term_rows;
+use crate::vocabulary::{Addition, Context, Effect, Proposal};
 
 impl Prepared<'_> {
-    /// Gives the ripples of the changed joints that are not claimed of the recordings as they are the orders of the
-    /// residual's own periodogram.
-    pub(super) fn propose_ripples(
+    /// Proposes an effect anew, from the residual of the trial, on the changed joints, where it is not claimed of the
+    /// recordings as they are.
+    pub(super) fn propose_anew(
         &self,
+        effect: &Effect,
         anew: &mut Anew,
         candidates: &mut [Candidate],
     ) -> Result<(), DiagnosisError> {
-        let Some(effect) = find("torque_ripple") else { return Ok(()) };
         let claimed: Vec<usize> = self
             .reference
             .selection
@@ -53,9 +53,9 @@ impl Prepared<'_> {
                 inertial: &[],
                 resolution_rad: &[],
             };
-            let proposals = effect.proposals(&context).into_iter().filter(|p| p.joints == [joint]);
+            let proposals = (effect.propose)(&context).into_iter().filter(|p| p.joints == [joint]);
             let open = |k: &usize| {
-                candidates[*k].effect == effect.id()
+                candidates[*k].effect == effect
                     && candidates[*k].proposal.joints == [joint]
                     && !claimed.contains(k)
             };
@@ -77,7 +77,7 @@ impl Prepared<'_> {
     ) -> Result<(), DiagnosisError> {
         let Addition::Term(configuration) = &proposal.addition else { return Ok(()) };
         let refuse = |errors: Vec<_>| DiagnosisError::Candidate {
-            effect: candidate.effect,
+            effect: candidate.effect.id,
             reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
         };
         let term = self.registry.build_from_json::<dyn ArmTerm>(configuration).map_err(refuse)?;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::contact::{Contact, ContactOptions, ContactRows, find_contacts};
+use crate::effects::{self, external_contact, time_delay};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, weighted_fit};
 use crate::evidence::gram::BlockMoments;
@@ -56,15 +57,15 @@ impl Prepared<'_> {
         let reference = &self.reference;
         let mut anew = self.anew(added, turn);
         let mut candidates = reference.candidates.clone();
-        if effect == "torque_ripple" {
-            self.propose_ripples(&mut anew, &mut candidates)?;
+        if let Some(effect) = effects::find(effect).filter(|e| e.reads_residual) {
+            self.propose_anew(effect, &mut anew, &mut candidates)?;
         }
         let (groups, chosen) = self.hypotheses(&anew.joints);
         let several = anew.joints.len() > 1;
         let investigation = self.investigated(question, anew, candidates, groups, chosen)?;
         // One clock stamps all joints: what is on one of them is no delay.
-        let withheld = question.without.iter().any(|w| w == "time_delay");
-        if (several || investigation.is_late()) && !withheld && reference.late.is_none() {
+        let considered = question.considers(&time_delay::EFFECT);
+        if (several || investigation.is_late()) && considered && reference.late.is_none() {
             let recordings = self.with_added(added);
             let late = Question { recordings: &recordings, ..*question };
             if Delay::found(&late, &investigation)?.is_some() {
@@ -93,7 +94,7 @@ impl Prepared<'_> {
         let start = Start { groups: &groups, chosen, floor: &floor, changed: &joints };
         let mut selected = self.select(question, problem, &mut rows, &mut candidates, &start);
         let mut contacts = reference.contacts.clone();
-        if !question.without.iter().any(|w| w == "external_contact") {
+        if question.considers(&external_contact::EFFECT) {
             let found = self.contacts(question, &rows, &selected);
             if !found.is_empty() {
                 let untouched = rows.clone();

@@ -6,11 +6,11 @@ use crate::contact::{
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load};
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::effects::{self, Family, OwnFriction};
 use crate::hypotheses::group::Switch;
 use crate::investigation::selecting::{Parts, Selected};
 use crate::recordings::divided::FitRows;
 use crate::recordings::rows::{Fit, RecordingRows, Role};
+use crate::vocabulary::{Family, OwnFriction};
 use aurt_traits::{ColumnGroup, RobotModel};
 
 impl Parts<'_> {
@@ -174,10 +174,7 @@ impl Parts<'_> {
         }
         let still = |switch: &&Switch| {
             let mut groups = selected.selection.chosen.iter().map(|c| &selected.groups[c.group]);
-            groups.any(|g| {
-                let family = effects::find(g.effect).map(|e| e.family());
-                matches!(family, Some(Family::I | Family::P)) && g.switches.contains(switch)
-            })
+            groups.any(|g| matches!(g.effect.family, Family::I | Family::P) && g.switches.contains(switch))
         };
         for (switch, value) in selected.fitted.switches.iter().zip(&selected.fitted.fit.coefficients) {
             if still(&switch) && (!switch.target_only || role == Role::Target) {

@@ -10,10 +10,10 @@ use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::effects::{self, Parameters};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
+use crate::parameters::Parameters;
 use crate::recordings::rows::RecordingRows;
 use crate::request::Question;
 use crate::search::selection::Chosen;
@@ -150,8 +150,7 @@ impl<'a> Trial<'a> {
             .map(|g| whole.parameters(g, &investigation.candidates[g.candidate], question.model, &own))
             .collect();
         let joints = groups.iter().zip(chosen).map(|(group, one)| {
-            let whole_arm = effects::find(group.effect).is_some_and(|e| e.whole_arm());
-            if whole_arm { concerned(one) } else { group.joints.clone() }
+            if group.effect.is_whole_arm { concerned(one) } else { group.joints.clone() }
         });
         let confirming = |switches: &[Switch], coefficients: &[f64]| {
             confirming_errors(investigation, switches, coefficients)
@@ -179,10 +178,8 @@ impl<'a> Trial<'a> {
     /// The tests that one of it fails.
     fn fails(&self, i: usize) -> Vec<String> {
         let group = self.groups[i];
-        let mut fails = Vec::new();
-        if let Some(effect) = effects::find(group.effect) {
-            fails.extend(effect.impossible(&self.parameters[i], self.reach_m));
-        }
+        let mut fails: Vec<String> =
+            group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         let away = self.away_from_zero(i);
         if away < AWAY_STD {
             fails.push(format!("it is {away:.1} standard deviations from nothing; {AWAY_STD} are asked for"));

@@ -5,12 +5,12 @@ use aurt_traits::ArmTerm;
 
 use crate::error::DiagnosisError;
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::Addition;
 use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::Layout;
 use crate::recordings::term_rows::term_rows;
 use crate::request::Question;
+use crate::vocabulary::Addition;
 
 /// Evaluates a law with the shapes that were estimated on the rows that fit over the rows that confirm, which still have
 /// its columns with the shapes that the search started from.
@@ -30,7 +30,7 @@ pub(crate) fn reshape(
         return Ok(());
     }
     let refuse = |errors: Vec<_>| DiagnosisError::Candidate {
-        effect: candidate.effect,
+        effect: candidate.effect.id,
         reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
     };
     let term = registry.build_from_json::<dyn ArmTerm>(configuration).map_err(refuse)?;

@@ -3,6 +3,7 @@
 pub(crate) mod chance;
 pub(crate) mod ground;
 pub(crate) mod null;
+mod recorded;
 pub(crate) mod registered;
 pub(crate) mod scoring;
 pub(crate) mod selection;

@@ -4,6 +4,7 @@ use super::chance::Chance;
 use super::ground::{Beside, Ground};
 use super::null::Judge;
 use super::selection::{Selection, Selector};
+use crate::effects;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
@@ -129,7 +130,7 @@ const fn switch(column: usize, target_only: bool) -> Switch {
 
 fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
     Group {
-        effect,
+        effect: effects::find(effect).unwrap(),
         joints: vec![0],
         candidate: column,
         switches: vec![switch(column, target_only)],

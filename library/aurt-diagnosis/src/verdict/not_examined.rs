@@ -1,5 +1,6 @@
 //! What could not be looked at in these recordings, and why.
 
+use crate::effects;
 use crate::investigation::Investigation;
 use crate::recordings::rows::Role;
 use crate::request::{Question, QuestionedRecording, length};
@@ -7,6 +8,7 @@ use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::NotExamined;
 use crate::verdict::answer::UNRELATED;
 use crate::verdict::sentence::joint_list;
+use crate::vocabulary::Means;
 
 /// Joints at rest, recordings that are short or slow, and measurements that say nothing.
 pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
@@ -94,11 +96,11 @@ fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
 
 fn slow(question: &Question<'_>) -> Option<NotExamined> {
     let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
-    let asked = |effect: &&str| !question.without.iter().any(|w| w == effect);
+    let of_gears = effects::ALL.into_iter().filter(|e| e.means == Means::FullRate && question.considers(e));
     question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow).then(|| NotExamined {
         recording: None,
         joints: Vec::new(),
-        effects: ["backlash", "joint_elasticity"].into_iter().filter(asked).map(str::to_owned).collect(),
+        effects: of_gears.map(|e| e.id.to_owned()).collect(),
         reason: format!(
             "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
              {LEAST_RATE_HZ:.0} samples per second or more"

@@ -6,8 +6,6 @@ use crate::evidence::account::{REACHED, STRUCTURE};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
-use crate::hypotheses::effects;
-use crate::hypotheses::effects::Presence;
 use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
@@ -22,6 +20,7 @@ use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
     Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, memory, registered,
 };
+use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
 /// The verdict of an investigation.
@@ -185,11 +184,12 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
 
 /// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.
 fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<NotDecidable> {
-    let mut absorbed: BTreeMap<&'static str, BTreeMap<usize, f64>> = BTreeMap::new();
+    let mut absorbed: BTreeMap<&'static str, (&'static Effect, BTreeMap<usize, f64>)> = BTreeMap::new();
     let target = investigation.problem.has_target();
     for (candidate, free) in investigation.candidates.iter().zip(&investigation.free) {
-        let coupling = candidate.proposal.joints.len() > 1 && candidate.effect == "joint_coupling_friction";
-        if coupling || candidate.registered.is_some() {
+        let effect = candidate.effect;
+        let ties_joints = candidate.proposal.joints.len() > 1 && !effect.is_whole_arm;
+        if ties_joints || candidate.registered.is_some() {
             continue;
         }
         let share = match candidate.proposal.presence {
@@ -199,12 +199,13 @@ fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<
         };
         let joint =
             if candidate.proposal.joints.len() > 1 { usize::MAX } else { candidate.proposal.joints[0] };
-        let largest = absorbed.entry(candidate.effect).or_default().entry(joint).or_insert(0.0);
+        let largest =
+            absorbed.entry(effect.id).or_insert((effect, BTreeMap::new())).1.entry(joint).or_insert(0.0);
         *largest = largest.max(share);
     }
     let joints = question.model.joints();
     let mut found = Vec::new();
-    for (effect, shares) in absorbed {
+    for (effect, shares) in absorbed.into_values() {
         let hidden: Vec<(usize, f64)> =
             shares.into_iter().filter(|(_, s)| *s < question.selection.free_share).collect();
         if hidden.is_empty() {
@@ -216,12 +217,11 @@ fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<
         } else {
             hidden.iter().map(|(j, _)| *j).collect()
         };
-        let decider = effects::find(effect).map_or("", |e| e.decider());
         found.push(NotDecidable {
-            effect: effect.to_owned(),
+            effect: effect.id.to_owned(),
             joints: concerned,
             absorbed: 1.0 - largest * largest,
-            record: decider.to_owned(),
+            record: effect.decider.to_owned(),
         });
     }
     found
