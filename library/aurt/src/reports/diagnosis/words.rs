@@ -281,6 +281,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
 #[cfg(test)]
 mod tests {
     use aurt_diagnosis::{Evidence, HeldOut, ParameterValue};
+    use aurt_traits::MeasurementUnit;
 
     use super::*;
 
