@@ -99,3 +99,28 @@ fn what_an_explanation_names_as_confusable_exists() {
         assert!(named > 0, "{} names nothing that it is confused with", effect.id);
     }
 }
+
+/// What the rest of the crate has to know of an effect is a field of its descriptor.
+#[test]
+fn no_effect_is_known_by_its_name_elsewhere() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut folders = vec![src.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.extend((path != src.join("effects")).then_some(path));
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let code =
+                if path.ends_with("tests.rs") { "" } else { text.split("#[cfg(test)]").next().unwrap() };
+            for effect in effects::ALL {
+                // A key of a term's table is no effect.
+                let named =
+                    code.replace(&format!("\"{}\":", effect.id), "").contains(&format!("\"{}\"", effect.id));
+                assert!(!named, "{} knows `{}` by its name", path.display(), effect.id);
+            }
+        }
+    }
+}

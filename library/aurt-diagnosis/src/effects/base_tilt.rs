@@ -1,15 +1,15 @@
 //! `base_tilt`: a base that is not mounted as the gravity vector says.
 //!
 //! # What it is
-//! Gravity in the base frame is turned by small angles about its x and y axes: to first order, τ = ρ Y(q; −x ×
-//! g) π + ϑ Y(q; −y × g) π, with Y the rigid-body regressor at rest and π the fitted inertial parameters.
-//! Floors slope, brackets bend, and mounting angles are typed in wrongly.
+//! Gravity in the base frame is turned by small angles about its x and y axes: to first order, τ = ρ Y(q; −x × g)
+//! π + ϑ Y(q; −y × g) π, with Y the rigid-body regressor at rest and π the fitted inertial parameters. Floors
+//! slope, brackets bend, and mounting angles are entered incorrectly.
 //!
 //! - `roll_rad`, `pitch_rad`: ρ and ϑ, rad; usually some degrees (1° = 0.017 rad).
 //!
 //! # How it shows
-//! All joints that carry gravity show residuals that depend on pose alone and are tied to each other. On a
-//! robot with a vertical first axis, joint 0 suddenly carries gravity in proportion to sin q_0 and cos q_0.
+//! All joints that carry gravity show residuals that depend on pose alone and are tied to each other. On a robot
+//! with a vertical first axis, joint 0 carries gravity in proportion to sin q_0 and cos q_0.
 //!
 //! # Easily confused with
 //! - `payload`: also a pattern of gravity over all joints, but it never loads a vertical first axis, and it

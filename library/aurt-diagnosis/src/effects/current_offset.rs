@@ -1,7 +1,7 @@
 //! `current_offset`: a constant that the instrument adds to a joint's measurement.
 //!
 //! # What it is
-//! y = τ + o: current sensors drift, and their zero is rarely set again.
+//! y = τ + o: current sensors drift, and their zero is rarely recalibrated.
 //!
 //! - `offset`: o, in the unit of the measurement, usually below some per cent of the rated value.
 //!

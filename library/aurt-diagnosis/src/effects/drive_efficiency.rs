@@ -1,8 +1,8 @@
 //! `drive_efficiency`: transmission losses that differ between driving and being driven.
 //!
 //! # What it is
-//! τ = η_driving |τ_J| sgn q̇ while the motor drives the load (τ_J q̇ > 0), η_driven |τ_J| sgn q̇ while the
-//! load drives the motor. Worm gears are the extreme: they hardly let themselves be driven back.
+//! τ = η_driving |τ_J| sgn q̇ while the motor drives the load (τ_J q̇ > 0), η_driven |τ_J| sgn q̇ while the load
+//! drives the motor. Worm gears are the extreme: they can hardly be driven back.
 //!
 //! - `driving`, `driven`: both coefficients, Nm/Nm, about 0.05–0.2 on harmonic drives; on top of load-dependent
 //!   friction that the model has already.

@@ -1,7 +1,7 @@
 //! `dropped_samples`: rows that are missing, repeated, held or corrupt.
 //!
 //! # What it is
-//! The logger lost packets, wrote one twice, repeated old values under new stamps, or wrote nonsense. No
+//! The logger lost packets, wrote one twice, repeated old values under new stamps, or wrote invalid values. No
 //! physics of the robot is involved, but physics fitted to such rows is wrong.
 //!
 //! - `share`: share of the rows concerned;
@@ -9,11 +9,11 @@
 //!
 //! # How it shows
 //! Gaps in the time stamps; stamps or whole rows that repeat; spikes of acceleration of both signs where a held
-//! position catches up. Every joint is hit at the same instants.
+//! position catches up. All joints are affected at the same instants.
 //!
 //! # Easily confused with
-//! - a clock that jitters: stamps that tell the true instants do no harm, since samples are interpolated
-//!   between them. Alternating distances of 10 and 12 ms are nothing but that.
+//! - a jittering clock: correct stamps are harmless, since samples are interpolated between them. Alternating
+//!   distances of 10 and 12 ms are nothing but that.
 //! - a joint at rest, whose values repeat because nothing changes.
 //! - `backlash` and `external_contact`: also short, but not of the whole row.
 //!

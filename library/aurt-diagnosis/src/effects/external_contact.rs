@@ -1,4 +1,4 @@
-//! `external_contact`: something touches the robot for a while.
+//! `external_contact`: an external force that acts for a limited time.
 //!
 //! # What it is
 //! A force F on a link is felt by its joint and all joints before it as τ = −Jᵀ F, J the Jacobian of the point
@@ -6,11 +6,11 @@
 //!
 //! - `window_s`: start and end, s from the first stamp of the recording; `link`: the link that is touched, as
 //!   far as the joints can tell;
-//! - `force_n`: mean size of the force, N.
+//! - `force_n`: mean force in the base frame, N.
 //!
 //! # How it shows
-//! The residual of several joints leaves its usual range at the same moment, in the ratios that one force on
-//! one link dictates, and is back after some tenths of a second to some seconds. Where the motion repeats, the
+//! The residual of several joints leaves its usual range at the same moment, in the ratios that one force on one
+//! link dictates, and returns to it after some tenths of a second to some seconds. Where the motion repeats, the
 //! disturbance does not.
 //!
 //! # Easily confused with
@@ -39,7 +39,7 @@ pub static EFFECT: Effect = Effect {
     source: include_str!("external_contact.rs"),
     parameters: &[
         Parameter::new("link", Unit::One),
-        Parameter::new("force_n", Unit::Force),
+        Parameter::new("force_n", Unit::Force).of(&["x", "y", "z"]),
         Parameter::new("window_s", Unit::Time).of(&["from", "to"]),
     ],
     means: Means::Windows,

@@ -6,8 +6,7 @@
 //! another day.
 //!
 //! - `old_coulomb_nm`, `new_coulomb_nm` (Nm) and `old_viscous_nm_s`, `new_viscous_nm_s` (Nm s/rad): both
-//!   coefficients in the calibration and in the target recordings. Where the model's own are not known, the
-//!   changes stand alone.
+//!   coefficients in the calibration and in the target recordings.
 //!
 //! # How it shows
 //! Against velocity, the residual of the target recordings is a step and a slope; that of the calibration

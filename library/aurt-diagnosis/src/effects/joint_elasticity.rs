@@ -1,4 +1,4 @@
-//! `joint_elasticity`: a transmission that gives way like a spring.
+//! `joint_elasticity`: a transmission that deforms like a spring.
 //!
 //! # What it is
 //! Motor and link are joined by τ_J = K (θ − q) + D (θ̇ − q̇). The link then lags behind or runs ahead of the
@@ -7,17 +7,18 @@
 //!
 //! - `stiffness_nm_rad`, `damping_nm_s`: K and D, of a link simulated on its gear; `frequency_hz`: √(K/M_jj)/2π.
 //!
-//! A motion far below the resonance does not determine it: filters of the instrument look the same there.
+//! A motion far below the resonance does not determine it: filters of the instrument have the same effect there.
 //!
 //! # How it shows
-//! Torque that the measured motion of the motor predicts through a resonator, at 1–60 Hz, along M e_j of the joint.
-//! Noise of the encoders and the positions' filter follow the motion, too, but turn no phase; what they could explain
-//! is taken away before. It is claimed if it predicts blocks of time that had no part in the fit.
+//! Torque that the measured motion of the motor predicts through a resonator, at 1–60 Hz, along M e_j of the
+//! joint. Encoder noise and the position filter also follow the motion, but without a phase shift; what they can
+//! explain is removed first. The effect is claimed if it predicts held-out blocks of time.
 //!
 //! # Easily confused with
 //! - `time_delay`: follows τ̇; a resonance well above the motion delays, too.
 //! - `rotor_inertia`: follows q̈, which τ̈ resembles for a single sine.
-//! - noise of the acceleration: a low-pass is an elasticity of the wrong sign, which is why the sign is held.
+//! - noise of the acceleration: a low-pass filter resembles an elasticity of the wrong sign, so the sign is
+//!   constrained.
 //! - `backlash`: a link that is free within a gap, and rings on the flanks.
 //!
 //! # What to record to be sure

@@ -1,8 +1,8 @@
 //! `load_dependent_friction`: friction that grows with the load the joint carries.
 //!
 //! # What it is
-//! τ = F_1 |τ_J| sgn q̇, or F_1 τ_J² sgn q̇: the teeth of a gear are pressed together by the torque τ_J that
-//! they transmit, and rub in proportion.
+//! τ = F_1 |τ_J| sgn q̇, or F_1 τ_J² sgn q̇: the teeth of a gear are pressed together by the transmitted torque
+//! τ_J, and friction grows in proportion.
 //!
 //! - `load_coefficient`: F_1 ≥ 0, 0.06–0.15 Nm/Nm on harmonic drives (1/Nm for the square);
 //! - `power`: 1 for |τ_J|, 2 for its square.

@@ -6,7 +6,7 @@
 //!
 //! - `link`: the link that carries it;
 //! - `mass_kg`, `com_m` (its centre of mass in the link's frame, x y z), `inertia_kg_m2` (about that frame's
-//!   origin, in the order XX XY XZ YY YZ ZZ). A negative mass means that something was taken off.
+//!   origin, in the order XX XY XZ YY YZ ZZ). A negative mass means that a load was removed.
 //!
 //! # How it shows
 //! Residuals on several joints that follow pose and acceleration and stand in the ratios that one body

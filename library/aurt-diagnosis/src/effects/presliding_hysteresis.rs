@@ -2,9 +2,9 @@
 //!
 //! # What it is
 //! Before surfaces slide, their contacts give like springs and let go one after the other. Here the sum of
-//! parallel Maxwell-slip elements, τ = Σ_i W_i clamp((q − a_i)/Δ_i, −1, 1): each element's anchor a_i follows
-//! the joint at the distance Δ_i once the element slips, so friction remembers where the joint turned. Dahl,
-//! LuGre and Bouc–Wen models describe the same loops.
+//! parallel Maxwell-slip elements, τ = Σ_i W_i clamp((q − a_i)/Δ_i, −1, 1): each element's anchor a_i follows the
+//! joint at the distance Δ_i once the element slips, so friction depends on where the joint reversed. Dahl, LuGre
+//! and Bouc–Wen models describe the same loops.
 //!
 //! - `thresholds_rad`: Δ_i, 10⁻³–10⁻¹ rad on geared joints (five elements; the range is estimated);
 //! - `weights_nm`: W_i ≥ 0, Nm; their sum joins the level of full sliding.

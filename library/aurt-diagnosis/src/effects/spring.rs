@@ -1,8 +1,8 @@
 //! `spring`: a spring that acts on the joint.
 //!
 //! # What it is
-//! τ = k (q − q_0). Cables and hoses that twist with a joint act so, and balancers of heavy arms, whose lever
-//! makes it k · lever(q).
+//! τ = k (q − q_0). Cables and hoses that twist with a joint act in this way, and balancers of heavy arms, whose
+//! lever makes it k · lever(q).
 //!
 //! - `stiffness_nm_rad`: k ≥ 0, Nm/rad;
 //! - `rest_rad`: q_0, the angle at which it is relaxed.

@@ -2,8 +2,7 @@
 //!
 //! # What it is
 //! τ = (F_T sgn q̇ + F_Tv q̇) ln(1 + t/60 s), t the time since the recording began. Lubricant warms up as the
-//! robot works and becomes thinner. Hardly anybody logs its temperature; the logarithm of the uptime stands in
-//! for it.
+//! robot works and becomes thinner. Its temperature is rarely logged; the logarithm of the uptime replaces it.
 //!
 //! - `rate_per_efold`: relative change of friction at a typical speed each time the uptime grows by the factor
 //!   e; −0.01 to −0.04 was measured on a robot that was already warm.

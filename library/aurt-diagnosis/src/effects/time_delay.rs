@@ -8,8 +8,8 @@
 //!   bus.
 //!
 //! # How it shows
-//! Residuals follow the slope of the torque; at reversals, where friction steps, they are needles as wide as
-//! the delay, on the same side of every reversal.
+//! Residuals follow the slope of the torque; at reversals, where friction steps, they are peaks as wide as the
+//! delay, on the same side of every reversal.
 //!
 //! # Easily confused with
 //! - `joint_elasticity`: a resonance above the motion delays as well, but not at all frequencies alike.

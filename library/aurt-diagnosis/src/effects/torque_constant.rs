@@ -1,22 +1,22 @@
-//! `torque_constant`: a drive gain that is off.
+//! `torque_constant`: an error of a drive gain.
 //!
 //! # What it is
 //! The real torque per current of joint j is (1 + e_j) times the one that was used, so y = τ/(1 + e_j). Data
 //! sheets give the motor's constant without tolerances, magnets age, and gear ratios are mistyped.
 //!
-//! - `gain_error`: e_j, some per cent; positive where the drive is stronger than was believed and so measures
-//!   too little.
+//! - `gain_error`: e_j, some per cent; positive where the drive is stronger than assumed, so that the measurement
+//!   is too small.
 //!
 //! # How it shows
-//! The residual of one joint follows its own total torque: gravity, inertia and friction are all off by the
-//! same share.
+//! The residual of one joint follows its own total torque: gravity, inertia and friction have the same relative
+//! error.
 //!
 //! # Easily confused with
 //! - the parameters themselves: a gain error common to all joints scales every parameter and is *exactly*
 //!   absorbed without a known load. Only the ratios of the joints' gains follow from unloaded motion, through
 //!   the links that they share.
 //! - `payload`: its mass scales with the gains.
-//! - `drive_efficiency`: its odd part is a gain error, to the letter.
+//! - `drive_efficiency`: its odd part is exactly a gain error.
 //! - `load_dependent_friction`, in motion against the load only.
 //!
 //! # What to record to be sure

@@ -1,8 +1,8 @@
 //! `viscous`: friction in proportion to velocity.
 //!
 //! # What it is
-//! τ = F_v q̇: lubricant that is sheared resists in proportion to the speed; losses in the motor's iron act
-//! alike.
+//! τ = F_v q̇: lubricant that is sheared resists in proportion to the speed; iron losses of the motor act in the
+//! same way.
 //!
 //! - `viscous_nm_s`: F_v ≥ 0, Nm s/rad. Joints of a UR10 have 2.6–14 Nm s/rad behind the gear.
 //!

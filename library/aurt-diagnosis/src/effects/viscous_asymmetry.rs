@@ -1,8 +1,8 @@
 //! `viscous_asymmetry`: speed-dependent friction with another slope in each direction.
 //!
 //! # What it is
-//! τ = F_v+ q̇ for q̇ > 0 and F_v− q̇ for q̇ < 0. Preloaded gears, seals with a lip and belts rub harder one
-//! way.
+//! τ = F_v+ q̇ for q̇ > 0 and F_v− q̇ for q̇ < 0. Preloaded gears, lip seals and belts have more friction in one
+//! direction.
 //!
 //! - `viscous_pos_nm_s`, `viscous_neg_nm_s`: F_v+ and F_v−, Nm s/rad, both ≥ 0. The drive axis of the EMPS test
 //!   bench has about 175 and 247 (in N s/m).

@@ -66,8 +66,8 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
     }
     for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
         improvement.notes.push(format!(
-            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) moves a link against its motor; no term of a model \
-             that is linear in its parameters carries that, and the improved experiment does without it",
+            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
+             in its parameters describes a link that moves against its motor",
             gear.joint, gear.stiffness_nm_rad[0], gear.gap_rad[0]
         ));
     }

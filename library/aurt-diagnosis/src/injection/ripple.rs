@@ -1,10 +1,8 @@
 //! Orders of ripple that a trial's own measurement proposes.
 
-use aurt_traits::ArmTerm;
-
 use crate::error::DiagnosisError;
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::candidates::Candidate;
+use crate::hypotheses::candidates::{Candidate, build_term};
 use crate::injection::anew::Anew;
 use crate::injection::prepared::Prepared;
 use crate::recordings::rows::{JointRows, RecordingRows, Role};
@@ -76,11 +74,7 @@ impl Prepared<'_> {
         joint: usize,
     ) -> Result<(), DiagnosisError> {
         let Addition::Term(configuration) = &proposal.addition else { return Ok(()) };
-        let refuse = |errors: Vec<_>| DiagnosisError::Candidate {
-            effect: candidate.effect.id,
-            reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-        };
-        let term = self.registry.build_from_json::<dyn ArmTerm>(configuration).map_err(refuse)?;
+        let term = build_term(self.registry, candidate.effect, configuration)?;
         let row = &self.reference.layout.rows[joint];
         let places: Vec<usize> =
             candidate.columns.iter().filter_map(|c| row.iter().position(|own| own == c)).collect();

@@ -7,6 +7,7 @@ use crate::effects::{self, external_contact, time_delay};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, weighted_fit};
 use crate::evidence::gram::BlockMoments;
+use crate::evidence::judge::Judge;
 use crate::evidence::judged::bound_floors;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
@@ -19,7 +20,6 @@ use crate::investigation::{Delay, Investigation, earn, mean_floor, reshape};
 use crate::recordings::divided::FitRows;
 use crate::request::{Question, QuestionedRecording};
 use crate::search::ground::{Ground, Recorded};
-use crate::search::null::Judge;
 use crate::search::selection::{Selection, Selector};
 use crate::verdict::{Verdict, write_verdict};
 
@@ -102,7 +102,7 @@ impl Prepared<'_> {
                 let problem = Problem::new(layout, BlockMoments::accumulate(&rows, partition));
                 selected = self.select(question, problem, &mut rows, &mut candidates, &start);
                 let again = self.contacts(question, &untouched, &selected);
-                contacts.extend(found.into_iter().filter(|f| again.iter().any(|c| meet(f, c))));
+                contacts.extend(found.into_iter().filter(|f| again.iter().any(|c| f.meets(c))));
             }
         }
         let Selected { problem, mut selection, switches, coefficients, independent_share } = selected;
@@ -211,7 +211,7 @@ impl Prepared<'_> {
             .zip(&searched)
             .map(|(r, (residual, left_out))| ContactRows {
                 rows: &rows[*r],
-                origin_s: self.origin_s(*r),
+                origin_s: self.recordings[*r].origin_s(),
                 residual,
                 forces: &self.forces[*r],
                 left_out,
@@ -223,13 +223,9 @@ impl Prepared<'_> {
 
     fn leave_out(&self, rows: &mut FitRows, contacts: &[Contact]) {
         for contact in contacts {
-            let origin_s = self.origin_s(contact.recording);
+            let origin_s = self.recordings[contact.recording].origin_s();
             rows[contact.recording].leave_out(contact.window_s.map(|t| t + origin_s));
         }
-    }
-
-    fn origin_s(&self, recording: usize) -> f64 {
-        self.recordings[recording].raw.time_s.first().copied().unwrap_or(0.0)
     }
 
     /// The recordings with something added to their measurement behind the filters.
@@ -248,9 +244,4 @@ impl Prepared<'_> {
         }
         recordings
     }
-}
-
-/// Whether two contacts are one.
-fn meet(a: &Contact, b: &Contact) -> bool {
-    a.recording == b.recording && a.window_s[0] < b.window_s[1] && b.window_s[0] < a.window_s[1]
 }

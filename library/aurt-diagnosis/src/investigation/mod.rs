@@ -29,6 +29,7 @@ use crate::effects::external_contact;
 use crate::effects::time_delay::EFFECT as DELAY;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, GAP_PERIODS, extended_load, own_switches, partition};
+use crate::evidence::judge::Judge;
 use crate::evidence::judged::{Judged, bound_floors, prepare};
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
@@ -41,7 +42,6 @@ use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
-use crate::search::null::Judge;
 use crate::search::selection::Selection;
 use crate::transmission::Shaking;
 use crate::vocabulary::Context;
@@ -145,7 +145,7 @@ pub fn investigate(
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     let mut investigation = selected(question, registry, &mut progress)?;
-    progress("testing what was found");
+    progress("testing the findings");
     earn(question, &mut investigation)?;
     Ok(investigation)
 }
@@ -204,7 +204,7 @@ fn investigate_as_it_is(
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
     let faults_matter = faults.iter().any(|f| f.suffices) && repair_helps(as_recorded, question)?;
-    progress("fitting the model in question");
+    progress("fitting the reference model");
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that
     // these alone excite, noise decides.
@@ -303,7 +303,7 @@ fn investigate_as_it_is(
         (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
         contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
     }
-    progress("settling what is made of the model's own torque");
+    progress("refining effects that depend on the model's torque");
     if parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)? {
         selected = parts.select(&mut rows, progress);
     }

@@ -55,6 +55,11 @@ impl QuestionedRecording {
         Ok(Self { role, raw: Arc::new(raw), data, options, simulated: None, spoilt: None })
     }
 
+    /// The recording's first stamp, s.
+    pub(crate) fn origin_s(&self) -> f64 {
+        self.raw.time_s.first().copied().unwrap_or(0.0)
+    }
+
     /// Puts other samples in the place of the recording's, preprocessed as they were.
     pub(crate) fn replace(&mut self, raw: Recording) -> Result<(), RecordingError> {
         let data = preprocess(&raw, &self.options)?;

@@ -2,13 +2,13 @@
 
 use aurt_plugins::Registry;
 
+use crate::evidence::chance::Chance;
 use crate::evidence::problem::Problem;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::{Question, SelectionOptions};
-use crate::search::chance::Chance;
 
 /// The data of a selection. Laws with shapes are estimated on it, which changes their columns.
 pub trait Ground: Sync {

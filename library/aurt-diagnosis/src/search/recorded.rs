@@ -1,13 +1,13 @@
 //! Selection on the rows of recordings.
 
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::chance::Chance;
+use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
-use crate::search::chance::Chance;
 use crate::search::ground::{Beside, Ground, Recorded};
-use crate::search::null::Judge;
 use crate::search::shapes::Estimate;
 
 impl Ground for Recorded<'_> {

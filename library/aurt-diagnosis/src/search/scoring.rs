@@ -3,10 +3,10 @@
 use aurt_calibration::{ONE_SIDED_5, in_standard_errors, student};
 use rayon::prelude::*;
 
+use crate::evidence::chance::Chance;
 use crate::evidence::nested::NestedFit;
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
-use crate::search::chance::Chance;
 use crate::search::ground::Ground;
 
 /// A nested fit with the shares of independent rows of its residual, and what it leaves.

@@ -1,11 +1,11 @@
 //! Selection on rows whose physics is known.
 
-use super::chance::Chance;
 use super::ground::{Beside, Ground};
-use super::null::Judge;
 use super::selection::{Selection, Selector};
 use crate::effects;
+use crate::evidence::chance::Chance;
 use crate::evidence::gram::BlockMoments;
+use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};

@@ -297,14 +297,14 @@ fn not_seen(joints: &[usize], of_joints: &[OfJoint], effects: [bool; 2]) -> Vec<
             Some(format!("{:.1e} Nm/rad", o.visible.inertia?.mean_kg_m2 * omega * omega))
         };
         sentences.push(format!(
-            "an elastic gear shows in these recordings if it is softer than {}",
+            "these recordings would show an elastic gear softer than {}",
             list(&stiffness, "any robot's gear")
         ));
     }
     if effects[1] {
         let gap = |o: &OfJoint| Some(format!("± {:.1e} rad", o.visible.half_gap_rad?));
         sentences.push(format!(
-            "backlash shows in these recordings if it is wider than {}",
+            "these recordings would show backlash wider than {}",
             list(&gap, "any that was tried")
         ));
     }

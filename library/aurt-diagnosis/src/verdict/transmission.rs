@@ -35,13 +35,13 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
         format!(
-            "{} on joint {joint}: a link that is free within ± {:.2e} rad of its motor predicts what the rigid model leaves",
+            "{} on joint {joint}: a play of ± {:.2e} rad predicts the residual of the rigid model",
             shaking.effect.title, shaking.gap_rad[0]
         )
     } else {
         parameters.insert("frequency_hz".to_owned(), ParameterValue::exact(shaking.frequency_hz));
         format!(
-            "{} on joint {joint}: a link on a spring of {:.3e} {}, {:.1} Hz, predicts what the rigid model leaves",
+            "{} on joint {joint}: a stiffness of {:.3e} {} ({:.1} Hz) predicts the residual of the rigid model",
             shaking.effect.title,
             shaking.stiffness_nm_rad[0],
             Unit::Stiffness.symbol(question.unit),

@@ -112,10 +112,7 @@ impl Registry {
     ///
     /// # Errors
     /// As [`Self::build`], without places; [`BuildError::LibraryNotLoaded`] for a model of a library that is not there.
-    pub fn build_from_json<M: SlotModel + ?Sized>(
-        &self,
-        table: &Value,
-    ) -> Result<Box<M>, Vec<BuildError>> {
+    pub fn build_from_json<M: SlotModel + ?Sized>(&self, table: &Value) -> Result<Box<M>, Vec<BuildError>> {
         build_saved(self, table)
     }
 }

@@ -1,6 +1,7 @@
 //! What a score is worth: the best score that chance reaches, and a test on rows that nothing was fitted to.
 
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::chance::Chance;
 use crate::evidence::null::{ByChance, by_chance};
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
@@ -9,7 +10,6 @@ use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::SelectionOptions;
-use crate::search::chance::Chance;
 
 /// What was selected, on the rows that it was selected from.
 pub(crate) struct Judge<'a> {
