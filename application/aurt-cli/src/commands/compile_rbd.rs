@@ -66,7 +66,8 @@ impl CompileRbd {
     pub fn run(&self) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.mdh])?;
         let table = MdhTable::from_path(&self.mdh, self.mdh_rows.into())?;
-        let chain = SerialChain::from_mdh(&table, self.gravity.0)?.with_joint_names(self.joint_names.clone())?;
+        let chain =
+            SerialChain::from_mdh(&table, self.gravity.0)?.with_joint_names(self.joint_names.clone())?;
         let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED)?;
         out.write(&file_contents(rigid_body_to_json(&dynamics)?))?;
 
