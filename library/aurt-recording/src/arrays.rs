@@ -4,8 +4,13 @@ use std::collections::HashMap;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::csv::{Table, Visit, is_time};
-use crate::{ColumnRef, ReadOptions, Recording, RecordingError};
+use crate::csv::Table;
+use crate::csv::Visit;
+use crate::csv::is_time;
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
+use crate::selection::ColumnRef;
 
 /// Numbers that arrays of one file may have together: 4 GiB in memory.
 const MOST_NUMBERS: usize = 1 << 29;

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 /// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
 const FOREIGN: [(&[u8], &str, &str); 6] = [

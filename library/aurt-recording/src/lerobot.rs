@@ -10,10 +10,15 @@ use aurt_traits::MeasurementUnit;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::csv::{ColumnRef, ColumnsRef};
-use crate::format::{RecordingInput, unreadable};
+use crate::error::RecordingError;
+use crate::foreign;
+use crate::format::RecordingFormat;
+use crate::format::RecordingInput;
+use crate::format::unreadable;
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, foreign};
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
+use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";

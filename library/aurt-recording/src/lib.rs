@@ -39,6 +39,7 @@ mod csv;
 mod error;
 mod foreign;
 mod format;
+mod formats;
 mod joined;
 mod joint_state;
 mod lerobot;
@@ -49,15 +50,18 @@ mod noise;
 mod numpy;
 mod parquet;
 mod preprocess;
+mod read_options;
+mod reading;
 mod recorded_as;
 mod recording;
+mod selection;
 mod spread;
 mod written;
 
-pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
+pub use csv::Csv;
 pub use error::RecordingError;
-pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
-pub use joined::JoinedFile;
+pub use format::{RecordingFormat, RecordingInput};
+pub use formats::FORMATS;
 pub use lerobot::is_lerobot;
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::Matlab;
@@ -72,7 +76,10 @@ pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
-pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
+pub use read_options::ReadOptions;
+pub use reading::{read_recording, read_running};
+pub use recorded_as::{AngleUnit, CurrentUnit, JoinedFile, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};
+pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
 pub use written::{JointTopic, mcap, parquet};

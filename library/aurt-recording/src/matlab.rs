@@ -9,7 +9,10 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::error::RecordingError;
+use crate::format::{RecordingFormat, RecordingInput};
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
 /// Bytes before the first variable.
 const PREAMBLE: usize = 128;

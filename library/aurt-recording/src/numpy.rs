@@ -10,7 +10,10 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::error::RecordingError;
+use crate::format::{RecordingFormat, RecordingInput};
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 

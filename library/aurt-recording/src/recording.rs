@@ -1,12 +1,9 @@
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
+use std::{ops::Range, path::PathBuf};
 
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
 /// leave gaps, but they never go backwards.
@@ -98,14 +95,6 @@ impl ReadReport {
 }
 
 impl Recording {
-    /// Reads a recording whose columns have their usual names.
-    ///
-    /// # Errors
-    /// As [`read_recording`](crate::read_recording).
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
-        crate::read_recording(path.as_ref(), &crate::ReadOptions::default())
-    }
-
     /// A recording from arrays: stamps in s, angles in rad as `[joint][sample]`.
     ///
     /// # Errors

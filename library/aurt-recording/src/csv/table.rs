@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use crate::csv::ReadOptions;
 use crate::csv::collector::{Collected, Collector};
-use crate::csv::columns::{Search, Selected};
+use crate::csv::columns::Selected;
 use crate::csv::header::Header;
-use crate::{ReadReport, Recording, RecordingError};
+use crate::csv::search::Search;
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+use crate::recording::{ReadReport, Recording};
 
 /// Rows that room is made for at once; a file may claim more than it holds.
 const ROOM_ROWS: usize = 1 << 16;

@@ -10,9 +10,10 @@ use aurt_traits::MeasurementUnit;
 
 pub use prepared::{LongPrepared, LongSegment, Stretch};
 
-use crate::csv::ReadOptions;
-use crate::format::read_pieces;
-use crate::{ReadReport, Recording, RecordingError};
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+use crate::reading::read_pieces;
+use crate::recording::{ReadReport, Recording};
 use spill::Spill;
 
 /// A recording of any length. Its samples lie in a temporary file, 8 bytes a number; in memory there are never more

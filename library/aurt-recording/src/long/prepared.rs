@@ -3,11 +3,13 @@ use std::ops::Range;
 use aurt_traits::Motion;
 
 use super::{LongRecording, uniform::Uniform};
+use crate::error::RecordingError;
+use crate::preprocess::Decimation;
+use crate::preprocess::PreprocessOptions;
+use crate::preprocess::ZeroPhase;
 use crate::preprocess::differentiate::{inner_acceleration, velocity};
+use crate::preprocess::{DroppedSegment, PreprocessReport, SegmentReport};
 use crate::preprocess::{Which, filter};
-use crate::{
-    Decimation, DroppedSegment, PreprocessOptions, PreprocessReport, RecordingError, SegmentReport, ZeroPhase,
-};
 
 /// Motion samples of a stretch; memory is a few times their size.
 const STRETCH: usize = 1 << 15;

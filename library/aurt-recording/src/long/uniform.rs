@@ -1,9 +1,10 @@
 use std::ops::Range;
 
 use super::LongRecording;
+use crate::error::RecordingError;
+use crate::preprocess::PreprocessOptions;
 use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, median, to_digits};
 use crate::preprocess::resample::SAME_STAMP;
-use crate::{PreprocessOptions, RecordingError};
 
 /// Samples read at once; the median distance of stamps is that of the first ones.
 const AT_ONCE: usize = 1 << 16;

@@ -1,10 +1,11 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
+use crate::error::RecordingError;
 use crate::joint_state::JointState;
 use crate::mcap_bag::messages::Messages;
 use crate::mcap_bag::topics::Topic;
-use crate::{ReadOptions, RecordingError};
+use crate::read_options::ReadOptions;
 
 /// Integers beyond this are not all numbers of double precision.
 const EXACT: i64 = 1 << 53;

@@ -1,7 +1,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 use crate::mcap_bag::records::{Ending, Record, Records};
 use crate::mcap_bag::topics::Topic;
 

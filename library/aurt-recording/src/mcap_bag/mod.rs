@@ -9,10 +9,13 @@ mod records;
 mod topics;
 
 use crate::csv::Table;
+use crate::error::RecordingError;
+use crate::format::{RecordingFormat, RecordingInput};
 use crate::mcap_bag::joints::Joints;
 use crate::mcap_bag::messages::Messages;
 use crate::mcap_bag::topics::Topic;
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 

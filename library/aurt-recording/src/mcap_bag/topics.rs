@@ -1,7 +1,8 @@
 use std::collections::BTreeMap;
 
+use crate::error::RecordingError;
+use crate::format::RecordingInput;
 use crate::mcap_bag::records::{Ending, Record, Records};
-use crate::{RecordingError, RecordingInput};
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];

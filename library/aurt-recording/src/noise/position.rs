@@ -164,7 +164,7 @@ impl SawTooth {
 mod tests {
     use super::super::fourier::tests::Normal;
     use super::PositionNoise;
-    use crate::ZeroPhase;
+    use crate::preprocess::ZeroPhase;
     use crate::preprocess::differentiate::inner_acceleration;
 
     fn motion(seconds: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {

@@ -13,10 +13,15 @@ use std::fs::File;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::csv::{Table, Visit};
+use crate::csv::Table;
+use crate::csv::Visit;
+use crate::error::RecordingError;
+use crate::format::{RecordingFormat, RecordingInput};
 use crate::parquet::footer::{Footer, Leaf, Number};
 use crate::parquet::pages::{Column, Problem};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput, TimeUnit};
+use crate::read_options::ReadOptions;
+use crate::recorded_as::TimeUnit;
+use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"PAR1";
 /// Bytes that a footer may have.
