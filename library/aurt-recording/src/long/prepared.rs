@@ -2,8 +2,9 @@ use std::ops::Range;
 
 use aurt_traits::Motion;
 
-use super::{LongRecording, uniform::Uniform};
 use crate::error::RecordingError;
+use crate::long::recording::LongRecording;
+use crate::long::uniform::Uniform;
 use crate::preprocess::Decimation;
 use crate::preprocess::PreprocessOptions;
 use crate::preprocess::ZeroPhase;

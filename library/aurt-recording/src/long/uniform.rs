@@ -1,7 +1,7 @@
 use std::ops::Range;
 
-use super::LongRecording;
 use crate::error::RecordingError;
+use crate::long::recording::LongRecording;
 use crate::preprocess::PreprocessOptions;
 use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, median, to_digits};
 use crate::preprocess::resample::SAME_STAMP;
