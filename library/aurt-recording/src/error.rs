@@ -158,6 +158,22 @@ pub enum RecordingError {
         /// What to do.
         remedy: String,
     },
+    /// Reading would take more memory than the size of the file allows.
+    #[error(
+        "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
+         and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)",
+        path = path.display(), needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What would take it.
+        what: String,
+        /// Memory that would be needed, in bytes.
+        needed_bytes: u64,
+        /// Memory that is allowed, in bytes.
+        allowed_bytes: u64,
+    },
     /// A file that is not what its format says.
     #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
     Malformed {
@@ -384,6 +400,11 @@ fn list(names: &[String]) -> String {
         text.push_str(&format!(" and {} more", names.len() - SHOWN));
     }
     text
+}
+
+/// Bytes in MB, rounded up.
+const fn megabytes(bytes: u64) -> u64 {
+    bytes.div_ceil(1_000_000)
 }
 
 /// The place of a header; files that are no text have none (line 0).

@@ -3,13 +3,7 @@ use std::path::Path;
 use crate::error::RecordingError;
 
 /// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
-const FOREIGN: [(&[u8], &str, &str); 6] = [
-    (
-        b"SQLite format 3\0",
-        "a rosbag2 in SQLite (.db3)",
-        "convert its folder to MCAP: `rosbags-convert --src FOLDER --dst NEW --dst-storage mcap` (pip install rosbags), or \
-         `ros2 bag convert` with storage_id: mcap",
-    ),
+const FOREIGN: [(&[u8], &str, &str); 5] = [
     (
         b"#ROSBAG V2.0",
         "a bag of ROS 1",

@@ -11,6 +11,9 @@ use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
+/// Gets the recording piece by piece.
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), RecordingError>;
+
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
 
@@ -38,7 +41,7 @@ pub trait RecordingFormat: Debug + Send + Sync {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError>;
 }
 

@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
+use crate::bag::{Bag, BagFolder, described};
 use crate::csv::Csv;
 use crate::error::RecordingError;
 use crate::foreign;
-use crate::format::{RecordingFormat, RecordingInput};
-use crate::lerobot::DataSet;
+use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::lerobot::{DataSet, folder_of};
 use crate::matlab::Matlab;
-use crate::mcap_bag::McapBag;
 use crate::numpy::NumPy;
 use crate::parquet::Parquet;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Parquet, &Csv];
+pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &Bag, &Parquet, &Csv];
 
 /// The format of an open file.
 pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFormat {
@@ -23,6 +23,13 @@ pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFor
     let by_content = FORMATS.iter().find(|format| format.recognises(&input.beginning));
     let by_name = || FORMATS.iter().find(|f| ending.as_deref().is_some_and(|e| f.endings().contains(&e)));
     *by_content.or_else(by_name).unwrap_or(&(&Csv as &dyn RecordingFormat))
+}
+
+/// Whether a path names a recording of several files: the folder of a bag of ROS 2 or of a LeRobot data set, or the
+/// `metadata.yaml` or `meta/info.json` that describes it.
+#[must_use]
+pub fn is_recording_folder(path: &Path) -> bool {
+    described(path).is_some() || folder_of(path).is_some()
 }
 
 /// Reads one file or data set as a whole.
@@ -35,11 +42,14 @@ pub(crate) fn read_in_pieces(
     path: &Path,
     options: &ReadOptions,
     piece_rows: usize,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+    visit: Visit<'_>,
 ) -> Result<Recording, RecordingError> {
     options.validate()?;
     if let Some(data_set) = DataSet::named(path)? {
         return data_set.read(options, piece_rows, visit);
+    }
+    if let Some(bag) = BagFolder::named(path)? {
+        return bag.read(options, piece_rows, visit);
     }
     let input = RecordingInput::open(path)?;
     foreign::refuse(path, &input.beginning)?;

@@ -81,14 +81,8 @@ impl Feature {
     }
 }
 
-/// Whether a path names a LeRobot data set: its folder, or its `meta/info.json`.
-#[must_use]
-pub fn is_lerobot(path: &Path) -> bool {
-    folder_of(path).is_some()
-}
-
-/// The folder of the data set that a path names.
-fn folder_of(path: &Path) -> Option<PathBuf> {
+/// The folder of the data set that a path names: the folder itself, or its `meta/info.json`.
+pub(crate) fn folder_of(path: &Path) -> Option<PathBuf> {
     if path.is_dir() {
         return path.join(INFO).is_file().then(|| path.to_owned());
     }

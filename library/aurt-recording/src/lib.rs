@@ -35,17 +35,17 @@
 //! Joints count from 0. Units are SI.
 
 mod arrays;
+mod bag;
 mod csv;
 mod error;
 mod foreign;
 mod format;
 mod formats;
 mod joined;
-mod joint_state;
 mod lerobot;
 mod long;
 mod matlab;
-mod mcap_bag;
+mod memory;
 mod noise;
 mod numpy;
 mod parquet;
@@ -58,14 +58,13 @@ mod selection;
 mod spread;
 mod written;
 
+pub use bag::Bag;
 pub use csv::Csv;
 pub use error::RecordingError;
 pub use format::{RecordingFormat, RecordingInput};
-pub use formats::FORMATS;
-pub use lerobot::is_lerobot;
+pub use formats::{FORMATS, is_recording_folder};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
 pub use matlab::Matlab;
-pub use mcap_bag::McapBag;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
     acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,

@@ -10,7 +10,8 @@ use flate2::read::ZlibDecoder;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
 use crate::error::RecordingError;
-use crate::format::{RecordingFormat, RecordingInput};
+use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
@@ -25,7 +26,7 @@ const MATRIX: u32 = 14;
 ///
 /// Real numeric variables are read, one row or one column per sample, and those in structures of one element (`log.q`
 /// is `q`); texts, cells, sparse and complex variables are passed over. Names are those of text columns: `q` of n × 6 is
-/// `q_0` … `q_5`. Variables that are needed are held in memory, at most 2²⁹ numbers. Version 7.3 is HDF5 and is refused.
+/// `q_0` … `q_5`. Variables that are needed are held in memory, others are not unpacked. Version 7.3 is HDF5 and is refused.
 ///
 /// The crates that read these files hold all of a file and decompress it without bound, hence this reader.
 #[derive(Debug, Clone, Copy)]
@@ -49,9 +50,10 @@ impl RecordingFormat for Matlab {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let path = input.path;
+        let memory = Memory::of(path, input.bytes, options);
         let refused = |reason: &str| RecordingError::Malformed {
             path: path.to_owned(),
             place: "its first bytes".to_owned(),
@@ -68,7 +70,7 @@ impl RecordingFormat for Matlab {
         let mut arrays = Vec::new();
         let mut scan = Scan { big_endian, found: &mut arrays, needed: &[], loaded: HashMap::new() };
         scan.file(BufReader::new(input.rewound()?)).map_err(|p| malformed(path, &p))?;
-        let file = ArrayFile { path, format: "MATLAB, version 5 to 7", options, arrays };
+        let file = ArrayFile { memory, format: "MATLAB, version 5 to 7", options, arrays };
         file.read(piece_rows, visit, &mut |needed| {
             let mut again = Vec::new();
             let mut scan = Scan { big_endian, found: &mut again, needed, loaded: HashMap::new() };
@@ -224,7 +226,7 @@ impl Scan<'_> {
             }
             _ => {}
         }
-        skip(&mut source)
+        Ok(())
     }
 
     /// The numbers of a variable, which may be stored in a smaller type than the variable has.

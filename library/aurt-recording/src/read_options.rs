@@ -28,6 +28,9 @@ pub struct ReadOptions {
     pub velocity_limit_rad_s: f64,
     /// Measurements beyond this are corrupt, in the measurement's unit.
     pub measurement_limit: f64,
+    /// Most memory, in bytes, that reading may take; `None`: 20 × the file + 200 MB. Text, which does not unpack to more than
+    /// a few times its size, is not measured by it.
+    pub memory_bytes: Option<u64>,
     /// Whether rows come from a machine that runs on: a needed cell that is no finite number makes its row corrupt
     /// instead of ending the reading, and the share of corrupt rows is judged at every piece, since no end may come.
     pub is_running: bool,
@@ -46,6 +49,7 @@ impl Default for ReadOptions {
             position_limit_rad: 1e4,
             velocity_limit_rad_s: 1e4,
             measurement_limit: 1e6,
+            memory_bytes: None,
             is_running: false,
         }
     }

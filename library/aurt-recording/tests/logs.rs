@@ -142,8 +142,7 @@ fn episodes_of_lerobot_follow_each_other() {
 #[test]
 fn formats_that_are_not_read_say_how_to_convert() {
     let folder = tempfile::tempdir().unwrap();
-    let marks: [(&[u8], &str); 5] = [
-        (b"SQLite format 3\0", "rosbags-convert"),
+    let marks: [(&[u8], &str); 4] = [
         (b"#ROSBAG V2.0\n", "rosbags-convert"),
         (b"ARROW1\0\0", "to_parquet"),
         (b"\x89HDF\r\n\x1a\n", ".npz"),

@@ -18,7 +18,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub(crate) use crate::csv::families::is_time;
-pub(crate) use crate::csv::table::{Table, Visit};
+pub(crate) use crate::csv::table::{MOST_COLUMNS, Table};
 
 use crate::csv::collector::Collector;
 use crate::csv::dialect::Dialect;
@@ -30,7 +30,7 @@ use crate::csv::table::{recording, report};
 use crate::error::RecordingError;
 use crate::format::BEGINNING_BYTES;
 use crate::format::unreadable;
-use crate::format::{RecordingFormat, RecordingInput};
+use crate::format::{RecordingFormat, RecordingInput, Visit};
 use crate::read_options::ReadOptions;
 use crate::recording::{ReadReport, Recording};
 
@@ -72,7 +72,7 @@ impl RecordingFormat for Csv {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let reader = Reader { path: input.path, options, piece_rows };
         reader.read(input.reader(), &input.beginning, input.bytes, visit)
@@ -92,7 +92,7 @@ impl Reader<'_> {
         source: impl Read,
         sample: &[u8],
         bytes: u64,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));

@@ -4,6 +4,8 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use flate2::read::MultiGzDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
+use crate::error::RecordingError;
+use crate::memory::Memory;
 use crate::parquet::encodings::{Bytes, bits, differences, plain, runs, split};
 use crate::parquet::footer::{Chunk, Leaf, Number};
 use crate::parquet::thrift::Thrift;
@@ -24,6 +26,8 @@ pub(super) enum Problem {
     Damaged(&'static str),
     /// It is written in a way that is not read.
     Unknown(String),
+    /// A page that would take too much memory.
+    TooLarge(RecordingError),
     /// Lists of different lengths.
     Lengths { expected: usize, found: usize },
 }
@@ -51,6 +55,9 @@ impl Read for Stretch<'_> {
 #[derive(Debug)]
 pub(super) struct Column<'a> {
     file: &'a File,
+    memory: Memory<'a>,
+    /// Columns that hold a page each at the same time.
+    open: u64,
     leaf: Leaf,
     /// The chunks still to come, the next one last.
     chunks: Vec<Chunk>,
@@ -81,10 +88,18 @@ struct Head {
 
 impl<'a> Column<'a> {
     /// The numbers of a column in lists of `width`, or of as many as the first has.
-    pub(super) fn new(file: &'a File, leaf: &Leaf, chunks: &[Chunk], width: Option<usize>) -> Self {
+    pub(super) fn new(
+        file: &'a File,
+        memory: Memory<'a>,
+        leaf: &Leaf,
+        chunks: &[Chunk],
+        width: Option<usize>,
+    ) -> Self {
         let width = if leaf.listed.is_some() { width } else { Some(1) };
         Self {
             file,
+            memory,
+            open: 1,
             leaf: leaf.clone(),
             chunks: chunks.iter().rev().copied().collect(),
             source: None,
@@ -95,6 +110,11 @@ impl<'a> Column<'a> {
             width,
             in_list: None,
         }
+    }
+
+    /// The same, among so many columns that are read at the same time.
+    pub(super) fn among(self, columns: usize) -> Self {
+        Self { open: columns as u64, ..self }
     }
 
     /// The numbers of the first row.
@@ -144,6 +164,11 @@ impl<'a> Column<'a> {
             {
                 return Err(CUT);
             }
+            // The numbers of this page and of those of the other columns; while it is decoded its bytes, levels and places.
+            let needed = head.count as u64 * (8 * self.open + 20) + head.unpacked as u64;
+            self.memory
+                .claim(&format!("a page of column {}", self.leaf.name), needed)
+                .map_err(Problem::TooLarge)?;
             let mut packed = Vec::new();
             source.by_ref().take(head.packed as u64).read_to_end(&mut packed).map_err(|_| CUT)?;
             if packed.len() as i64 != head.packed {

@@ -1,8 +1,7 @@
 use std::collections::BTreeMap;
 
+use crate::bag::records::{Container, Ending, Record, Records, Scan};
 use crate::error::RecordingError;
-use crate::format::RecordingInput;
-use crate::mcap_bag::records::{Ending, Record, Records};
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
@@ -14,19 +13,19 @@ const USUAL: &str = "/joint_states";
 pub(super) struct Topic {
     pub(super) name: String,
     /// Its channels; several nodes may publish under one name.
-    pub(super) channels: Vec<u16>,
+    pub(super) channels: Vec<u64>,
 }
 
 /// What a file says of its topics.
 #[derive(Debug, Default)]
 struct Listing {
-    schemas: BTreeMap<u16, String>,
+    schemas: BTreeMap<u64, String>,
     /// Topic, schema and encoding of each channel.
-    channels: BTreeMap<u16, (String, u16, String)>,
+    channels: BTreeMap<u64, (String, u64, String)>,
 }
 
 impl Listing {
-    fn read(records: &mut Records<'_>) -> (Self, Option<Ending>) {
+    fn read(records: &mut dyn Records) -> (Self, Option<Ending>) {
         let mut listing = Self::default();
         loop {
             let more = records.next(&mut |record| match record {
@@ -59,7 +58,7 @@ impl Listing {
         topics
     }
 
-    fn kind(&self, schema: u16) -> &str {
+    fn kind(&self, schema: u64) -> &str {
         self.schemas.get(&schema).map_or("unknown type", String::as_str)
     }
 }
@@ -67,16 +66,16 @@ impl Listing {
 impl Topic {
     /// The topic to be read, and what a person should know about the choice.
     pub(super) fn choose(
-        input: &RecordingInput<'_>,
+        container: &dyn Container,
         stated: Option<&str>,
     ) -> Result<(Self, Option<String>), RecordingError> {
         // Most files list their topics at the end; chunks are looked into only if this one does not.
-        let (mut listing, mut ending) = Listing::read(&mut Records::new(input.rewound()?, true));
+        let (mut listing, mut ending) = Listing::read(&mut *container.records(Scan::Summary)?);
         if listing.channels.is_empty() || ending.is_some() {
-            (listing, ending) = Listing::read(&mut Records::new(input.rewound()?, false));
+            (listing, ending) = Listing::read(&mut *container.records(Scan::Topics)?);
         }
         let malformed = |reason: String, remedy: String| RecordingError::Malformed {
-            path: input.path.to_owned(),
+            path: container.path().to_owned(),
             place: "its topics".to_owned(),
             reason,
             remedy,
@@ -143,7 +142,7 @@ impl Topic {
         let of_topic = listing.channels.iter().filter(|(_, (topic, schema, code))| {
             topic == name && listing.kind(*schema) == kind && code == encoding
         });
-        let channels: Vec<u16> = of_topic.map(|(id, _)| *id).collect();
+        let channels: Vec<u64> = of_topic.map(|(id, _)| *id).collect();
         let others = listing.channels.values().filter(|(topic, ..)| topic == name).count() - channels.len();
         if others > 0 {
             let also = format!("{name} has messages of other types as well, which are passed over");

@@ -1,10 +1,10 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
+use crate::bag::joint_state::JointState;
+use crate::bag::messages::Messages;
+use crate::bag::topics::Topic;
 use crate::error::RecordingError;
-use crate::joint_state::JointState;
-use crate::mcap_bag::messages::Messages;
-use crate::mcap_bag::topics::Topic;
 use crate::read_options::ReadOptions;
 
 /// Integers beyond this are not all numbers of double precision.
