@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::io::{self, Read};
 
-use crate::csv::{MOST_COLUMNS, Table, is_time};
+use crate::csv::families::is_time;
+use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
 use crate::format::Visit;
 use crate::memory::Memory;

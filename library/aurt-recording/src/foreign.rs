@@ -3,7 +3,17 @@ use std::path::Path;
 use crate::error::RecordingError;
 
 /// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
-const FOREIGN: [(&[u8], &str, &str); 5] = [
+const FOREIGN: &[(&[u8], &str, &str)] = &[
+    #[cfg(not(feature = "mcap"))]
+    (b"\x89MCAP0", "MCAP", "build aurt-recording with its feature `mcap`"),
+    #[cfg(not(feature = "mcap"))]
+    (b"SQLite format 3\0", "SQLite", "build aurt-recording with its feature `mcap`, if it is a bag of ROS 2"),
+    #[cfg(not(feature = "parquet"))]
+    (b"PAR1", "Parquet", "build aurt-recording with its feature `parquet`"),
+    #[cfg(not(feature = "numpy"))]
+    (b"\x93NUMPY", "an array of NumPy", "build aurt-recording with its feature `numpy`"),
+    #[cfg(not(feature = "matlab"))]
+    (b"MATLAB 5.0", "a MAT-file", "build aurt-recording with its feature `matlab`"),
     (
         b"#ROSBAG V2.0",
         "a bag of ROS 1",

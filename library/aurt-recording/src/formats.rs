@@ -2,20 +2,35 @@
 
 use std::path::Path;
 
+#[cfg(feature = "mcap")]
 use crate::bag::{Bag, BagFolder, described};
 use crate::csv::Csv;
 use crate::error::RecordingError;
 use crate::foreign;
 use crate::format::{RecordingFormat, RecordingInput, Visit};
+#[cfg(feature = "lerobot")]
 use crate::lerobot::{DataSet, folder_of};
+#[cfg(feature = "matlab")]
 use crate::matlab::Matlab;
+#[cfg(feature = "numpy")]
 use crate::numpy::NumPy;
+#[cfg(feature = "parquet")]
 use crate::parquet::Parquet;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
 /// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &Bag, &Parquet, &Csv];
+pub const FORMATS: &[&dyn RecordingFormat] = &[
+    #[cfg(feature = "numpy")]
+    &NumPy,
+    #[cfg(feature = "matlab")]
+    &Matlab,
+    #[cfg(feature = "mcap")]
+    &Bag,
+    #[cfg(feature = "parquet")]
+    &Parquet,
+    &Csv,
+];
 
 /// The format of an open file.
 pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFormat {
@@ -29,7 +44,16 @@ pub(crate) fn format_of(input: &RecordingInput<'_>) -> &'static dyn RecordingFor
 /// `metadata.yaml` or `meta/info.json` that describes it.
 #[must_use]
 pub fn is_recording_folder(path: &Path) -> bool {
-    described(path).is_some() || folder_of(path).is_some()
+    #[cfg(feature = "mcap")]
+    if described(path).is_some() {
+        return true;
+    }
+    #[cfg(feature = "lerobot")]
+    if folder_of(path).is_some() {
+        return true;
+    }
+    let _ = path;
+    false
 }
 
 /// Reads one file or data set as a whole.
@@ -45,9 +69,11 @@ pub(crate) fn read_in_pieces(
     visit: Visit<'_>,
 ) -> Result<Recording, RecordingError> {
     options.validate()?;
+    #[cfg(feature = "lerobot")]
     if let Some(data_set) = DataSet::named(path)? {
         return data_set.read(options, piece_rows, visit);
     }
+    #[cfg(feature = "mcap")]
     if let Some(bag) = BagFolder::named(path)? {
         return bag.read(options, piece_rows, visit);
     }

@@ -2,7 +2,7 @@ use crate::bag::joints::Joints;
 use crate::bag::messages::Messages;
 use crate::bag::records::Container;
 use crate::bag::topics::Topic;
-use crate::csv::Table;
+use crate::csv::table::Table;
 use crate::error::RecordingError;
 use crate::format::Visit;
 use crate::memory::Memory;

@@ -4,7 +4,7 @@ mod clock;
 mod collector;
 mod columns;
 mod dialect;
-mod families;
+pub(crate) mod families;
 mod header;
 mod lines;
 mod measurement;
@@ -12,13 +12,10 @@ mod number;
 mod plausibility;
 mod rows;
 mod search;
-mod table;
+pub(crate) mod table;
 
 use std::io::Read;
 use std::path::Path;
-
-pub(crate) use crate::csv::families::is_time;
-pub(crate) use crate::csv::table::{MOST_COLUMNS, Table};
 
 use crate::csv::collector::Collector;
 use crate::csv::dialect::Dialect;

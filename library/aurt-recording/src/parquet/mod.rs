@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::csv::{MOST_COLUMNS, Table};
+use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
 use crate::format::{RecordingFormat, RecordingInput, Visit};
 use crate::memory::Memory;
