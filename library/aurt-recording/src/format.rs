@@ -109,7 +109,7 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
         std::io::ErrorKind::NotFound => "no such file; check the path",
         std::io::ErrorKind::PermissionDenied => "reading it is not permitted; check the file's permissions",
         std::io::ErrorKind::InvalidInput => {
-            "it is a device or a socket; save the recording to a file and name that"
+            "it is not a regular file (a device, a socket or a file of the kernel); save the recording to a file and name that"
         }
         std::io::ErrorKind::TimedOut => {
             "it is a pipe that nobody writes to within 5 s; start its writer first"

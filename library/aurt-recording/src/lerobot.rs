@@ -15,6 +15,7 @@ use crate::foreign;
 use crate::format::RecordingFormat;
 use crate::format::RecordingInput;
 use crate::format::unreadable;
+use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
@@ -128,10 +129,14 @@ impl DataSet {
         piece_rows: usize,
         visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
     ) -> Result<Recording, RecordingError> {
-        let (options, remarks) = self.selected(options)?;
+        let (mut options, remarks) = self.selected(options)?;
+        let sizes = self.files.iter().filter_map(|file| file.metadata().ok());
+        let memory = Memory::of(&self.folder, sizes.map(|file| file.len()).sum(), &options);
         let mut all: Option<Recording> = None;
         let mut clock = Clock::default();
         for file in &self.files {
+            let held = all.as_ref().filter(|_| piece_rows == usize::MAX).map_or(0, Recording::bytes);
+            options.memory_bytes = Some(memory.allowed_bytes().saturating_sub(held));
             let input = RecordingInput::open(file)?;
             foreign::refuse(file, &input.beginning)?;
             clock.begins_anew();

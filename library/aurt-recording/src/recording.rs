@@ -160,6 +160,13 @@ impl Recording {
         self.time_s.len()
     }
 
+    /// Memory that its numbers take, in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let families = [Some(&self.position_rad), self.velocity_rad_s.as_ref(), self.measurement.as_ref()];
+        let columns = 1 + families.into_iter().flatten().map(Vec::len).sum::<usize>();
+        8 * (columns * self.samples()) as u64
+    }
+
     /// Time from the first to the last stamp, in s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
