@@ -126,7 +126,7 @@ impl ArrayFile<'_> {
         if !unfit.is_empty() {
             let samples = samples.unwrap_or(0);
             table.remark(format!(
-                "not read, since they are not one row or column of at most {MOST_COLUMNS} numbers for each of {samples} samples: {}",
+                "not read, since they do not have one row or column for each of the {samples} samples, or have more than {MOST_COLUMNS} columns: {}",
                 unfit.join(", ")
             ));
         }

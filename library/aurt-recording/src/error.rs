@@ -24,11 +24,11 @@ pub enum RecordingError {
     Directory {
         /// The path.
         path: PathBuf,
-        /// The recordings that lie in it, by their names.
+        /// The recordings in it, by name.
         inside: Vec<String>,
     },
     /// The file has no rows.
-    #[error("{path} holds no rows of data ({found}); a recording has a header line and one row per sample", path = path.display())]
+    #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample", path = path.display())]
     NoRows {
         /// The file.
         path: PathBuf,
@@ -349,7 +349,7 @@ pub enum RecordingError {
     /// Nothing moves.
     #[error(
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
-         so nothing is left after cutting the rest; record a motion, or lower rest_velocity_rad_s",
+         so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s",
         path = path.display()
     )]
     AtRest {

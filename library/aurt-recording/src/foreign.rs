@@ -32,7 +32,7 @@ const FOREIGN: &[(&[u8], &str, &str)] = &[
     (b"PK\x03\x04\x14\0\x06\0", "an Excel workbook", "save it as CSV"),
     (
         b"version https://git-lfs",
-        "a pointer of Git LFS in place of the file",
+        "a Git LFS pointer instead of the file",
         "fetch the file itself: `git lfs pull` in its repository",
     ),
 ];
@@ -47,7 +47,7 @@ pub(crate) fn refuse(path: &Path, beginning: &[u8]) -> Result<(), RecordingError
         Some((_, name, remedy)) => Err(RecordingError::Malformed {
             path: path.to_owned(),
             place: "its first bytes".to_owned(),
-            reason: format!("it is {name}, which is not read"),
+            reason: format!("it is {name}, which is not supported"),
             remedy: (*remedy).to_owned(),
         }),
     }

@@ -19,7 +19,7 @@ use crate::parquet::Parquet;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
 
-/// Every format, in the order in which their claims to a file are heard.
+/// Every format, in the order in which they are tried.
 pub const FORMATS: &[&dyn RecordingFormat] = &[
     #[cfg(feature = "numpy")]
     &NumPy,

@@ -104,7 +104,7 @@ impl DataSet {
             path: file.clone(),
             place: format!("line {}", error.line()),
             reason: format!("it does not describe a LeRobot data set: {error}"),
-            remedy: "copy it anew, or name the files under data/ one by one".into(),
+            remedy: "copy it again, or name the files under data/ one by one".into(),
         })?;
         let mut files = Vec::new();
         collect(&folder.join("data"), DEEPEST, &mut files);
@@ -139,7 +139,7 @@ impl DataSet {
             options.memory_bytes = Some(memory.allowed_bytes().saturating_sub(held));
             let input = RecordingInput::open(file)?;
             foreign::refuse(file, &input.beginning)?;
-            clock.begins_anew();
+            clock.begins_again();
             let mut recording = Parquet.read(input, &options, piece_rows, &mut |piece| {
                 let mut piece = piece.clone();
                 clock.place(&mut piece.time_s);
@@ -156,7 +156,7 @@ impl DataSet {
             });
         }
         let Some(mut all) = all else {
-            return Err(self.refused("it has no files", "download it anew"));
+            return Err(self.refused("it has no files", "download it again"));
         };
         all.file = self.folder.clone();
         all.report.format = self.name();
@@ -303,7 +303,7 @@ struct Clock {
 }
 
 impl Clock {
-    fn begins_anew(&mut self) {
+    fn begins_again(&mut self) {
         self.shift_s = None;
     }
 
@@ -325,21 +325,9 @@ impl Clock {
 
 /// Both recordings as one.
 fn joined(mut before: Recording, next: Recording) -> Recording {
-    let next = after(&before, next);
-    let families = |all: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>| {
-        all.iter_mut().zip(more).for_each(|(series, more)| series.extend(more));
-    };
-    before.time_s.extend(next.time_s);
-    families(&mut before.position_rad, next.position_rad);
-    before.velocity_rad_s = before.velocity_rad_s.zip(next.velocity_rad_s).map(|(mut all, more)| {
-        families(&mut all, more);
-        all
-    });
-    before.measurement = before.measurement.zip(next.measurement).map(|(mut all, more)| {
-        families(&mut all, more);
-        all
-    });
-    before.report = next.report;
+    let mut next = after(&before, next);
+    before.report = std::mem::take(&mut next.report);
+    before.extend(next);
     before
 }
 

@@ -25,7 +25,7 @@ const MATRIX: u32 = 14;
 /// MATLAB's `.mat` files of versions 5 to 7: `save("log.mat", "t", "q", "current")`.
 ///
 /// Real numeric variables are read, one row or one column per sample, and those in structures of one element (`log.q`
-/// is `q`); texts, cells, sparse and complex variables are passed over. Names are those of text columns: `q` of n × 6 is
+/// is `q`); texts, cells, sparse and complex variables are skipped. Names are those of text columns: `q` of n × 6 is
 /// `q_0` … `q_5`. Variables that are needed are held in memory, others are not unpacked. Version 7.3 is HDF5 and is refused.
 ///
 /// The crates that read these files hold all of a file and decompress it without bound, hence this reader.
@@ -61,10 +61,10 @@ impl RecordingFormat for Matlab {
             remedy: "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")".to_owned(),
         };
         if is_7_3(&input.beginning) {
-            return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not read"));
+            return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not supported"));
         }
         if !is_level_5(&input.beginning) {
-            return Err(refused("it is no MAT-file of version 5 to 7"));
+            return Err(refused("it is not a MAT-file of version 5 to 7"));
         }
         let big_endian = input.beginning.get(PREAMBLE - 2..PREAMBLE) == Some(b"MI");
         let mut arrays = Vec::new();
@@ -99,10 +99,10 @@ fn malformed(path: &Path, problem: &Problem) -> RecordingError {
     let place =
         problem.after.as_ref().map_or_else(|| "first variable".into(), |n| format!("after variable `{n}`"));
     let reason = match problem.error.kind() {
-        io::ErrorKind::UnexpectedEof => "the file breaks off".to_owned(),
+        io::ErrorKind::UnexpectedEof => "the file is truncated".to_owned(),
         _ => format!("it cannot be read: {}", problem.error),
     };
-    let remedy = "copy the file anew, or save it again with -v7".to_owned();
+    let remedy = "copy the file again, or save it again with -v7".to_owned();
     RecordingError::Malformed { path: path.to_owned(), place, reason, remedy }
 }
 
@@ -205,7 +205,7 @@ impl Scan<'_> {
         let name = field.map_or_else(|| String::from_utf8_lossy(&written).into_owned(), str::to_owned);
         let numbers = shape.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
         let numbers =
-            numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are absurd")))?;
+            numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are too large")))?;
         match class {
             6..=15 if bits & COMPLEX == 0 => self.numeric(&mut source, name, shape, numbers)?,
             STRUCTURE if numbers == 1 && depth < 4 => {

@@ -26,7 +26,7 @@ const HEADER_LIMIT: usize = 1 << 16;
 ///
 /// Arrays have one row per sample, or one column; 4- and 8-byte floats, integers and booleans of either byte order are
 /// read, 1-D for single columns. Names are those of text columns: `q` of shape (n, 6) is `q_0` … `q_5`. Arrays that
-/// hold other things are passed over. Arrays that are needed are held in memory, others are not unpacked.
+/// hold other things are skipped. Arrays that are needed are held in memory, others are not unpacked.
 #[derive(Debug, Clone, Copy)]
 pub struct NumPy;
 
@@ -144,16 +144,14 @@ impl From<io::Error> for Problem {
 fn malformed(path: &Path, place: &str, problem: &Problem) -> RecordingError {
     let again = "save it again with numpy.savez";
     let (reason, remedy) = match problem {
-        Problem::CutOff => {
-            ("it breaks off before the end that its header states".to_owned(), "copy the file anew")
-        }
-        Problem::Unreadable(error) => (format!("it cannot be read: {error}"), "copy the file anew"),
+        Problem::CutOff => ("it is shorter than its header states".to_owned(), "copy the file again"),
+        Problem::Unreadable(error) => (format!("it cannot be read: {error}"), "copy the file again"),
         Problem::Archive(error) => {
-            (format!("the zip archive cannot be read: {error}"), "copy it anew, or save it again")
+            (format!("the zip archive cannot be read: {error}"), "copy it again, or save it again")
         }
-        Problem::NoArray => ("there is no header of an array".to_owned(), again),
+        Problem::NoArray => ("the header of the array is missing".to_owned(), again),
         Problem::Kind(kind) => (
-            format!("numbers of type {kind} are not read"),
+            format!("numbers of type {kind} are not supported"),
             "save floats or integers, the fields of a structured array as arrays of their own",
         ),
     };

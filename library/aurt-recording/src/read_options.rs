@@ -4,7 +4,7 @@ use crate::error::RecordingError;
 use crate::recorded_as::RecordedAs;
 use crate::selection::ColumnSelection;
 
-/// What to read, and what to put up with.
+/// What to read, and which defects to accept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
     /// Number of joints that the robot has; `None`: as many as there are position columns.

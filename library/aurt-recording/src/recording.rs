@@ -40,7 +40,7 @@ pub struct ReadReport {
     pub dropped: Vec<DroppedRow>,
     /// Number of rows that were left out.
     pub dropped_rows: usize,
-    /// Choices and oddities that a person should know, as sentences.
+    /// Choices made and irregularities found, as sentences.
     pub remarks: Vec<String>,
     /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
     #[serde(skip)]

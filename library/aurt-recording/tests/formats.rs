@@ -122,7 +122,7 @@ fn a_bag_that_breaks_off_is_read_as_far_as_it_goes() {
         assert!((10..120).contains(&rows), "{name}: {rows}");
         assert_eq!(read.time_s, whole.time_s[..rows], "{name}");
         assert_eq!(read.position_rad[5], whole.position_rad[5][..rows], "{name}");
-        assert!(read.report.remarks.iter().any(|r| r.contains("breaks off")), "{:?}", read.report.remarks);
+        assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
     }
 }
 
@@ -147,7 +147,7 @@ fn a_database_that_breaks_off_is_read_up_to_there() {
     let read = read_recording(&path, &options("bag")).unwrap();
     assert!((20..80).contains(&read.samples()), "{}", read.samples());
     assert_eq!(read.position_rad[5], whole.position_rad[5][..read.samples()]);
-    assert!(read.report.remarks.iter().any(|r| r.contains("breaks off")), "{:?}", read.report.remarks);
+    assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
 }
 
 /// Files cut anywhere and with any byte changed are read or refused, never a panic, never a number that is not finite.

@@ -147,7 +147,7 @@ fn formats_that_are_not_read_say_how_to_convert() {
         (b"ARROW1\0\0", "to_parquet"),
         (b"\x89HDF\r\n\x1a\n", ".npz"),
         #[cfg(feature = "parquet")]
-        (b"PAR1 and no more", "copy or write the file anew"),
+        (b"PAR1 and no more", "copy or write the file again"),
     ];
     for (mark, remedy) in marks.iter().copied() {
         let path = folder.path().join("log.csv");

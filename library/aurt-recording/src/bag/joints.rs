@@ -60,7 +60,7 @@ impl<'a> Joints<'a> {
             remedy,
         };
         if !joints.decode_next()? {
-            return Err(refuse("it has no messages".to_owned(), "record it anew".to_owned()));
+            return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
         }
         let first = joints.state.names.clone();
         if joints.names.is_empty() {
@@ -84,9 +84,9 @@ impl<'a> Joints<'a> {
                 let meant = similar.filter(|(s, _)| *s > 0.75).max_by(|a, b| a.0.total_cmp(&b.0));
                 let meant = meant.map(|(_, n)| format!("did you mean `{n}`? ")).unwrap_or_default();
                 let reason =
-                    format!("no message has a joint `{lacking}`; the first has {}", first.join(", "));
+                    format!("no message contains a joint `{lacking}`; the first has {}", first.join(", "));
                 let remedy = format!(
-                    "{meant}name the robot's joints as the messages do, in its order: joint_names = […]"
+                    "{meant}list the robot's joints by the names in the messages, in the robot's order: joint_names = […]"
                 );
                 return Err(refuse(reason, remedy));
             }
@@ -121,12 +121,12 @@ impl<'a> Joints<'a> {
         let mut remarks = vec![format!("joints in this order: {}", self.names.join(", "))];
         if self.recorder_stamps {
             remarks.push(
-                "the messages have no stamps: those of the recorder are used, which jitter more".into(),
+                "the messages have no time stamps: the recorder's are used, which have more jitter".into(),
             );
         }
         if self.origin_ns != 0 {
             let seconds = self.origin_ns / SECOND_NS;
-            remarks.push(format!("time counts from {seconds} s, so that stamps keep their nanoseconds"));
+            remarks.push(format!("time starts at {seconds} s, so that stamps keep nanosecond resolution"));
         }
         remarks
     }
@@ -141,13 +141,13 @@ impl<'a> Joints<'a> {
         let mut remarks = Vec::new();
         if self.passed_over > 0 {
             remarks.push(format!(
-                "{} messages were passed over, since they lack joints or quantities of the others",
+                "{} messages were skipped: they lack joints or quantities that the others have",
                 self.passed_over
             ));
         }
         if self.messages.broken_off {
             remarks.push(format!(
-                "the file breaks off: the {} messages before were read, and its summary is missing",
+                "the file is truncated: {} messages were read, and its summary is missing",
                 self.messages.read
             ));
         }
@@ -199,7 +199,7 @@ impl<'a> Joints<'a> {
             return Ok(false);
         }
         self.state.decode(&self.messages.payload).map_err(|reason| {
-            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it anew")
+            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
         })?;
         Ok(true)
     }

@@ -62,7 +62,7 @@ struct McapRecords<'a> {
 }
 
 impl<'a> McapRecords<'a> {
-    /// All records, those in chunks among them; with `chunks_closed` those in chunks are passed over.
+    /// All records, those in chunks among them; with `chunks_closed` those in chunks are skipped.
     fn new(file: &'a File, most_bytes: u64, chunks_closed: bool) -> Self {
         let most_bytes = most_bytes.min(RECORD_LIMIT);
         let file = BufReader::with_capacity(1 << 16, file);
@@ -109,7 +109,7 @@ impl<'a> McapRecords<'a> {
         let mut fields = Fields(&head[16..]);
         let (size, checksum, name_bytes) = (fields.u64()?, fields.u32()?, fields.u32()?);
         if name_bytes > 64 {
-            return Err(Ending::Wrong("the compression of a chunk has no sensible name".to_owned()));
+            return Err(Ending::Wrong("the compression of a chunk has an invalid name".to_owned()));
         }
         let mut name = vec![0; name_bytes as usize];
         self.file.read_exact(&mut name)?;
@@ -141,7 +141,7 @@ impl<'a> McapRecords<'a> {
             _ if cut => Some(Ending::BreaksOff),
             Err(error) => Some(failed(error.to_string())),
             Ok(_) if self.chunk.len() as u64 != size => {
-                Some(failed(format!("it has {} bytes in place of {size}", self.chunk.len())))
+                Some(failed(format!("it has {} bytes instead of {size}", self.chunk.len())))
             }
             Ok(_) if checksum != 0 && checksum != crc32fast::hash(&self.chunk) => {
                 Some(Ending::Wrong("the checksum of a chunk is wrong".to_owned()))

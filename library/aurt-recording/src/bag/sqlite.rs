@@ -51,7 +51,7 @@ impl Container for SqliteFile<'_> {
         let opened = Database::open(file).and_then(|database| SqliteRecords::new(&database, wanted));
         opened.map(|records| Box::new(records) as Box<dyn Records + 'a>).map_err(|ending| {
             let reason = match ending {
-                Ending::BreaksOff => "the file breaks off before its first message".to_owned(),
+                Ending::BreaksOff => "the file ends before its first message".to_owned(),
                 Ending::Wrong(reason) => reason,
             };
             RecordingError::Malformed {

@@ -82,11 +82,11 @@ impl Topic {
         };
         if listing.channels.is_empty() {
             let reason = match ending {
-                Some(Ending::BreaksOff) => "the file breaks off before the first topic".to_owned(),
+                Some(Ending::BreaksOff) => "the file ends before its first topic".to_owned(),
                 Some(Ending::Wrong(error)) => format!("the file cannot be read: {error}"),
                 None => "the file has none".to_owned(),
             };
-            return Err(malformed(reason, "record or copy the file anew".to_owned()));
+            return Err(malformed(reason, "record or copy the file again".to_owned()));
         }
         let topics = listing.topics();
         let listed = |of: &BTreeMap<&str, (&str, &str)>| {
@@ -114,7 +114,7 @@ impl Topic {
                     return Err(malformed(reason, format!("record one; the file has {}", listed(&topics))));
                 }
                 (2.., None) => {
-                    let reason = format!("several topics are joint states: {}", listed(&states));
+                    let reason = format!("several topics contain joint states: {}", listed(&states));
                     return Err(malformed(
                         reason,
                         "state which to read, e.g. topic = \"/joint_states\"".into(),
@@ -126,7 +126,7 @@ impl Topic {
                 }
                 (_, _) => match states.first_key_value() {
                     Some((name, found)) => (*name, *found),
-                    None => return Err(malformed("the file has none".into(), "record it anew".into())),
+                    None => return Err(malformed("the file has none".into(), "record it again".into())),
                 },
             },
         };
@@ -145,7 +145,7 @@ impl Topic {
         let channels: Vec<u64> = of_topic.map(|(id, _)| *id).collect();
         let others = listing.channels.values().filter(|(topic, ..)| topic == name).count() - channels.len();
         if others > 0 {
-            let also = format!("{name} has messages of other types as well, which are passed over");
+            let also = format!("{name} also has messages of other types, which are skipped");
             remark = Some(remark.map_or_else(|| also.clone(), |said| format!("{said}; {also}")));
         }
         Ok((Self { name: name.to_owned(), channels }, remark))

@@ -60,7 +60,7 @@ impl RecordingFormat for Csv {
     }
 
     fn recognises(&self, _beginning: &[u8]) -> bool {
-        // Text has no mark of its own; it is what is read when nothing else claims a file.
+        // Text has no signature; it is what remains when no other format recognises a file.
         false
     }
 

@@ -16,7 +16,7 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Columns that nobody asked for: if they are unusable, a remark says so.
+    /// Columns that were not requested: if they are unusable, a remark says so.
     pub(super) fn optional(
         &self,
         what: &str,

@@ -67,7 +67,7 @@ impl LongRecording {
         Ok(Self { report, ..long })
     }
 
-    /// Appends samples. Velocities are passed over.
+    /// Appends samples. Velocities are skipped.
     ///
     /// # Errors
     /// [`RecordingError::Count`] if they are of another robot, [`RecordingError::Sample`] and

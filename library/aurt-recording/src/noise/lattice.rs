@@ -2,7 +2,7 @@
 
 use crate::preprocess::clock::median;
 
-/// Fewest changes of value from which a lattice is told.
+/// Fewest changes of value from which a lattice is detected.
 const FEWEST: usize = 20;
 /// A change is on the lattice if it is a multiple to this share of the step: files round angles once more.
 const OFF: f64 = 0.1;

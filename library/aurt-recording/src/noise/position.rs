@@ -15,7 +15,7 @@ const FOLDED_BIN: u32 = (1 << 31) / BINS as u32;
 const HALF_SPEED_S: f64 = 0.04;
 /// Fractional part of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// White noise is told from the lattice's own error where the differences have this many times its power.
+/// White noise is distinguished from the lattice's own error where the differences have this many times its power.
 const BEYOND_LATTICE: f64 = 1.3;
 
 /// Noise of a series of positions as recorded, before any interpolation and filter.

@@ -76,8 +76,8 @@ fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
     };
     let cut = || {
         refused(
-            "the file breaks off or is no Parquet file, and without its end none of its columns can be found",
-            "copy or write the file anew; a recording that may break off is better kept as MCAP or CSV",
+            "the file is truncated or not Parquet: its footer, which lists the columns, is missing",
+            "copy or write the file again; for recordings that may be truncated use MCAP or CSV",
         )
     };
     if input.beginning.starts_with(b"PARE") {
@@ -209,7 +209,7 @@ impl Reader<'_> {
             begin.first().copied().filter(|s| s.abs() * 1e9 > 9_007_199_254_740_992.0).map(f64::floor);
         if let Some(second) = second {
             leaf.number = Number::Stamp { per_second, origin: (second as i64).saturating_mul(per_second) };
-            table.remark(format!("time counts from {second} s, so that stamps keep their nanoseconds"));
+            table.remark(format!("time starts at {second} s, so that stamps keep nanosecond resolution"));
         }
         Ok(second.unwrap_or(0.0))
     }
@@ -225,9 +225,9 @@ impl Reader<'_> {
     fn failed(&self, column: &str, problem: Problem) -> RecordingError {
         let (reason, remedy) = match problem {
             Problem::TooLarge(error) => return error,
-            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file anew"),
+            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file again"),
             Problem::Unknown(what) => (
-                format!("it has {what}, which are not read"),
+                format!("it has {what}, which are not supported"),
                 "write it as pandas does, with compression \"snappy\", \"gzip\" or \"zstd\"",
             ),
             Problem::Lengths { expected, found } => (
@@ -244,7 +244,7 @@ impl Reader<'_> {
     }
 }
 
-/// Episodes whose stamps begin anew.
+/// Episodes whose stamps begin again.
 struct Episodes<'a> {
     column: Column<'a>,
     current: Option<u64>,

@@ -140,7 +140,7 @@ impl<'a> Column<'a> {
 
     /// Reads a page of numbers; false after the last.
     fn page(&mut self) -> Result<bool, Problem> {
-        const CUT: Problem = Problem::Damaged("a page breaks off or cannot be what it claims");
+        const CUT: Problem = Problem::Damaged("a page is truncated or inconsistent with its header");
         loop {
             let ended = match &mut self.source {
                 Some(source) => source.fill_buf().map_err(|_| CUT)?.is_empty(),
@@ -202,7 +202,7 @@ impl<'a> Column<'a> {
 
     /// Takes the numbers of a page.
     fn data(&mut self, head: &Head, body: &[u8]) -> Result<(), Problem> {
-        const CUT: Problem = Problem::Damaged("the levels of a page cannot be what they claim");
+        const CUT: Problem = Problem::Damaged("the levels of a page are inconsistent with its header");
         const RLE: i64 = 3;
         let count = head.count as usize;
         let mut bytes = Bytes(body);
@@ -266,7 +266,8 @@ impl<'a> Column<'a> {
     }
 
     fn numbers(&self, mut bytes: Bytes<'_>, encoding: i64, count: usize) -> Result<Vec<f64>, Problem> {
-        const CUT: Problem = Problem::Damaged("the numbers of a page break off or cannot be what they claim");
+        const CUT: Problem =
+            Problem::Damaged("the numbers of a page are truncated or inconsistent with its header");
         let number = self.leaf.number;
         match encoding {
             0 => plain(bytes, number, count),
@@ -357,7 +358,7 @@ fn unpack(codec: i64, packed: Vec<u8>, size: usize) -> Result<Vec<u8>, Problem> 
                 3 => "LZO",
                 4 => "Brotli",
                 5 => "the old LZ4",
-                _ => "something unknown",
+                _ => "an unknown codec",
             };
             return Err(Problem::Unknown(format!("pages compressed with {name}")));
         }

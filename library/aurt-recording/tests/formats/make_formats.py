@@ -169,7 +169,7 @@ else:
         "note": ["by PyArrow"] * len(time),
         "moving": time > 0.5,
     }
-    # Texts and truth values are passed over; the rest is all that a writer can choose.
+    # Texts and truth values are skipped; the rest is all that a writer can choose.
     pq.write_table(pa.table(flat), FOLDER / "snappy.parquet", row_group_size=50)
     pq.write_table(pa.table(lists), FOLDER / "zstd.parquet", compression="zstd", row_group_size=70)
     split = {name: "BYTE_STREAM_SPLIT" for name in flat}
