@@ -10,7 +10,7 @@ use std::io::{Read, Seek, SeekFrom};
 
 use crate::bag::records::{Ending, RECORD_LIMIT};
 
-pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";
+pub(super) const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 /// Bytes before the b-tree of the first page.
 const HEADER: usize = 100;
 const INTERIOR: u8 = 0x05;
@@ -69,7 +69,7 @@ impl<'a> Database<'a> {
             bytes => usize::from(bytes),
         };
         let usable = page_bytes.saturating_sub(usize::from(header[20]));
-        if !header.starts_with(MAGIC) || !page_bytes.is_power_of_two() || usable < 480 {
+        if !header.starts_with(SQLITE_MAGIC) || !page_bytes.is_power_of_two() || usable < 480 {
             return Err(wrong("its header is not that of an SQLite database"));
         }
         if header[56..60] != [0, 0, 0, 1] {

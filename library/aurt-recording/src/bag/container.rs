@@ -2,10 +2,11 @@ use std::io::{Read, Seek, SeekFrom, copy};
 
 use ruzstd::decoding::StreamingDecoder;
 
-use crate::bag::mcap::{self, McapFile};
+use crate::bag::btree::SQLITE_MAGIC;
+use crate::bag::mcap::{MCAP_MAGIC, McapFile};
+use crate::bag::reading::read;
 use crate::bag::records::{Container, ZSTD};
 use crate::bag::sqlite::SqliteFile;
-use crate::bag::{bag, btree};
 use crate::error::RecordingError;
 use crate::format::{BEGINNING_BYTES, RecordingFormat, RecordingInput, Visit, unreadable};
 use crate::memory::Memory;
@@ -33,7 +34,7 @@ impl RecordingFormat for Bag {
     }
 
     fn recognises(&self, beginning: &[u8]) -> bool {
-        [mcap::MAGIC, btree::MAGIC, ZSTD].iter().any(|mark| beginning.starts_with(mark))
+        [MCAP_MAGIC, SQLITE_MAGIC, ZSTD].iter().any(|mark| beginning.starts_with(mark))
     }
 
     fn read(
@@ -44,7 +45,7 @@ impl RecordingFormat for Bag {
         visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let memory = Memory::of(input.path, input.bytes, options);
-        bag::read(memory, vec![container(input, memory)?], options, piece_rows, visit)
+        read(memory, vec![container(input, memory)?], options, piece_rows, visit)
     }
 }
 
@@ -57,10 +58,10 @@ pub(super) fn container<'a>(
     memory: Memory<'a>,
 ) -> Result<Box<dyn Container + 'a>, RecordingError> {
     let input = if input.beginning.starts_with(ZSTD) { unpacked(&input, memory)? } else { input };
-    if input.beginning.starts_with(mcap::MAGIC) {
+    if input.beginning.starts_with(MCAP_MAGIC) {
         return Ok(Box::new(McapFile { input, memory }));
     }
-    if input.beginning.starts_with(btree::MAGIC) {
+    if input.beginning.starts_with(SQLITE_MAGIC) {
         return Ok(Box::new(SqliteFile::new(input)?));
     }
     Err(RecordingError::Malformed {

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use crate::bag::bag;
 use crate::bag::container::container;
+use crate::bag::reading::read;
 use crate::error::RecordingError;
 use crate::format::{RecordingInput, Visit, unreadable};
 use crate::memory::Memory;
@@ -56,7 +56,7 @@ impl BagFolder {
         let files = files.collect::<Result<Vec<_>, _>>()?;
         let memory = Memory::of(&self.folder, files.iter().map(|file| file.bytes).sum(), options);
         let files = files.into_iter().map(|file| container(file, memory)).collect::<Result<_, _>>()?;
-        bag::read(memory, files, options, piece_rows, visit)
+        read(memory, files, options, piece_rows, visit)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::error::RecordingError;
 use crate::format::RecordingInput;
 use crate::memory::Memory;
 
-pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+pub(super) const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Room that is made for the records of a chunk before they have arrived, at most.
 const CHUNK_ROOM: u64 = 1 << 22;
 
@@ -155,7 +155,7 @@ impl<'a> McapRecords<'a> {
 impl Records for McapRecords<'_> {
     fn next(&mut self, take: &mut dyn FnMut(Record<'_>)) -> Result<bool, Ending> {
         if !std::mem::replace(&mut self.begun, true) {
-            self.file.read_exact(&mut [0; MAGIC.len()])?;
+            self.file.read_exact(&mut [0; MCAP_MAGIC.len()])?;
         }
         while !self.ended {
             if let Some((kind, bytes)) = self.next_in_chunk()? {

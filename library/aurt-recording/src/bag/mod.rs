@@ -1,6 +1,5 @@
 //! Bags of ROS 2 with `sensor_msgs/msg/JointState`: MCAP, SQLite (`.db3`), and folders of several such files.
 
-mod bag;
 mod btree;
 mod container;
 mod folder;
@@ -8,6 +7,7 @@ mod joint_state;
 mod joints;
 mod mcap;
 mod messages;
+mod reading;
 mod records;
 mod sqlite;
 mod topics;

@@ -97,7 +97,7 @@ impl<'a> Table<'a> {
             let number = collector.rows() + 1;
             collector.add(&mut row, number);
             // Not every format says beforehand how many rows there are.
-            if collector.held() % ROOM_ROWS == 0 {
+            if collector.held().is_multiple_of(ROOM_ROWS) {
                 self.make_room(collector.held() as u64, piece_rows)?;
             }
             if collector.held() >= piece_rows {
