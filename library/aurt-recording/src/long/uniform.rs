@@ -2,8 +2,9 @@ use std::ops::Range;
 
 use crate::error::RecordingError;
 use crate::long::recording::LongRecording;
+use crate::noise::median::median;
 use crate::preprocess::PreprocessOptions;
-use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, median, to_digits};
+use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, to_digits};
 use crate::preprocess::resample::SAME_STAMP;
 
 /// Samples read at once; the median distance of stamps is that of the first ones.

@@ -1,6 +1,6 @@
 //! The lattice on which an encoder puts its values.
 
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
 /// Fewest changes of value from which a lattice is detected.
 const FEWEST: usize = 20;

@@ -2,7 +2,7 @@
 
 use super::lattice::lattice_step;
 use super::white::level_and_order;
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
 /// Bins of the lattice error's spectrum between 0 and half the sampling rate.
 const BINS: usize = 512;

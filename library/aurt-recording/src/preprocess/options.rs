@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 /// How a recording is preprocessed (paper, section IV).
 ///
