@@ -31,6 +31,10 @@ impl BagFolder {
         let text = aurt_files::read_text(&file, aurt_files::MOST_TEXT_BYTES)
             .map_err(|source| unreadable(&file, source))?;
         let files: Vec<PathBuf> = listed(&text).map(|name| folder.join(name)).collect();
+        if files.is_empty() && path.is_dir() {
+            // A recorder that was killed lists nothing; the refusal of the folder names the files in it.
+            return Ok(None);
+        }
         if files.is_empty() {
             return Err(RecordingError::Malformed {
                 path: file,
