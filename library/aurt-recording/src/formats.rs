@@ -7,7 +7,8 @@ use crate::bag::{Bag, BagFolder, described};
 use crate::csv::Csv;
 use crate::error::RecordingError;
 use crate::foreign;
-use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::format::Visit;
+use crate::format::{RecordingFormat, RecordingInput};
 #[cfg(feature = "lerobot")]
 use crate::lerobot::{DataSet, folder_of};
 #[cfg(feature = "matlab")]

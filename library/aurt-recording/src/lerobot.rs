@@ -19,6 +19,7 @@ use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;
+use crate::robot_joints::{RecordedJoints, places};
 use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
@@ -129,7 +130,7 @@ impl DataSet {
         piece_rows: usize,
         visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
     ) -> Result<Recording, RecordingError> {
-        let (mut options, remarks) = self.selected(options)?;
+        let (mut options, remarks, joints) = self.selected(options)?;
         let sizes = self.files.iter().filter_map(|file| file.metadata().ok());
         let memory = Memory::of(&self.folder, sizes.map(|file| file.len()).sum(), &options);
         let mut all: Option<Recording> = None;
@@ -142,6 +143,7 @@ impl DataSet {
             clock.begins_again();
             let mut recording = Parquet.read(input, &options, piece_rows, &mut |piece| {
                 let mut piece = piece.clone();
+                piece.joints.clone_from(&joints);
                 clock.place(&mut piece.time_s);
                 visit(&piece)
             })?;
@@ -159,6 +161,7 @@ impl DataSet {
             return Err(self.refused("it has no files", "download it again"));
         };
         all.file = self.folder.clone();
+        all.joints = joints;
         all.report.format = self.name();
         all.report.remarks.splice(0..0, remarks);
         all.report.remarks.extend(self.other_rate(&clock));
@@ -189,13 +192,17 @@ impl DataSet {
     }
 
     /// The options with the columns of the robot's joints, and what is to be said of them.
-    fn selected(&self, options: &ReadOptions) -> Result<(ReadOptions, Vec<String>), RecordingError> {
+    fn selected(
+        &self,
+        options: &ReadOptions,
+    ) -> Result<(ReadOptions, Vec<String>, RecordedJoints), RecordingError> {
         let mut options = options.clone();
         if !self.info.features.contains_key("timestamp") && options.columns.time.is_none() {
             options.recorded.rate_hz.get_or_insert(self.info.fps);
         }
         if options.columns.position.is_some() {
-            return Ok((options, Vec::new()));
+            let joints = options.joints_read(&[]);
+            return Ok((options, Vec::new(), joints));
         }
         let Some(state) = self.info.features.get(STATE).filter(|f| f.width() > 0) else {
             let known: Vec<&str> = self.info.features.keys().map(String::as_str).collect();
@@ -233,7 +240,9 @@ impl DataSet {
                 options.unit.get_or_insert(unit);
             }
         }
-        Ok((options, remarks))
+        let found: Vec<String> = listed.iter().map(|name| plain(name).to_owned()).collect();
+        let joints = options.joints_read(&found);
+        Ok((options, remarks, joints))
     }
 
     /// For each of the robot's joints its place in a frame.
@@ -245,24 +254,24 @@ impl DataSet {
     ) -> Result<Vec<usize>, RecordingError> {
         let remedy = "name the robot's joints as the data set does, in the robot's order: joint_names = […]";
         let listed = || if names.is_empty() { "without names".to_owned() } else { names.join(", ") };
-        let Some(wanted) = options.recorded.joint_names.as_ref().filter(|_| !names.is_empty()) else {
-            return match options.joints.filter(|n| *n != width) {
+        let wanted = options.joint_names();
+        if wanted.is_empty() || names.is_empty() {
+            return match options.joint_count().filter(|n| *n != width) {
                 None => Ok((0..width).collect()),
                 Some(robot) => Err(self.refused(
                     &format!("`{STATE}` has {width} numbers, the robot has {robot} joints: {}", listed()),
                     if names.is_empty() { "select the columns with `columns`" } else { remedy },
                 )),
             };
-        };
-        wanted
-            .iter()
-            .map(|joint| {
-                let exact = names.iter().position(|name| name == joint);
-                exact.or_else(|| names.iter().position(|name| plain(name) == plain(joint))).ok_or_else(|| {
-                    self.refused(&format!("`{STATE}` has no joint `{joint}`; it has {}", listed()), remedy)
-                })
-            })
-            .collect()
+        }
+        let plainly = |names: &[String]| names.iter().map(|name| plain(name).to_owned()).collect::<Vec<_>>();
+        let found = places(wanted, names).or_else(|_| places(&plainly(wanted), &plainly(names)));
+        found.map_err(|lacking| RecordingError::JointNames {
+            path: self.folder.clone(),
+            recorded: names.to_vec(),
+            wanted: wanted.to_vec(),
+            lacking,
+        })
     }
 
     fn refused(&self, reason: &str, remedy: &str) -> RecordingError {

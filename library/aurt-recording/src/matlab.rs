@@ -10,7 +10,8 @@ use flate2::read::ZlibDecoder;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
 use crate::error::RecordingError;
-use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::format::Visit;
+use crate::format::{RecordingFormat, RecordingInput};
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;

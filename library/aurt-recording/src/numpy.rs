@@ -11,7 +11,8 @@ use zip::ZipArchive;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
 use crate::error::RecordingError;
-use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::format::Visit;
+use crate::format::{RecordingFormat, RecordingInput};
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::Recording;

@@ -4,6 +4,7 @@ use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
 use crate::error::RecordingError;
+use crate::robot_joints::RecordedJoints;
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
 /// leave gaps, but they never go backwards.
@@ -23,6 +24,8 @@ pub struct Recording {
     pub measurement: Option<Vec<Vec<f64>>>,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
+    /// Which joints these are.
+    pub joints: RecordedJoints,
     /// What was found and done while reading.
     pub report: ReadReport,
 }
@@ -112,6 +115,7 @@ impl Recording {
             velocity_rad_s: None,
             measurement: None,
             unit: MeasurementUnit::default(),
+            joints: RecordedJoints::Unnamed,
             report,
         };
         recording.validate()?;
@@ -215,6 +219,7 @@ impl Recording {
             velocity_rad_s: self.velocity_rad_s.as_ref().map(cut),
             measurement: self.measurement.as_ref().map(cut),
             unit: self.unit,
+            joints: self.joints.clone(),
             report: self.report.clone(),
         }
     }

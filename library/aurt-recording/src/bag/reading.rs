@@ -46,6 +46,7 @@ pub(super) fn read(
     let names = joints.columns();
     let width = names.len();
     let mut table = Table::new(memory, names, width, options)?;
+    table.belongs_to(options.joints_read(joints.names()));
     said.dedup();
     said.into_iter().for_each(|r| table.remark(r));
     joints.remarks().into_iter().for_each(|r| table.remark(r));

@@ -6,6 +6,7 @@ use crate::csv::search::Search;
 use crate::error::RecordingError;
 use crate::recorded_as::Factor;
 use crate::recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
+use crate::robot_joints::RecordedJoints;
 
 /// The columns that are read.
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub(super) struct Selected {
     pub(super) rate_hz: Option<f64>,
     /// The nanoseconds of the stamps, where `time` has their seconds alone; last in a row.
     pub(super) nanoseconds: Option<usize>,
+    /// Which joints the columns belong to.
+    pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
 }
@@ -80,7 +83,7 @@ impl Search<'_> {
             (None, None) => Some(self.find_time(&families)?),
         };
         let position = self.position(&families, &mut remarks)?;
-        let joints = self.options.joints.unwrap_or(position.len());
+        let joints = self.options.joint_count().unwrap_or(position.len());
         let recorded = self.units(time.as_ref(), &position, &mut remarks)?;
         let velocity = match &selection.velocity {
             _ if !recorded.takes(Quantity::Velocity) => None,
@@ -112,6 +115,7 @@ impl Search<'_> {
             factors: Vec::new(),
             rate_hz: recorded.rate_hz,
             nanoseconds: time.and_then(|clock| clock.nanoseconds),
+            joints: self.options.joints_read(&[]),
             remarks,
         };
         let counts = [

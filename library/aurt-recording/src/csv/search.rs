@@ -1,5 +1,6 @@
 //! The search for columns by name, and what is said where there are none.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use crate::csv::families::{self, Families};
@@ -45,6 +46,9 @@ impl Search<'_> {
         prefixes: &[&'static str],
         remarks: &mut Vec<String>,
     ) -> Result<Option<Vec<usize>>, RecordingError> {
+        if let Some((_, columns)) = self.by_joint(prefixes) {
+            return Ok(Some(columns));
+        }
         let Some(prefix) = families.present(prefixes).first().copied() else { return Ok(None) };
         let columns = self.family(families, prefix, what)?;
         let last_word = |name: &str| name.rsplit('_').next().map(str::to_owned);
@@ -63,6 +67,34 @@ impl Search<'_> {
             remarks.push(format!("{what}: `{prefix}` is read, not `{}`", others.join("`, `")));
         }
         Ok(Some(columns))
+    }
+
+    /// The first of some quantities that has a column for each of the robot's joints by its name, as `elbow.position` and
+    /// `position/elbow`.
+    pub(super) fn by_joint<'p>(&self, quantities: &[&'p str]) -> Option<(&'p str, Vec<usize>)> {
+        let joints = self.options.joint_names();
+        let mut places = HashMap::new();
+        for (k, quantity) in quantities.iter().enumerate() {
+            for (j, joint) in joints.iter().map(|joint| joint.to_lowercase()).enumerate() {
+                for between in ['.', '/', '_', ' '] {
+                    places.insert(format!("{joint}{between}{quantity}"), (k, j));
+                    places.insert(format!("{quantity}{between}{joint}"), (k, j));
+                }
+            }
+        }
+        let mut found = vec![vec![Vec::new(); joints.len()]; quantities.len()];
+        for (column, name) in self.header.names.iter().enumerate().filter(|_| !joints.is_empty()) {
+            let name = families::without_unit(name);
+            // The topic may stand before it.
+            let mut ends = std::iter::once(0).chain(name.match_indices(['/', '.']).map(|(at, _)| at + 1));
+            if let Some((k, j)) = ends.find_map(|at| places.get(&name[at..])) {
+                found[*k][*j].push(column);
+            }
+        }
+        let only = |columns: &Vec<usize>| columns.first().copied().filter(|_| columns.len() == 1);
+        let all = |columns: &Vec<Vec<usize>>| columns.iter().map(only).collect::<Option<Vec<usize>>>();
+        let mut families = quantities.iter().zip(&found).filter(|_| !joints.is_empty());
+        families.find_map(|(quantity, columns)| Some((*quantity, all(columns)?)))
     }
 
     /// The columns of a prefix.
@@ -185,7 +217,7 @@ impl Search<'_> {
         let time = self.find_time(&families).ok()?.column;
         let position =
             self.find(&families, "joint positions", &families::POSITION, &mut Vec::new()).ok()??;
-        let columns = families.unknown(self.options.joints.unwrap_or(position.len()))?;
+        let columns = families.unknown(self.options.joint_count().unwrap_or(position.len()))?;
         let listed = |columns: &[usize]| -> String {
             columns.iter().map(|c| format!("\"{}\"", self.header.name(*c))).collect::<Vec<_>>().join(", ")
         };

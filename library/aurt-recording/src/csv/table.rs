@@ -11,6 +11,7 @@ use crate::format::Visit;
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
 use crate::recording::{ReadReport, Recording};
+use crate::robot_joints::RecordedJoints;
 
 /// Columns that an array or a list may have; longer ones have no number for each joint.
 pub(crate) const MOST_COLUMNS: usize = 4096;
@@ -52,6 +53,11 @@ impl<'a> Table<'a> {
     /// The column of the time stamps, if they are read.
     pub(crate) const fn time(&self) -> Option<usize> {
         self.selected.time
+    }
+
+    /// Says which joints the columns belong to.
+    pub(crate) fn belongs_to(&mut self, joints: RecordedJoints) {
+        self.selected.joints = joints;
     }
 
     /// Adds what a person should know.
@@ -173,6 +179,7 @@ pub(super) fn recording(
         velocity_rad_s: selected.velocity.as_deref().map(&mut family),
         measurement: selected.measurement.as_deref().map(&mut family),
         unit: selected.unit,
+        joints: selected.joints.clone(),
         report,
     }
 }
