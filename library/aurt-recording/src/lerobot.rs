@@ -18,8 +18,9 @@ use crate::format::unreadable;
 use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
 use crate::read_options::ReadOptions;
+use crate::recording::RecordedJoints;
 use crate::recording::Recording;
-use crate::robot_joints::{RecordedJoints, places};
+use crate::robot_joints::places;
 use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.

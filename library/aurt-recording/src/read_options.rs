@@ -2,7 +2,8 @@ use aurt_traits::MeasurementUnit;
 
 use crate::error::RecordingError;
 use crate::recorded_as::RecordedAs;
-use crate::robot_joints::{RecordedJoints, RobotJoints};
+use crate::recording::RecordedJoints;
+use crate::robot_joints::RobotJoints;
 use crate::selection::ColumnSelection;
 
 /// What to read, and which defects to accept.

@@ -4,7 +4,6 @@ use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
 use crate::error::RecordingError;
-use crate::robot_joints::RecordedJoints;
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
 /// leave gaps, but they never go backwards.
@@ -28,6 +27,30 @@ pub struct Recording {
     pub joints: RecordedJoints,
     /// What was found and done while reading.
     pub report: ReadReport,
+}
+
+/// What a recording says of the joints that its series belong to.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RecordedJoints {
+    /// Nothing: they are in the order of the robot's.
+    #[default]
+    Unnamed,
+    /// Their names, by which they are matched.
+    Named(Vec<String>),
+    /// The names that the user stated for the robot's joints, in the robot's order: matched by name where the robot has the
+    /// same, else in this order.
+    Stated(Vec<String>),
+}
+
+impl RecordedJoints {
+    /// The names, series after series; empty where there are none.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Unnamed => &[],
+            Self::Named(names) | Self::Stated(names) => names,
+        }
+    }
 }
 
 /// What was found and done while a recording was read.

@@ -6,7 +6,7 @@ use crate::csv::search::Search;
 use crate::error::RecordingError;
 use crate::recorded_as::Factor;
 use crate::recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
-use crate::robot_joints::RecordedJoints;
+use crate::recording::RecordedJoints;
 
 /// The columns that are read.
 #[derive(Debug)]

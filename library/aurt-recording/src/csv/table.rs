@@ -10,8 +10,8 @@ use crate::error::RecordingError;
 use crate::format::Visit;
 use crate::memory::Memory;
 use crate::read_options::ReadOptions;
+use crate::recording::RecordedJoints;
 use crate::recording::{ReadReport, Recording};
-use crate::robot_joints::RecordedJoints;
 
 /// Columns that an array or a list may have; longer ones have no number for each joint.
 pub(crate) const MOST_COLUMNS: usize = 4096;

@@ -9,6 +9,7 @@ mod decimate;
 pub(crate) mod differentiate;
 mod modes;
 mod options;
+mod refusal;
 mod report;
 pub(crate) mod resample;
 mod segment;
@@ -31,7 +32,8 @@ use std::path::Path;
 use crate::error::RecordingError;
 use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
-use crate::preprocess::segment::{Plan, Refusal};
+use crate::preprocess::refusal::Refusal;
+use crate::preprocess::segment::Plan;
 use crate::preprocess::zero_phase::CUTOFF_RANGE;
 use crate::recording::Recording;
 

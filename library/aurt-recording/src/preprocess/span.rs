@@ -1,8 +1,8 @@
 use std::ops::Range;
 
 use crate::preprocess::options::PreprocessOptions;
+use crate::preprocess::refusal::Refusal;
 use crate::preprocess::report::SegmentReport;
-use crate::preprocess::segment::Refusal;
 use crate::preprocess::zero_phase::ZeroPhase;
 
 /// Samples from which filtered series are what they would be if the recording did not end; see [`ZeroPhase::memory`].
