@@ -6,7 +6,7 @@
 //! never held in memory as a whole. [`LongRecording`] does both for recordings longer than memory.
 //!
 //! ```
-//! use aurt_recording::{PreprocessOptions, ReadOptions, ZeroPhaseBank, preprocess, read_recording};
+//! use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
@@ -19,62 +19,91 @@
 //! for segment in &prepared.segments {
 //!     // The regressor of a single inertia has one column: the acceleration. It passes the measurement's filter.
 //!     let column = segment.motion.view().acceleration_rad_s2(0);
-//!     let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, 1, segment.decimation);
+//!     let mut bank = segment.bank(1);
 //!     let mut rows = Vec::new();
 //!     let mut collect = |tile: aurt_recording::DecimatedTile<'_>| rows.extend_from_slice(tile.column(0));
 //!     for tile in column.chunks(256) {
 //!         bank.push(tile, tile.len(), tile.len(), &mut collect);
 //!     }
 //!     bank.finish(&mut collect)?;
-//!     assert!(rows.len() >= segment.rows());
+//!     assert_eq!(rows.len(), segment.rows());
 //! }
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! Joints count from 0. Units are SI.
+//!
+//! # Features
+//! Text is always read. The others are on by default: `mcap` (bags of ROS 2: MCAP, SQLite, folders), `parquet`, `lerobot`,
+//! `numpy`, `matlab`.
 
+#![cfg_attr(
+    not(all(feature = "mcap", feature = "parquet", any(feature = "matlab", feature = "numpy"))),
+    expect(dead_code, reason = "what several formats share is there for each of them")
+)]
+
+#[cfg(any(feature = "matlab", feature = "numpy"))]
 mod arrays;
+#[cfg(feature = "mcap")]
+mod bag;
 mod csv;
 mod error;
 mod foreign;
 mod format;
+mod formats;
 mod joined;
-mod joint_state;
+#[cfg(feature = "lerobot")]
 mod lerobot;
 mod long;
+#[cfg(feature = "matlab")]
 mod matlab;
-mod mcap_bag;
+mod memory;
 mod noise;
+#[cfg(feature = "numpy")]
 mod numpy;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod preprocess;
+mod read_options;
+mod reading;
 mod recorded_as;
 mod recording;
 mod robot_joints;
+mod selection;
 mod spread;
+#[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
-pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
+#[cfg(feature = "mcap")]
+pub use bag::Bag;
+pub use csv::Csv;
 pub use error::RecordingError;
-pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
-pub use joined::JoinedFile;
-pub use lerobot::is_lerobot;
+pub use format::{RecordingFormat, RecordingInput};
+pub use formats::{FORMATS, is_recording_folder};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
+#[cfg(feature = "matlab")]
 pub use matlab::Matlab;
-pub use mcap_bag::McapBag;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
     acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,
 };
+#[cfg(feature = "numpy")]
 pub use numpy::NumPy;
+#[cfg(feature = "parquet")]
 pub use parquet::Parquet;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
-pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
-pub use recording::{DroppedRow, ReadReport, Recording};
-pub use robot_joints::{RecordedJoints, RobotJoints, RobotRecording};
+pub use read_options::ReadOptions;
+pub use reading::{read_recording, read_running};
+pub use recorded_as::{AngleUnit, CurrentUnit, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
+pub use robot_joints::{RobotJoints, RobotRecording};
+pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
-pub use written::{JointTopic, mcap, parquet};
+#[cfg(feature = "parquet")]
+pub use written::parquet;
+#[cfg(feature = "mcap")]
+pub use written::{JointTopic, mcap};

@@ -252,6 +252,7 @@ impl Pipeline<'_> {
     pub fn options(&self, unit: MeasurementUnit, purpose: Purpose) -> PreprocessOptions {
         PreprocessOptions {
             trim_rest: self.preprocessing.trim_rest && purpose == Purpose::Calibration,
+            whole_motion: purpose == Purpose::Prediction,
             gains: self.instrument.factors(unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),

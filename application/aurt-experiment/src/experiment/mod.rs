@@ -5,6 +5,7 @@
 //! leave comments and order alone.
 
 mod calibration;
+mod columns;
 mod errors;
 mod geometry;
 mod instrument;
@@ -27,11 +28,12 @@ use toml::de::DeTable;
 
 pub use self::{
     calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
+    columns::{ColumnName, JointColumns, RecordingColumns},
     errors::{ExperimentErrors, Problem},
     geometry::Geometry,
     instrument::Instrument,
     joint_dynamics::{JointDynamics, JointOverride},
-    recordings::{ColumnName, JointColumns, RecordingColumns, RecordingSource, Recordings},
+    recordings::{RecordingSource, Recordings},
     robot::Robot,
 };
 use self::{

@@ -1,7 +1,12 @@
 use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
+use aurt_traits::MeasurementUnit;
 
 use super::{joint_count::JointCheck, section::Section};
 use crate::{Node, NodeKind};
+
+/// Units of measurements.
+pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
+    [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 
 const ANGLE: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
 const TIME: [(&str, TimeUnit); 4] = [

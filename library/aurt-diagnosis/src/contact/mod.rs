@@ -43,6 +43,14 @@ pub struct Contact {
     pub force_n: [f64; 3],
 }
 
+impl Contact {
+    /// Whether two contacts are one: the same recording, and windows that meet.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        let [from, to] = self.window_s;
+        self.recording == other.recording && from < other.window_s[1] && other.window_s[0] < to
+    }
+}
+
 /// What a contact must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactOptions {
@@ -73,7 +81,7 @@ pub struct ContactRows<'a> {
     pub rows: &'a RecordingRows,
     /// Stamp of the recording's first sample, s: windows count from it.
     pub origin_s: f64,
-    /// Residual of a fit, `[joint][row]`, best of one in which the recording took no part.
+    /// Residual of a fit, `[joint][row]`, best of one that leaves out the recording.
     pub residual: &'a [Vec<f64>],
     /// Columns of each link's force, from [`force_columns`].
     pub forces: &'a [ForceColumns],

@@ -1,7 +1,7 @@
 //! The search for a joint's gear, and what is claimed of it.
 //!
 //! Shapes are found on one half of the blocks of time and judged on the other, and the other way round: what is counted is the
-//! log-likelihood that a prediction gains on rows which had no part in it. Frequency, damping and play are found by variable
+//! log-likelihood that a prediction gains on held-out rows. Frequency, damping and play are found by variable
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
 use aurt_calibration::in_standard_errors;
@@ -11,7 +11,7 @@ use super::rows::PARTS;
 use super::shape::{Inertia, Shape};
 use crate::error::DiagnosisError;
 
-/// Least gain in log-likelihood on rows that had no part in it, nats. The starts are some fifty shapes of each of seven
+/// Least gain in log-likelihood on held-out rows, nats. The starts are some fifty shapes of each of seven
 /// joints: where nothing is there, the best of them gains less than 1 on other rows (it is as likely to lose).
 pub(super) const LEAST_GAIN: f64 = 12.0;
 /// Least mean of the gain over the parts of blocks, in standard errors: less is reached by
@@ -53,7 +53,7 @@ pub(super) struct Found {
     pub amplitude_std: f64,
     /// Standard deviations of the shape's freedoms.
     pub shape_std: [f64; 4],
-    /// Gain in log-likelihood on rows that had no part in the fit: over all, over reference and target recordings.
+    /// Gain in log-likelihood on held-out rows: over all, over reference and target recordings.
     pub gain: f64,
     pub gains: [f64; 2],
     /// Mean gain of the parts of blocks in standard errors.
@@ -268,30 +268,36 @@ impl Found {
     fn test(&mut self, shapes: &[Shape], amplitudes: &[f64], top_hz: f64) {
         let mut fails = Vec::new();
         if self.gain < LEAST_GAIN {
-            fails.push(format!("it gains {:.1} nats on other rows, less than {LEAST_GAIN}", self.gain));
+            fails.push(format!(
+                "its gain on held-out rows is {:.1} nats, at least {LEAST_GAIN} required",
+                self.gain
+            ));
         }
         if self.t.is_nan() || self.t < LEAST_T {
             fails.push(format!(
-                "its gain of {:.0} nats is {:.1} standard errors, less than {LEAST_T}",
+                "its gain of {:.0} nats is {:.1} standard errors, at least {LEAST_T} required",
                 self.gain, self.t
             ));
         }
         if self.share < LEAST_SHARE {
-            fails.push(format!("it explains {:.1} % of the joint's rows", 100.0 * self.share));
+            fails.push(format!("it explains only {:.1} % of the joint's residual", 100.0 * self.share));
         }
         let possible = |a: &f64| (AMPLITUDE[0]..=AMPLITUDE[1]).contains(a);
         if !amplitudes.iter().chain([&self.amplitude]).all(possible) {
-            fails.push(format!("the torque is {:.2} times what physics asks for", self.amplitude));
+            fails.push(format!(
+                "its torque is {:.2} times the value that the link's inertia implies",
+                self.amplitude
+            ));
         }
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let [a, b] = [shapes[0], shapes[1]];
         if shapes.iter().any(|s| s.is_at_the_end(top_hz)) {
-            fails.push("its resonance lies outside the band of the recording".into());
+            fails.push("its resonance is outside the frequency band of the recording".into());
         }
         let same_gap = self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
         let same_hz = self.shape.half_gap_rad > 0.0 || ratio(a.hz, b.hz) <= SAME_HZ;
         if !same_gap || !same_hz {
-            fails.push("two halves of the data give two different gears".into());
+            fails.push("the two halves of the data give different gears".into());
         }
         self.fails = fails;
     }

@@ -1,18 +1,17 @@
-use std::collections::BTreeMap;
-
 use aurt_traits::{MeasurementUnit, Slot};
 use serde::{Deserialize, Serialize};
 
-use crate::hypotheses::effects::{Family, ParameterValue};
 use crate::investigation::WORSE;
+use crate::parameters::Parameters;
+use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// What is left is noise.
+    /// The residual is noise.
     NoMismatch,
-    /// The missing physics has a name.
+    /// The missing physics was identified.
     Named,
     /// A class of effects that these data cannot separate.
     Ambiguous,
@@ -51,7 +50,7 @@ pub struct Verdict {
     pub not_examined: Vec<NotExamined>,
     /// What is left, joint by joint.
     pub residual: Vec<JointResidual>,
-    /// Improvement on data that took no part.
+    /// Improvement on held-out data.
     pub held_out: HeldOut,
     /// How much the rest of the model moved when the effects were added: parameter, before, after, and the
     /// shift in standard deviations.
@@ -78,7 +77,7 @@ pub struct Finding {
     /// Share of findings of such a score that were right in proofs on simulated robots.
     pub confidence: f64,
     /// Parameters under their canonical names; lists run along `joints`.
-    pub parameters: BTreeMap<String, ParameterValue>,
+    pub parameters: Parameters,
     /// What else it could be: effects that would do as well on these data.
     pub alternatives: Vec<Alternative>,
     /// Why it was accepted.
@@ -88,6 +87,26 @@ pub struct Finding {
     pub stability: Option<f64>,
     /// The effect in a sentence.
     pub sentence: String,
+}
+
+impl Finding {
+    /// An effect that was found by other means than selection, in one kind of recordings or in all.
+    pub(crate) fn new(effect: &Effect, joints: Vec<usize>, evidence: Evidence, confidence: f64) -> Self {
+        Self {
+            effect: effect.id.to_owned(),
+            family: effect.family,
+            joints,
+            present_in: Vec::new(),
+            recording: None,
+            window_s: None,
+            confidence,
+            parameters: Parameters::new(),
+            alternatives: Vec::new(),
+            evidence,
+            stability: None,
+            sentence: String::new(),
+        }
+    }
 }
 
 /// An effect that describes the recordings and is not claimed.
@@ -129,7 +148,7 @@ pub struct RegisteredFinding {
     /// blocks of time that were not fitted.
     pub predicted_share: f64,
     /// Shape parameters as they were tried, and fitted coefficients.
-    pub parameters: BTreeMap<String, ParameterValue>,
+    pub parameters: Parameters,
     /// Why it was accepted.
     pub evidence: Evidence,
     /// The model in a sentence.
@@ -157,13 +176,20 @@ pub struct Evidence {
     /// What it had to exceed.
     pub threshold: f64,
     /// Probability that the best of all hypotheses on its joints reaches such a score by chance: the same search on residuals
-    /// shifted in circles against the motion.
+    /// circularly shifted against the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces
     /// of the held-out part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_confirm: Option<f64>,
+}
+
+impl Evidence {
+    /// A score and what it had to exceed, without tests of chance.
+    pub(crate) fn of(score: f64, threshold: f64) -> Self {
+        Self { score, threshold, ..Self::default() }
+    }
 }
 
 /// An effect that the free part of the baseline absorbs.
@@ -200,7 +226,7 @@ pub struct JointResidual {
     pub windows_s: Vec<[f64; 2]>,
 }
 
-/// The improvement on data that took no part in selection or fitting.
+/// The improvement on held-out data: rows used neither in selection nor in fitting.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// The data used.

@@ -1,0 +1,157 @@
+//! `sensor_msgs/msg/JointState` in CDR, as ROS 2 serialises it.
+//!
+//! Source: OMG, "DDS Interoperability Wire Protocol" 2.5, section 10; ROS 2 `sensor_msgs/msg/JointState.msg`.
+
+/// A message: what each of its joints does, by name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct JointState {
+    /// `header.stamp`, in ns.
+    pub(crate) stamp_ns: i64,
+    /// The names as they are written, for telling fast whether they are those of another message.
+    pub(crate) names_written: Vec<u8>,
+    /// Names of the joints.
+    pub(crate) names: Vec<String>,
+    /// Positions, rad or m.
+    pub(crate) position: Vec<f64>,
+    /// Velocities per second; may be empty.
+    pub(crate) velocity: Vec<f64>,
+    /// Efforts, Nm or N; may be empty.
+    pub(crate) effort: Vec<f64>,
+}
+
+impl JointState {
+    /// Takes the message of these bytes.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
+        const BREAKS_OFF: &str = "it is truncated";
+        let (encapsulation, body) = bytes.split_at_checked(4).ok_or(BREAKS_OFF)?;
+        let big_endian = match encapsulation {
+            [0, 0, ..] => true,
+            [0, 1, ..] => false,
+            _ => return Err("it is not in the encoding CDR of ROS 2"),
+        };
+        let mut body = Body { bytes: body, at: 0, big_endian };
+        let mut take = || {
+            let seconds = i64::from(body.word()? as i32);
+            self.stamp_ns = seconds * 1_000_000_000 + i64::from(body.word()?);
+            body.text()?;
+            let count = body.word()? as usize;
+            let start = body.at;
+            for _ in 0..count {
+                body.text()?;
+            }
+            let written = body.bytes.get(start..body.at)?;
+            if written != self.names_written || count != self.names.len() {
+                self.names_written = written.to_vec();
+                let mut names = Body { at: start, ..body };
+                self.names.clear();
+                for _ in 0..count {
+                    self.names.push(String::from_utf8_lossy(names.text()?).into_owned());
+                }
+            }
+            body.numbers(&mut self.position)?;
+            body.numbers(&mut self.velocity)?;
+            body.numbers(&mut self.effort)
+        };
+        take().ok_or(BREAKS_OFF)
+    }
+}
+
+/// What is still to be decoded.
+#[derive(Clone, Copy)]
+struct Body<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Body<'a> {
+    fn align(&mut self, to: usize) {
+        self.at = self.at.next_multiple_of(to);
+    }
+
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let end = self.at.checked_add(count)?;
+        let bytes = self.bytes.get(self.at..end)?;
+        self.at = end;
+        Some(bytes)
+    }
+
+    fn word(&mut self) -> Option<u32> {
+        self.align(4);
+        let bytes = self.take(4)?.try_into().ok()?;
+        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    /// A text, without the zero that ends it.
+    fn text(&mut self) -> Option<&'a [u8]> {
+        let length = self.word()? as usize;
+        let bytes = self.take(length)?;
+        Some(bytes.strip_suffix(&[0]).unwrap_or(bytes))
+    }
+
+    fn numbers(&mut self, values: &mut Vec<f64>) -> Option<()> {
+        let count = self.word()? as usize;
+        values.clear();
+        if count == 0 {
+            return Some(());
+        }
+        self.align(8);
+        let bytes = self.take(count.checked_mul(8)?)?;
+        let value = |b: &[u8]| -> f64 {
+            let b: [u8; 8] = b.try_into().unwrap_or_default();
+            if self.big_endian { f64::from_be_bytes(b) } else { f64::from_le_bytes(b) }
+        };
+        values.extend(bytes.chunks_exact(8).map(value));
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A message of one joint `a1` at 1.5 s with position 2 and effort −3, in either byte order.
+    fn message(big_endian: bool) -> Vec<u8> {
+        let word = |v: u32| if big_endian { v.to_be_bytes() } else { v.to_le_bytes() };
+        let double = |v: f64| if big_endian { v.to_be_bytes() } else { v.to_le_bytes() };
+        let mut bytes = vec![0, u8::from(!big_endian), 0, 0];
+        for part in [word(1), word(500_000_000), word(1)] {
+            bytes.extend(part);
+        }
+        bytes.extend([0; 4]); // An empty frame and the alignment after it.
+        bytes.extend(word(1));
+        bytes.extend(word(3));
+        bytes.extend(b"a1\0\0");
+        bytes.extend(word(1)); // At 28: 4 bytes of alignment follow.
+        bytes.extend(double(2.0));
+        bytes.extend(word(0));
+        bytes.extend(word(1));
+        bytes.extend(double(-3.0));
+        bytes
+    }
+
+    #[test]
+    fn both_byte_orders_are_decoded() {
+        for big_endian in [false, true] {
+            let mut state = JointState::default();
+            state.decode(&message(big_endian)).unwrap();
+            assert_eq!(state.stamp_ns, 1_500_000_000);
+            assert_eq!(state.names, ["a1"]);
+            assert_eq!((state.position, state.velocity, state.effort), (vec![2.0], vec![], vec![-3.0]));
+        }
+    }
+
+    #[test]
+    fn a_message_may_break_off_anywhere() {
+        let whole = message(false);
+        for end in 0..whole.len() {
+            assert!(JointState::default().decode(&whole[..end]).is_err(), "{end}");
+        }
+        let mut huge = whole;
+        huge[24..28].copy_from_slice(&[0xff; 4]);
+        assert!(JointState::default().decode(&huge).is_err());
+    }
+}

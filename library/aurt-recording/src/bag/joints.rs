@@ -1,0 +1,217 @@
+use std::collections::VecDeque;
+use std::path::Path;
+
+use crate::bag::joint_state::JointState;
+use crate::bag::messages::Messages;
+use crate::bag::topics::Topic;
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+
+/// Integers beyond this are not all numbers of double precision.
+const EXACT: i64 = 1 << 53;
+const SECOND_NS: i64 = 1_000_000_000;
+
+/// The rows of a topic: stamp, then positions, velocities and efforts of the wanted joints.
+pub(super) struct Joints<'a> {
+    messages: Messages<'a>,
+    state: JointState,
+    /// The joints in the order of the rows.
+    names: Vec<String>,
+    /// The names that `places` is for, as they are written.
+    known: Vec<u8>,
+    /// For each wanted joint its place in the message; none if the message lacks one.
+    places: Option<Vec<usize>>,
+    position: bool,
+    velocity: bool,
+    effort: bool,
+    /// Messages that were read to find out about the stamps.
+    ahead: VecDeque<(JointState, i64)>,
+    recorder_stamps: bool,
+    origin_ns: i64,
+    passed_over: usize,
+}
+
+impl<'a> Joints<'a> {
+    /// Reads on to the first message that has all joints.
+    pub(super) fn open(
+        messages: Messages<'a>,
+        path: &Path,
+        topic: &Topic,
+        options: &ReadOptions,
+    ) -> Result<Self, RecordingError> {
+        let mut joints = Self {
+            messages,
+            state: JointState::default(),
+            names: options.joint_names().to_vec(),
+            known: Vec::new(),
+            places: None,
+            position: true,
+            velocity: false,
+            effort: false,
+            ahead: VecDeque::new(),
+            recorder_stamps: false,
+            origin_ns: 0,
+            passed_over: 0,
+        };
+        let refuse = |reason: String, remedy: String| RecordingError::Malformed {
+            path: path.to_owned(),
+            place: format!("topic {}", topic.name),
+            reason,
+            remedy,
+        };
+        if !joints.decode_next()? {
+            return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
+        }
+        let first = joints.state.names.clone();
+        if joints.names.is_empty() {
+            joints.names.clone_from(&first);
+            if let Some(robot) = options.joint_count().filter(|n| *n != first.len()) {
+                let remedy =
+                    "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
+                let reason = format!(
+                    "its messages have {} joints, the robot has {robot}: {}",
+                    first.len(),
+                    first.join(", ")
+                );
+                return Err(refuse(reason, remedy.to_owned()));
+            }
+        }
+        while joints.placed().is_none() {
+            joints.passed_over += 1;
+            if !joints.decode_next()? {
+                return Err(RecordingError::JointNames {
+                    path: path.to_owned(),
+                    lacking: joints.names.iter().find(|n| !first.contains(n)).cloned().unwrap_or_default(),
+                    recorded: first,
+                    wanted: joints.names,
+                });
+            }
+        }
+        let count = joints.state.names.len();
+        joints.position = options.needs_position || joints.state.position.len() == count;
+        joints.velocity = joints.state.velocity.len() == count;
+        joints.effort = joints.state.effort.len() == count;
+        joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
+        if joints.decode_next()? {
+            joints.recorder_stamps =
+                joints.state.stamp_ns == 0 && joints.ahead.iter().all(|m| m.0.stamp_ns == 0);
+            joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
+        }
+        let begin = joints.ahead.front().map_or(0, |(state, log_ns)| joints.stamp_ns(state, *log_ns));
+        joints.origin_ns = if begin.abs() < EXACT { 0 } else { begin.div_euclid(SECOND_NS) * SECOND_NS };
+        Ok(joints)
+    }
+
+    /// Names of the joints in the order of the rows.
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Names of the columns.
+    pub(super) fn columns(&self) -> Vec<String> {
+        let mut columns = vec!["time".to_owned()];
+        let families = [("position", self.position), ("velocity", self.velocity), ("effort", self.effort)];
+        for (family, _) in families.iter().filter(|(_, there)| *there) {
+            columns.extend((0..self.names.len()).map(|joint| format!("{family}_{joint}")));
+        }
+        columns
+    }
+
+    /// What is to be said about joints and stamps.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let mut remarks = vec![format!("joints in this order: {}", self.names.join(", "))];
+        if self.recorder_stamps {
+            remarks.push(
+                "the messages have no time stamps: the recorder's are used, which have more jitter".into(),
+            );
+        }
+        if self.origin_ns != 0 {
+            let seconds = self.origin_ns / SECOND_NS;
+            remarks.push(format!("time starts at {seconds} s, so that stamps keep nanosecond resolution"));
+        }
+        remarks
+    }
+
+    /// Whole seconds that were taken off the stamps.
+    pub(super) const fn origin_s(&self) -> f64 {
+        (self.origin_ns / SECOND_NS) as f64
+    }
+
+    /// What is to be said once all is read.
+    pub(super) fn closing_remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if self.passed_over > 0 {
+            remarks.push(format!(
+                "{} messages were skipped: they lack joints or quantities that the others have",
+                self.passed_over
+            ));
+        }
+        if self.messages.broken_off {
+            remarks.push(format!(
+                "the file is truncated: {} messages were read, and its summary is missing",
+                self.messages.read
+            ));
+        }
+        remarks
+    }
+
+    /// Fills the next row; false after the last.
+    pub(super) fn next(&mut self, row: &mut [f64]) -> Result<bool, RecordingError> {
+        loop {
+            let log_ns = match self.ahead.pop_front() {
+                Some((state, log_ns)) => {
+                    self.state = state;
+                    log_ns
+                }
+                None if self.decode_next()? => self.messages.log_ns,
+                None => return Ok(false),
+            };
+            let stamp_ns = self.stamp_ns(&self.state, log_ns);
+            let origin_ns = self.origin_ns;
+            let (position, velocity, effort) = (self.position, self.velocity, self.effort);
+            self.placed();
+            let (Some(places), state) = (&self.places, &self.state) else {
+                self.passed_over += 1;
+                continue;
+            };
+            let count = state.names.len();
+            let families =
+                [(position, &state.position), (velocity, &state.velocity), (effort, &state.effort)];
+            let read = || families.iter().filter(|(there, _)| *there).map(|(_, values)| *values);
+            if read().any(|values| values.len() != count) {
+                self.passed_over += 1;
+                continue;
+            }
+            let values = read().flat_map(|values| places.iter().map(|place| values[*place]));
+            let time_s = stamp_ns.saturating_sub(origin_ns) as f64 / SECOND_NS as f64;
+            for (cell, value) in row.iter_mut().zip(std::iter::once(time_s).chain(values)) {
+                *cell = value;
+            }
+            return Ok(true);
+        }
+    }
+
+    const fn stamp_ns(&self, state: &JointState, log_ns: i64) -> i64 {
+        if self.recorder_stamps { log_ns } else { state.stamp_ns }
+    }
+
+    fn decode_next(&mut self) -> Result<bool, RecordingError> {
+        if !self.messages.next()? {
+            return Ok(false);
+        }
+        self.state.decode(&self.messages.payload).map_err(|reason| {
+            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
+        })?;
+        Ok(true)
+    }
+
+    /// Where the wanted joints are in the present message.
+    fn placed(&mut self) -> Option<&[usize]> {
+        if self.known != self.state.names_written || self.known.is_empty() {
+            self.known.clone_from(&self.state.names_written);
+            let place = |name: &String| self.state.names.iter().position(|n| n == name);
+            self.places = self.names.iter().map(place).collect();
+        }
+        self.places.as_deref()
+    }
+}
