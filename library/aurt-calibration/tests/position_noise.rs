@@ -137,7 +137,7 @@ fn missing_torques_are_not_blamed_on_noise() {
                 *torque += 1.5 * (q[2] - 2.0 * q[1] + q[0]) * known_robot::RATE_HZ.powi(2);
             }
         }
-        let positions = Positions::Bits(11);
+        let positions = Positions::White(3e-3);
         measured_and(&clean, &kind.to_string(), kind as u64, Noise::White, 0.2, positions, &preprocess)
     });
     let recordings: Vec<_> = recordings.collect();
