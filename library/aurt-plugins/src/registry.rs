@@ -3,11 +3,10 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 use aurt_traits::{ModelEntry, Slot};
 
 use crate::{
-    Error, Node, Span,
-    build::{self, SlotModel},
-    dynamic::{self, LibraryListing, LibraryModel, LibraryProblem, Worker},
-    error::BuildError,
-    inner::Form,
+    Error, Span,
+    dynamic::{self, LibraryModel},
+    error::{BuildError, LibraryProblem},
+    listing::{LibraryListing, ModelListing},
     trust::{Trust, hash_of},
 };
 
@@ -18,10 +17,6 @@ pub struct Registry {
     libraries: Vec<LibraryListing>,
     /// Called before a library is loaded into this process.
     before_library: Option<fn(&Path)>,
-    /// What serves libraries in processes of their own.
-    worker: Option<Worker>,
-    /// Whether libraries that are loaded from now on get such processes.
-    isolating: bool,
     /// Which libraries may be loaded because a file names them.
     trust: Trust,
 }
@@ -31,73 +26,6 @@ pub(crate) struct Registered {
     pub listing: ModelListing,
     /// The library's model; linked ones are found by `typetag`.
     pub library: Option<Arc<LibraryModel>>,
-}
-
-/// What a listing says of a model.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ModelListing {
-    /// Where the model may be named.
-    pub slot: Slot,
-    /// Its name in experiments.
-    pub name: String,
-    /// One line for listings.
-    pub summary: String,
-    /// The equation, in plain text.
-    pub equation: String,
-    /// When to use the model, and when another.
-    pub use_when: String,
-    /// Where the equation is from.
-    pub source: String,
-    /// A working configuration, as a TOML inline table.
-    pub example: String,
-    /// Who registered it.
-    pub origin: Origin,
-}
-
-/// The crate of the models that come with AURT.
-const BUILTIN: &str = "aurt-friction";
-
-/// Who registered a model.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
-    /// A crate that is part of this program.
-    Crate(&'static str),
-    /// A dynamic library.
-    Library(LibraryListing),
-}
-
-impl Origin {
-    /// Whether the model comes with AURT.
-    #[must_use]
-    pub fn is_builtin(&self) -> bool {
-        *self == Self::Crate(BUILTIN)
-    }
-}
-
-impl std::fmt::Display for Origin {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Crate(name) => write!(f, "crate {name}"),
-            Self::Library(LibraryListing { name, version, path, .. }) => {
-                write!(f, "library {name} {version} ({})", path.display())
-            }
-        }
-    }
-}
-
-impl From<&ModelEntry> for ModelListing {
-    fn from(entry: &ModelEntry) -> Self {
-        Self {
-            slot: entry.slot,
-            name: entry.name.to_owned(),
-            summary: entry.summary.to_owned(),
-            equation: entry.equation.to_owned(),
-            use_when: entry.use_when.to_owned(),
-            source: entry.source.to_owned(),
-            example: entry.example.to_owned(),
-            origin: Origin::Crate(entry.origin),
-        }
-    }
 }
 
 impl Registry {
@@ -135,18 +63,10 @@ impl Registry {
         if path.canonicalize().is_ok_and(|file| self.libraries.iter().any(|known| known.path == file)) {
             return Ok(());
         }
-        let (library, models) = match (self.isolating, &self.worker) {
-            (true, Some(worker)) => dynamic::load_isolated(path, worker)?,
-            (true, None) => {
-                return Err(Error::Library { path: path.to_owned(), problem: LibraryProblem::NoWorker });
-            }
-            (false, _) => {
-                if let Some(before) = self.before_library {
-                    before(path);
-                }
-                dynamic::load(path)?
-            }
-        };
+        if let Some(before) = self.before_library {
+            before(path);
+        }
+        let (library, models) = dynamic::load(path)?;
         let mut with_library = self.clone();
         for (listing, model) in models {
             with_library.add(listing, Some(model))?;
@@ -179,24 +99,6 @@ impl Registry {
         let mut trust = self.trust.clone();
         self.libraries.iter().for_each(|library| trust.insert(library.blake3.clone()));
         trust
-    }
-
-    /// Says which program serves libraries in processes of their own; see [`crate::serve_if_asked`].
-    pub fn serve_with(&mut self, worker: Worker) {
-        self.worker = Some(worker);
-    }
-
-    /// Whether libraries that are loaded from now on run in processes of their own: what such a library does wrong (it
-    /// crashes, does not return, writes where it must not, takes all memory) is then an error of its model alone. A batch
-    /// takes some microseconds more, and its series are copied. That needs [`Self::serve_with`].
-    pub const fn isolate(&mut self, isolating: bool) {
-        self.isolating = isolating;
-    }
-
-    /// Whether libraries that are loaded from now on run in processes of their own.
-    #[must_use]
-    pub const fn is_isolating(&self) -> bool {
-        self.isolating
     }
 
     /// Has a function called before every library that is loaded into this process, with its path: loading runs its code.
@@ -261,25 +163,5 @@ impl Registry {
     #[must_use]
     pub fn names(&self, slot: Slot) -> Vec<String> {
         self.models_of(slot).map(|m| m.name.clone()).collect()
-    }
-
-    /// The model that a table `{ model = "…", … }` describes, for the slot of the trait `M`:
-    /// `registry.build::<dyn CoulombModel>(&table)`.
-    ///
-    /// # Errors
-    /// All complaints about the configuration, each with its place in the text.
-    pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
-        build::build(self, table, Form::Written)
-    }
-
-    /// The model that a saved table `{"model": "…", …}` describes.
-    ///
-    /// # Errors
-    /// As [`Self::build`], without places; [`BuildError::LibraryNotLoaded`] for a model of a library that is not there.
-    pub fn build_from_json<M: SlotModel + ?Sized>(
-        &self,
-        table: &serde_json::Value,
-    ) -> Result<Box<M>, Vec<BuildError>> {
-        build::build_saved(self, table)
     }
 }

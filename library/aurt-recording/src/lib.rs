@@ -51,6 +51,7 @@ mod parquet;
 mod preprocess;
 mod recorded_as;
 mod recording;
+mod robot_joints;
 mod spread;
 mod written;
 
@@ -74,5 +75,6 @@ pub use preprocess::{
 };
 pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, Recording};
+pub use robot_joints::{RecordedJoints, RobotJoints, RobotRecording};
 pub use spread::Stretches;
 pub use written::{JointTopic, mcap, parquet};

@@ -65,6 +65,7 @@ fn motion_and_measurement_equal_those_of_the_original_tool() {
             velocity_rad_s: None,
             measurement: Some(raw.clone()),
             unit: MeasurementUnit::Ampere,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         };
         let options = PreprocessOptions {

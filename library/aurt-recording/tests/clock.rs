@@ -27,6 +27,7 @@ fn sampled(time_s: Vec<f64>) -> Recording {
         velocity_rad_s: None,
         measurement: Some(of(|v| v.1)),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
         time_s,
     }

@@ -1,32 +1,18 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use std::path::Path;
-
 use aurt_experiment::{
-    Experiment, Registry,
+    Experiment,
     experiment::{Geometry, RecordingSource},
 };
 use aurt_files::escaped;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
-use aurt_simulation::{
-    fit::{JointStructure, Structure},
-    inject::{Injection, RealExperiment, RealRecording},
-};
+use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
 use crate::{
     data::{Instrument, Pipeline, Purpose, Source},
     failure::Failure,
 };
-
-/// Reads an experiment and prepares its recordings for effects to be added; the file's stem names the robot.
-///
-/// # Errors
-/// What is wrong with the experiment or its recordings.
-pub fn read(path: &Path, registry: &mut Registry) -> Result<Injection, Failure> {
-    let experiment = Experiment::read(path, registry)?;
-    Ok(Injection::new(plain(&experiment)?)?)
-}
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
 ///
@@ -51,8 +37,11 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         ));
     }
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let parts = &experiment.recordings;
     let mut sources: Vec<&RecordingSource> = Vec::new();
     for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
@@ -70,7 +59,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         let options = pipeline.options(loaded.recording.unit, Purpose::Calibration);
         let whole = match loaded.source.window_s {
             Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone(),
+            None => loaded.recording.clone().into(),
         };
         let name = match loaded.source.window_s {
             Some([from, to]) => format!("{} from {from} to {to} s", loaded.source.label),

@@ -4,14 +4,14 @@ use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use crate::contact::{ForceColumns, force_columns};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{own_switches, weighted_fit};
+use crate::evidence::chance::Chance;
+use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Investigation, investigate};
 use crate::noise::floor::noise_floor;
 use crate::request::{Question, QuestionedRecording};
-use crate::search::chance::Chance;
-use crate::search::null::Judge;
 use crate::verdict::{Verdict, write_verdict};
 
 /// What is added to the rows of the recordings, `[recording][joint][row]`, in the order of the question's recordings.

@@ -1,6 +1,6 @@
 use std::{
     ffi::{CStr, c_char},
-    path::{Path, PathBuf},
+    path::Path,
     sync::Arc,
 };
 
@@ -9,100 +9,21 @@ use aurt_traits::{
     abi::{self, Declaration, ModelTable},
 };
 use libloading::Library;
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use super::isolated::Pool;
 use crate::{
-    Error,
-    registry::{ModelListing, Origin},
+    error::{Error, LibraryProblem},
+    listing::{LibraryListing, ModelListing, Origin},
     trust::hash_of,
 };
-
-/// What a listing says of a loaded library.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LibraryListing {
-    /// The library's own name.
-    pub name: String,
-    /// The library's own version.
-    pub version: String,
-    /// Its file.
-    pub path: PathBuf,
-    /// The BLAKE3 hash of the file's bytes when it was loaded, in hexadecimal digits.
-    pub blake3: String,
-}
-
-/// Why a library could not be loaded.
-#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum LibraryProblem {
-    /// There is no such file.
-    #[error(
-        "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
-    )]
-    Missing,
-    /// A file names it, and nobody has said that its code may run.
-    #[error(
-        "is not trusted, and loading it runs its code with your rights; if you know where it is from, allow it once \
-         (`--plugin` with its path, or `--allow-plugins`) or from now on (`aurt trust` with its path)"
-    )]
-    NotTrusted,
-    /// The system does not load it.
-    #[error("is not a library that this system can load: {0}")]
-    NotALibrary(String),
-    /// It does not export the ABI's entry.
-    #[error(
-        "is a library, but no plugin: it does not export `{entry}`; a Rust crate exports it with \
-         `aurt_traits::export_plugin!()`, a C file defines it",
-        entry = abi::ENTRY
-    )]
-    NotAPlugin,
-    /// It exports a function of that name that does not return a declaration.
-    #[error("exports `{entry}`, but that does not return a plugin's declaration", entry = abi::ENTRY)]
-    NoDeclaration,
-    /// It was built for another version of the ABI.
-    #[error(
-        "was built for version {major}.{minor} of the plugin interface, this program has version \
-         {ours}.{our_minor}; build it again with this program's `aurt-traits` or `aurt_plugin.h`",
-        ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
-    )]
-    OtherVersion {
-        /// Its major version.
-        major: u32,
-        /// Its minor version.
-        minor: u32,
-    },
-    /// It is to run in a process of its own, and the host has not said which program that is.
-    #[error(
-        "is to run in a process of its own, which this program does not offer; the command `aurt` does, and with \
-         `isolate = false` under [plugins] the library runs in this process"
-    )]
-    NoWorker,
-    /// The process that it was to run in ended, or could not be had.
-    #[error("{0} while it was being loaded in a process of its own")]
-    Process(String),
-    /// Its declaration contradicts the ABI.
-    #[error("has a faulty declaration: {0}")]
-    Faulty(String),
-}
 
 /// A model of a library.
 #[derive(Debug)]
 pub struct LibraryModel {
-    pub code: Code,
+    pub table: Table,
     pub slot: Slot,
     /// Lives as long as the process.
     pub name: &'static str,
     pub library: LibraryListing,
-}
-
-/// Where a model's functions run.
-#[derive(Debug)]
-pub enum Code {
-    /// In this process.
-    Loaded(Table),
-    /// In processes of the library's own; `number` is the model's place there.
-    Isolated { pool: Arc<Pool>, number: usize },
 }
 
 /// The functions of a model of a library that is loaded into this process.
@@ -255,8 +176,8 @@ unsafe fn read_model(
         example: named(table.example, "example of a model")?.to_owned(),
         origin: Origin::Library(library.clone()),
     };
-    let code = Code::Loaded(Table { functions: table, description_size, address });
-    Ok((listing, Arc::new(LibraryModel { code, slot, name, library: library.clone() })))
+    let table = Table { functions: table, description_size, address };
+    Ok((listing, Arc::new(LibraryModel { table, slot, name, library: library.clone() })))
 }
 
 /// # Safety

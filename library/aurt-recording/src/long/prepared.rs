@@ -275,7 +275,7 @@ impl LongPrepared {
         let threshold = self.options.rest_velocity_rad_s;
         for piece in pieces {
             let (series, own) = self.window(run, piece.start + 1..piece.end + 1)?;
-            let filtered = self.position_filter.filter_all(&series[1..=self.joints()])?;
+            let filtered = self.options.smoothed(&self.position_filter, &series[1..=self.joints()])?;
             let speeds: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, 1.0 / self.rate_hz)).collect();
             let mut moving = own.clone().filter(|k| speeds.iter().any(|v| v[*k].abs() > threshold));
             if let Some(k) = choose(&mut moving) {
@@ -304,7 +304,7 @@ impl LongPrepared {
         let (series, own) = self.window(&segment.run, wanted)?;
         let (time, values) = series.split_at(1);
         let (positions, measurements) = values.split_at(joints);
-        let filtered = self.position_filter.filter_all(positions)?;
+        let filtered = self.options.smoothed(&self.position_filter, positions)?;
         let period_s = 1.0 / self.rate_hz;
         let mut motion = [Vec::new(), Vec::new(), Vec::new()];
         for q in &filtered {

@@ -195,7 +195,7 @@ impl Plan<'_> {
             return Ok(Err(Refusal::Short { samples: n, needed, after: "" }));
         }
         let period_s = 1.0 / self.rate_hz;
-        let filtered = self.position_filter.filter_all(&data.position_rad)?;
+        let filtered = self.options.smoothed(&self.position_filter, &data.position_rad)?;
         let velocities: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, period_s)).collect();
         // From here on, indices count the n − 2 samples that have an acceleration.
         let inner = n - 2;

@@ -69,6 +69,10 @@ impl Memory {
             let rows = motion.start..motion.end.saturating_sub(more).max(motion.start);
             return Span { wanted: motion.clone(), motion, rows, near_ends, lost: 0, all, decimation };
         }
+        if options.whole_motion {
+            let rows = rows.start.next_multiple_of(decimation).min(rows.end)..rows.end;
+            return Span { motion: 0..all, rows, wanted, near_ends, lost: 0, all, decimation };
+        }
         let lead = self.parallel.min((start - motion_before) / decimation * decimation);
         let end = (rows.end + self.parallel).min(all.saturating_sub(motion_after)).max(rows.end);
         Span { motion: start - lead..end, rows, wanted, near_ends, lost: before + after, all, decimation }
