@@ -2,24 +2,13 @@
 
 use std::path::PathBuf;
 
-use aurt::{
-    CalibratedModel, Diagnoser, DiagnosisOptions, Explanation, diagnosing::diagnose_experiment as diagnosed,
-    prelude::Report as Page, rendering::style::Style, traits::RobotModel,
-};
-use aurt_experiment::{Experiment, Registry};
+use aurt::{diagnosing::diagnose_experiment as diagnosed, prelude::Report as Page, rendering::style::Style, traits::RobotModel, CalibratedModel, Diagnoser, DiagnosisOptions, Explanation};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use pyo3::{prelude::*, types::PyDict};
 use serde_json::Value;
 
-use crate::{
-    error::refused,
-    model::Model,
-    recording::recordings,
-    report::Report,
-    robot::Structure,
-    rows::{python_of, rows},
-    settings::{listener, settings},
-    work,
-};
+use crate::{error::refused, model::Model, recording::recordings, report::Report, robot::Structure, rows::{python_of, rows}, settings::{listener, settings}, work};
 
 /// What a diagnosis found: where model and recordings differ, and what physics is missing.
 #[pyclass(frozen, module = "aurt")]

@@ -2,22 +2,14 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use aurt::{CalibratedModel, Calibrator, Outcome, TorqueSeries, fitting::fit_experiment, traits::RobotModel};
-use aurt_experiment::{Experiment, Registry};
+use aurt::{fitting::fit_experiment, traits::RobotModel, CalibratedModel, Calibrator, Outcome, TorqueSeries};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use serde_json::json;
 
-use crate::{
-    arrays::{States, samples_by_joint, vector},
-    error::{raised, refused},
-    recording::{Recording, recordings},
-    report::Report,
-    robot::{Structure, torques},
-    rows::rows,
-    settings::{listener, settings},
-    work,
-};
+use crate::{arrays::{samples_by_joint, vector, States}, error::{raised, refused}, recording::{recordings, Recording}, report::Report, robot::{torques, Structure}, rows::rows, settings::{listener, settings}, work};
 
 /// Samples that are evaluated together.
 const AT_ONCE: usize = 256;

@@ -2,18 +2,13 @@
 
 use std::path::PathBuf;
 
-use aurt::{Progress, rendering::style::Style, results::sweep_table, sweeping::ExperimentLoader};
-use aurt_experiment::Registry;
+use aurt::{rendering::style::Style, results::sweep_table, sweeping::ExperimentLoader, Progress};
+use aurt_plugins::Registry;
 use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde_json::{json, Value};
 
-use crate::{
-    error::refused,
-    rows::{python_of, rows as table_of},
-    settings::listener,
-    work,
-};
+use crate::{error::refused, rows::{python_of, rows as table_of}, settings::listener, work};
 
 /// The points of a sweep, best first.
 #[pyclass(frozen, module = "aurt", name = "Sweep")]

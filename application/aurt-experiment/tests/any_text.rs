@@ -4,7 +4,9 @@
 
 use std::{fs, path::Path, sync::OnceLock};
 
-use aurt_experiment::{Experiment, Registry, model_file};
+use aurt_experiment::Experiment;
+use aurt_model::model_file;
+use aurt_plugins::Registry;
 use proptest::{prelude::*, sample::Index};
 use serde_json::{Value, json};
 use tempfile::TempDir;

@@ -5,9 +5,10 @@
 use std::{fs, path::Path};
 
 use aurt_experiment::{
-    Error, Experiment, Registry,
+    Error, Experiment,
     experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, Rest},
 };
+use aurt_plugins::Registry;
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 

@@ -1,7 +1,8 @@
 //! Points that share recordings and rigid bodies.
 
 use aurt_calibration::{FitRows, RigidRows};
-use aurt_experiment::{Error, Experiment, RigidBodyDynamics};
+use aurt_experiment::Experiment;
+use aurt_model::{Error, RigidBodyDynamics};
 use aurt_traits::{MeasurementUnit, RobotModel};
 use toml::Table;
 

@@ -3,18 +3,16 @@
 use std::path::Path;
 
 use aurt_calibration::Calibration;
-use aurt_experiment::{
-    Registry,
-    model_file::{read_json, robot_model_from_json, robot_model_to_json},
-};
+use aurt_model::model_file::{read_json, robot_model_from_json, robot_model_to_json};
+use aurt_output::pretty;
+use aurt_plugins::Registry;
 use aurt_traits::{LoadTorque, RobotModel};
 use serde_json::{Value, json};
 
 use crate::{
     data::{Instrument, Preprocessing},
-    failure::Failure,
+    error::Error,
     origins::Origins,
-    rendering::json::pretty,
 };
 
 /// The version of the file that this program reads and writes.
@@ -42,7 +40,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// If a model cannot be expressed in JSON.
-    pub fn to_file(&self) -> Result<Vec<u8>, Failure> {
+    pub fn to_file(&self) -> Result<Vec<u8>, Error> {
         Ok(file_contents(json!({
             "schema": SCHEMA,
             "kind": KIND,
@@ -57,10 +55,10 @@ impl CalibratedModel {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Failure::Plugins`] or [`Failure::ModelFile`], with the place of what is wrong.
-    pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
+    /// [`Error::Plugins`] or [`Error::Unfit`], with the place of what is wrong.
+    pub fn read(path: &Path, registry: &Registry) -> Result<Self, Error> {
         let (value, text) = read_json(path)?;
-        let refuse = |reason: String, remedy: &str| Failure::ModelFile {
+        let refuse = |reason: String, remedy: &str| Error::Unfit {
             path: path.to_owned(),
             reason,
             remedy: remedy.to_owned(),
@@ -82,7 +80,7 @@ impl CalibratedModel {
         let entry = |key: &str| value.get(key).ok_or_else(|| refuse(format!("lacks the key `{key}`"), make));
         let unreadable = |key: &str, e: &serde_json::Error| refuse(format!("`{key}`: {e}"), make);
         let model = robot_model_from_json(entry("model")?, registry)
-            .map_err(|e| Failure::from(e.in_file(path, &text, &["model"])))?;
+            .map_err(|e| Error::from(e.in_file(path, &text, &["model"])))?;
         let calibration: Calibration = serde_json::from_value(entry("calibration")?.clone())
             .map_err(|e| unreadable("calibration", &e))?;
         let preprocessing =

@@ -2,24 +2,21 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::{
-    Experiment, Registry,
-    model_file::{read_rigid_body, robot_model_to_json},
-};
+use aurt::file_contents;
+use aurt_doctor::inspection::judged::build;
+use aurt_experiment::Experiment;
+use aurt_model::model_file::{read_rigid_body, robot_model_to_json};
+use aurt_plugins::Registry;
+use aurt_report::rendering::table::Table;
 use aurt_traits::{
     ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
 };
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    calibrated_file::file_contents,
-    failure::Failure,
-    inspection::judged::build,
-    output::OutputFile,
-    rendering::{table::Table, terminal::Report},
-};
+use crate::rendering::terminal::Report;
 
 /// Compile robot dynamics: rigid bodies with the friction of the joints.
 ///
@@ -90,7 +87,10 @@ impl CompileRd {
                         remedy: "use files of one robot".into(),
                     });
                 }
-                (experiment.joint_dynamics.stacks(joints).map_err(Failure::Models)?, experiment.arm_terms)
+                (
+                    experiment.joint_dynamics.stacks(joints).map_err(aurt_model::Error::Assembly)?,
+                    experiment.arm_terms,
+                )
             }
             None => (vec![self.stack(&session.registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
         };
@@ -124,7 +124,7 @@ impl CompileRd {
             registry,
             json!({ "model": "polynomial", "powers": self.friction_viscous_powers }),
         );
-        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Failure::Models)
+        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Into::into)
     }
 }
 

@@ -6,11 +6,12 @@ use aurt_simulation::{
     Random, SimulationError,
     case::{Plan, Truth, conceal},
 };
+use aurt_workbench::{failure::Failure, injected};
 use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::{commands::Session, failure::Failure, injected, rendering::terminal::Report};
+use crate::{commands::Session, rendering::terminal::Report};
 
 /// Make cases for a proof: recordings of simulated robots with concealed physics, and the sealed truth.
 ///
@@ -71,8 +72,7 @@ impl Conceal {
         let requests = injection.requests(&plan, self.seed)?;
         let references = self.references();
         for folder in [&self.cases, &self.sealed, &references] {
-            std::fs::create_dir_all(folder)
-                .map_err(|source| Failure::Write { path: folder.clone(), source })?;
+            std::fs::create_dir_all(folder).map_err(|source| Failure::write(folder.clone(), source))?;
         }
         for name in injection.references() {
             injection.reference(&name)?.write_folder(&references)?;

@@ -2,16 +2,14 @@
 
 use std::path::Path;
 
+use aurt::data::{Instrument, Preprocessing, Source};
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
 use aurt_experiment::experiment::{ColumnName, JointColumns, RecordingColumns};
 use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
 
-use crate::{
-    arguments::{Constants, parse_positive, parse_torque_constants},
-    data::{Instrument, Preprocessing, Source},
-};
+use crate::arguments::{Constants, parse_positive, parse_torque_constants};
 
 /// How to read recordings.
 #[derive(Debug, Args)]
@@ -54,7 +52,7 @@ impl ReadingOptions {
                 Unit::Ampere => MeasurementUnit::Ampere,
                 Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
             }),
-            columns: self.columns.clone(),
+            columns: self.columns.as_ref().map(Into::into),
             recorded: aurt_recording::RecordedAs::default(),
         }
     }

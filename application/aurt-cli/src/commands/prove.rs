@@ -5,16 +5,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use aurt_output::pretty;
 use aurt_simulation::case::{Plan, World};
+use aurt_workbench::{
+    failure::Failure,
+    output::OutputFolder,
+    proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
+};
 use clap::Args;
 use serde_json::json;
 
 use crate::{
     commands::{Session, conceal::read_plan},
-    failure::Failure,
-    output::OutputFolder,
-    proof::{self, Ingredients, Options, Place, Proof, Proven, Shard},
-    rendering::{json::pretty, terminal::Report},
+    rendering::terminal::Report,
 };
 
 /// Count how often a diagnosis is right: conceal effects, diagnose each case in a process of its own that sees

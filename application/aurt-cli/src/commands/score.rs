@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
+use aurt_output::pretty;
 use aurt_simulation::score::Scoreboard;
-use clap::Args;
-use serde_json::json;
-
-use crate::{
-    commands::Session,
+use aurt_workbench::{
     failure::Failure,
     output::OutputFile,
     proof::{Verdicts, read_scores},
-    rendering::{json::pretty, terminal::Report},
 };
+use clap::Args;
+use serde_json::json;
+
+use crate::{commands::Session, rendering::terminal::Report};
 
 /// Compare verdicts on concealed cases with the sealed truth.
 ///

@@ -1,3 +1,4 @@
+use aurt_plugins::{Node, Registry, SlotModel};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, ModelError, Slot, ViscousBasis};
 use serde_json::json;
 
@@ -6,7 +7,6 @@ use super::{
     joint_count::{JointCheck, repeated},
     section::{Reader, Section},
 };
-use crate::{Node, Registry, SlotModel};
 
 /// `[joint_dynamics]`: the friction of every joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇) (equation 6), with
 /// exceptions for some.
@@ -126,7 +126,7 @@ impl JointOverride {
             for joint in repeated(&joints) {
                 section.complain("joints", node, &format!("names joint {joint} twice"), None);
             }
-            if let crate::NodeKind::Array(items) = &node.kind {
+            if let aurt_plugins::NodeKind::Array(items) = &node.kind {
                 for (joint, item) in joints.iter().zip(items) {
                     section.reader.check_joints(JointCheck::Joint { joint: *joint, span: item.span.clone() });
                 }

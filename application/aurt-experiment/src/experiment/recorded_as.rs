@@ -1,7 +1,7 @@
+use aurt_plugins::{Node, NodeKind};
 use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
 
 use super::{joint_count::JointCheck, section::Section};
-use crate::{Node, NodeKind};
 
 const ANGLE: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
 const TIME: [(&str, TimeUnit); 4] = [

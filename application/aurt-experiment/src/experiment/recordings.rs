@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
-use aurt_recording::{ColumnRef, ColumnsRef, RecordedAs};
+use aurt_plugins::{Node, NodeKind};
+use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef, RecordedAs};
 use aurt_traits::MeasurementUnit;
 
 use super::{
@@ -12,7 +13,6 @@ use super::{
     robot::Robot,
     section::{Reader, Section},
 };
-use crate::{Node, NodeKind};
 
 /// Units of measurements.
 pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
@@ -91,6 +91,17 @@ pub enum JointColumns {
     },
     /// Names in the header, joint after joint.
     Names(Vec<String>),
+}
+
+impl From<&RecordingColumns> for ColumnSelection {
+    fn from(columns: &RecordingColumns) -> Self {
+        Self {
+            time: columns.time.as_ref().map(Into::into),
+            position: Some((&columns.position).into()),
+            velocity: columns.velocity.as_ref().map(Into::into),
+            measurement: columns.measurement.as_ref().map(Into::into),
+        }
+    }
 }
 
 impl From<&ColumnName> for ColumnRef {

@@ -1,8 +1,8 @@
+use aurt_plugins::Node;
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription, gravity_complaint};
 use aurt_robots::known_robot;
 
 use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, section::Section};
-use crate::Node;
 
 /// `[robot]`: the arm itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,10 +6,10 @@ use std::{
 };
 
 use aurt_files::clipped;
+use aurt_plugins::{Node, NodeKind, Span, suggestion};
 use aurt_recording::is_lerobot;
 
 use super::{errors::Complaint, joint_count::JointCheck, paths};
-use crate::{Node, NodeKind, Span, suggestion};
 
 /// Unknown keys of one table that are complained about; whoever has more has another problem than a slip of the pen.
 const MOST_UNKNOWN_KEYS: usize = 50;

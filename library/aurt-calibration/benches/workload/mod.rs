@@ -1,11 +1,10 @@
 //! What benchmarks work on: a UR10e's geometry, motions of many sines, and clocks.
 #![allow(dead_code, clippy::allow_attributes, reason = "every benchmark uses a part")]
 
-use std::io::Write;
-use std::path::Path;
-use std::time::Instant;
+use std::{io::Write, path::Path, time::Instant};
 
-use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{ReadReport, Recording};
 use aurt_traits::{JointStack, MeasurementUnit, RobotModel};

@@ -110,7 +110,8 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
+    use aurt_model::RigidBodyDynamics;
+    use aurt_plugins::{Registry, SlotModel};
     use aurt_rbd::{MdhRows, MdhTable};
     use aurt_traits::{ArmTerm, JointStack};
     use serde_json::{Value, json};

@@ -1,0 +1,6 @@
+//! Numbers, tables and running text as people read them.
+
+pub mod number;
+pub mod style;
+pub mod table;
+pub mod text;

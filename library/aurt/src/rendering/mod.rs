@@ -1,7 +1,0 @@
-//! Numbers, tables, running text and JSON as people read them.
-
-pub mod json;
-pub mod number;
-pub mod style;
-pub mod table;
-pub mod text;
