@@ -10,7 +10,7 @@ mod supervised;
 
 use std::process::ExitCode;
 
-use aurt_plugins::{Registry, Trust, Worker};
+use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;
 use aurt_workbench::failure::Failure;
 
@@ -31,10 +31,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
         registry.trust(Trust::all());
     }
     registry.before_libraries(supervised::before_library);
-    if let Ok(worker) = Worker::this_program() {
-        registry.serve_with(worker);
-    }
-    registry.isolate(cfg!(unix) && arguments.command.tries_libraries());
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
@@ -62,9 +58,6 @@ fn refuse(error: &clap::Error) -> ExitCode {
 }
 
 fn main() -> ExitCode {
-    if let Some(status) = aurt_plugins::serve_if_asked() {
-        return status;
-    }
     let arguments = match arguments::parse(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),

@@ -100,8 +100,8 @@
 //! # Conventions
 //!
 //! Every fallible function returns [`Error`] or the error of the crate that it is from, which becomes one. Joints count from
-//! 0, units are SI and stand in names; a model calibrated on motor currents has A in the place of Nm. A program that calls
-//! [`plugins::serve_if_asked`] first in `main` can run dynamic libraries in processes of their own.
+//! 0, units are SI and stand in names; a model calibrated on motor currents has A in the place of Nm.
+//! [`plugins`] loads models from dynamic libraries.
 
 mod calibrated_file;
 mod calibrating;
