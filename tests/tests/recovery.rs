@@ -107,7 +107,7 @@ fn intervals_of_95_percent_hold_the_truth_that_often() {
     let stacks = (0..3)
         .map(|_| {
             JointStack::new(
-                registry.build_from_json::<dyn CoulombModel>(&json!({"model": "none"})).unwrap(),
+                registry.build_from_json::<dyn CoulombModel>(&json!({"model": "constant"})).unwrap(),
                 registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
                 registry
                     .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))

@@ -167,7 +167,7 @@ fn model(
     registry: &Registry,
 ) -> Result<RobotModel, Failure> {
     let stack = |friction: &JointFriction| -> Result<JointStack, Failure> {
-        let level = if friction.coulomb_nm == 0.0 { "absent" } else { "none" };
+        let level = if friction.coulomb_nm == 0.0 { "absent" } else { "constant" };
         let powers: &[u32] = if friction.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
         let viscous = json!({ "model": "polynomial", "powers": powers });
         JointStack::new(

@@ -60,7 +60,7 @@ impl Normal {
 }
 
 fn model_of(robot: &Robot) -> RobotModel {
-    model_with(robot, "none")
+    model_with(robot, "constant")
 }
 
 /// The robot's model with a Coulomb model of this name.

@@ -25,7 +25,7 @@ fn robot(folder: &Path) -> RobotModel {
         robot = { mdh = "mdh.csv", gravity_m_s2 = [0.0, -9.81, 0.0] }
         joint_dynamics.coulomb.model = "square"
         joint_dynamics.viscous = { model = "polynomial", powers = [1, 3] }
-        joint_dynamics.override = [{ joints = [1], coulomb.model = "none" }]
+        joint_dynamics.override = [{ joints = [1], coulomb.model = "constant" }]
         recordings.calibration = "a.csv"
     "#;
     let mut registry = Registry::linked().unwrap();

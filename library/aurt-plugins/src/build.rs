@@ -1,6 +1,6 @@
 //! From a table `{ model = "…", … }` to a model.
 
-use std::{cell::RefCell, sync::Arc};
+use std::{borrow::Cow, cell::RefCell, sync::Arc};
 
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, InnerModels, JointModel, ModelError, Slot, ViscousBasis,
@@ -98,12 +98,30 @@ slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |_| None, |m| JointMod
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
 slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |m| m.inner_models(), |_| Vec::new());
 
+/// Models by their former names, which old files have.
+const RENAMED: [(Slot, &str, &str); 1] = [(Slot::Coulomb, "none", "constant")];
+
+/// The present name of a model where a table gives it by a former one.
+pub(crate) fn renamed(slot: Slot, table: &Node) -> Option<(&'static str, &'static str)> {
+    let name = table.get("model")?.as_str()?;
+    RENAMED.into_iter().find(|(of, old, _)| *of == slot && *old == name).map(|(_, old, new)| (old, new))
+}
+
 pub(crate) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     table: &Node,
     form: Form,
 ) -> Result<Box<M>, Vec<BuildError>> {
     let slot = M::SLOT;
+    let mut table = Cow::Borrowed(table);
+    if let Some((_, new)) = renamed(slot, &table)
+        && let NodeKind::Table(entries) = &mut table.to_mut().kind
+    {
+        for entry in entries.iter_mut().filter(|entry| entry.key == "model") {
+            entry.value.kind = NodeKind::String(new.to_owned());
+        }
+    }
+    let table = &*table;
     let NodeKind::Table(_) = table.kind else {
         return Err(vec![BuildError::NoTable { slot, found: table.kind_name(), span: table.span.clone() }]);
     };

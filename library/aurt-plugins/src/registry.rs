@@ -242,6 +242,13 @@ impl Registry {
         build::build(self, table, Form::Written)
     }
 
+    /// What to say of a table that names a model by a former name; nothing of others.
+    #[must_use]
+    pub fn former_name(slot: Slot, table: &Node) -> Option<String> {
+        let (old, new) = build::renamed(slot, table)?;
+        Some(format!("the {} model `{old}` is called `{new}` now; both names mean the same", slot.name()))
+    }
+
     /// The model that a saved table `{"model": "…", …}` describes.
     ///
     /// # Errors

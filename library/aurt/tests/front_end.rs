@@ -26,7 +26,7 @@ fn two_link() -> Robot {
 fn torques_are_those_of_the_regressor() {
     let recording = recorded(1, Vec::new());
     for (coulomb, load_torque) in [
-        ("none", LoadTorqueChoice::Fitted),
+        ("constant", LoadTorqueChoice::Fitted),
         ("absolute", LoadTorqueChoice::Fitted),
         ("absolute", LoadTorqueChoice::Literal),
     ] {

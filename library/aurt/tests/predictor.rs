@@ -88,7 +88,7 @@ fn whole(model: &CalibratedModel, samples: usize) -> Vec<Vec<f64>> {
 fn samples_give_what_the_series_gives_without_taking_memory() {
     let friction = ["sign", "tanh", "dahl", "lugre", "maxwell_slip", "bouc_wen", "gms"];
     for (k, hysteresis) in friction.into_iter().enumerate() {
-        let coulomb = ["none", "absolute", "square", "stribeck"][k % 4];
+        let coulomb = ["constant", "absolute", "square", "stribeck"][k % 4];
         let viscous = [r#"{ model = "polynomial", powers = [1, 2] }"#, "saturating"][k % 2];
         let choice = [LoadTorqueChoice::Fitted, LoadTorqueChoice::Literal][k % 2];
         let with_terms = ["maxwell_slip", "gms"].contains(&hysteresis);

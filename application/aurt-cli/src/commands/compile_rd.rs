@@ -47,7 +47,8 @@ pub struct CompileRd {
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum LoadDependence {
     /// f_C = F_C0
-    None,
+    #[value(alias = "none")]
+    Constant,
     /// f_C = F_C0 + F_C1 τ_J²
     Square,
     /// f_C = F_C0 + F_C1 |τ_J|
@@ -57,7 +58,7 @@ enum LoadDependence {
 impl LoadDependence {
     const fn model(self) -> &'static str {
         match self {
-            Self::None => "none",
+            Self::Constant => "constant",
             Self::Square => "square",
             Self::Absolute => "absolute",
         }
@@ -117,7 +118,7 @@ impl CompileRd {
 
     /// The stack that the options describe.
     fn stack(&self, registry: &Registry) -> Result<JointStack, Failure> {
-        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::None).model();
+        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::Constant).model();
         let coulomb = build::<dyn CoulombModel>(registry, json!({ "model": coulomb }));
         let hysteresis = build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }));
         let viscous = build::<dyn ViscousBasis>(

@@ -150,7 +150,8 @@ struct Written {
 impl Written {
     fn new(command: &str, experiment: &Experiment, outcome: &Outcome, style: Style) -> Result<Self, Failure> {
         let calibrated = &outcome.calibrated;
-        let notes = experiment.robot.geometry.notes();
+        let mut notes = experiment.robot.geometry.notes();
+        notes.extend(experiment.notes.clone());
         let results = Results {
             model: &calibrated.model,
             calibration: &calibrated.calibration,

@@ -42,7 +42,7 @@ pub fn build<M: SlotModel + ?Sized>(registry: &Registry, table: Value) -> Result
 /// If the registry lacks a model.
 pub fn plain_friction(registry: &Registry) -> Result<JointStack, Failure> {
     JointStack::new(
-        build::<dyn CoulombModel>(registry, json!({ "model": "none" }))?,
+        build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
         build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }))?,
         build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
     )

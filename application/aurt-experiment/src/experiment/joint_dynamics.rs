@@ -12,7 +12,7 @@ use super::{
 /// exceptions for some.
 #[derive(Debug, Clone)]
 pub struct JointDynamics {
-    /// `coulomb`: f_C; by default `none`, a constant level.
+    /// `coulomb`: f_C; by default `constant`.
     pub coulomb: Box<dyn CoulombModel>,
     /// `hysteresis`: H; by default `sign`.
     pub hysteresis: Box<dyn HysteresisModel>,
@@ -101,7 +101,7 @@ impl JointDynamics {
         let dynamics = Self {
             coulomb: models
                 .0
-                .or_else(|| default(given(defaults.coulomb), registry, json!({ "model": "none" })))?,
+                .or_else(|| default(given(defaults.coulomb), registry, json!({ "model": "constant" })))?,
             hysteresis: models
                 .1
                 .or_else(|| default(given(defaults.hysteresis), registry, json!({ "model": "sign" })))?,
@@ -166,6 +166,10 @@ pub(super) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     node: &Node,
 ) -> Option<Box<M>> {
+    let inner = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous]
+        .into_iter()
+        .filter_map(|slot| Registry::former_name(slot, node.get(slot.name())?));
+    Registry::former_name(M::SLOT, node).into_iter().chain(inner).for_each(|note| reader.note(note));
     registry.build(node).map_err(|errors| errors.into_iter().for_each(|e| reader.complain(e))).ok()
 }
 

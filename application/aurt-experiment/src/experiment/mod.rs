@@ -73,6 +73,8 @@ pub struct Experiment {
     pub libraries: Vec<PathBuf>,
     /// `[sweep]`, as it was written.
     pub sweep: Option<Node>,
+    /// What a person should know of how the file was read.
+    pub notes: Vec<String>,
 }
 
 impl Experiment {
@@ -177,6 +179,7 @@ fn read_sections(
         calibration,
         libraries,
         sweep,
+        notes: reader.notes(),
     });
     (experiment, sizes)
 }

@@ -54,7 +54,7 @@ pub fn variants(bodies: &RigidBodyDynamics) -> Vec<RobotModel> {
     let hystereses = [plain("sign"), plain("tanh"), plain("dahl"), slip(2), slip(3), slip(4), slip(5)];
     let powers: [&[u32]; 5] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3], &[1, 2, 3, 4]];
     let mut models = Vec::new();
-    for coulomb in ["none", "square", "absolute"] {
+    for coulomb in ["constant", "square", "absolute"] {
         for hysteresis in &hystereses {
             for powers in powers {
                 models.push(with_friction(bodies, &plain(coulomb), hysteresis, powers));

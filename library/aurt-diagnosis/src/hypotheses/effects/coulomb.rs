@@ -60,7 +60,7 @@ impl Effect for Coulomb {
     }
 
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
-        let (level, shape) = (json!({"model": "none"}), json!({"model": "sign"}));
+        let (level, shape) = (json!({"model": "constant"}), json!({"model": "sign"}));
         (0..context.joints)
             .map(|j| Proposal::on_joint(j, joint_friction(j, level.clone(), shape.clone(), &[]), vec![true]))
             .collect()

@@ -64,7 +64,7 @@ impl Effect for FrictionLevelChanged {
     fn proposals(&self, context: &Context<'_>) -> Vec<Proposal> {
         (0..context.joints)
             .map(|j| {
-                let term = joint_friction(j, json!({"model": "none"}), json!({"model": "sign"}), &[1]);
+                let term = joint_friction(j, json!({"model": "constant"}), json!({"model": "sign"}), &[1]);
                 Proposal { presence: Presence::Change, ..Proposal::on_joint(j, term, vec![]) }
             })
             .collect()

@@ -91,7 +91,7 @@ impl Effect for PreslidingHysteresis {
                     "model": "maxwell_slip", "elements": ELEMENTS, "smallest_rad": smallest.max(least),
                     "largest_rad": largest,
                 });
-                let term = joint_friction(j, json!({"model": "none"}), elements, &[]);
+                let term = joint_friction(j, json!({"model": "constant"}), elements, &[]);
                 let resolved = Shape { bounds: [least, most], ..SMALLEST };
                 Proposal::on_joint(j, term, vec![true; ELEMENTS]).shaped(resolved).shaped(LARGEST)
             })
