@@ -2,13 +2,21 @@
 
 use std::path::PathBuf;
 
-use aurt::{rendering::style::Style, results::sweep_table, sweeping::ExperimentLoader, Progress};
+use aurt::Progress;
 use aurt_plugins::Registry;
+use aurt_report::rendering::style::Style;
 use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
+use aurt_workbench::failure::Failure;
+use aurt_workbench::{results::sweep_table, sweeping::ExperimentLoader};
 use pyo3::prelude::*;
-use serde_json::{json, Value};
+use serde_json::{Value, json};
 
-use crate::{error::refused, rows::{python_of, rows as table_of}, settings::listener, work};
+use crate::{
+    error::refused,
+    rows::{python_of, rows as table_of},
+    settings::listener,
+    work,
+};
 
 /// The points of a sweep, best first.
 #[pyclass(frozen, module = "aurt", name = "Sweep")]
@@ -44,7 +52,7 @@ fn ranked(
     out: &std::path::Path,
     rows: Rows,
     progress: &Progress,
-) -> Result<Ranking, aurt::Error> {
+) -> Result<Ranking, Failure> {
     let mut registry = Registry::of_user()?;
     let sweep = Sweep::read(path, &mut registry)?;
     let folder = Folder::for_sweep(out, &sweep)?;

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use aurt::{prelude::*, simulation::case::Plan};
+use aurt::{plugins::Registry, simulation::case::Plan};
 use aurt_tests::any_input::TARGETS;
 use proptest::{prelude::*, test_runner::TestRunner};
 

@@ -47,8 +47,7 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use aurt::{prelude::*, traits::{Parameter, RegressorTile, RigidBodyRegressor}};
-//! # use aurt::traits::typetag;
+//! use aurt::{prelude::*, traits::{Parameter, RegressorTile, RigidBodyRegressor, typetag}};
 //! use serde::{Deserialize, Serialize};
 //!
 //! /// A pendulum: τ = I q̈ + g m_c sin q.
@@ -63,6 +62,10 @@
 //!
 //!     fn standard_parameters(&self) -> Vec<Parameter> {
 //!         vec![Parameter::new("I", "kg m^2"), Parameter::new("m_c", "kg m")]
+//!     }
+//!
+//!     fn loads(&self, _parameter: usize, _joint: usize) -> bool {
+//!         true
 //!     }
 //!
 //!     fn evaluate(&self, motion: MotionView<'_>, out: &mut RegressorTile<'_>) {

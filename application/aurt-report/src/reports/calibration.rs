@@ -1,6 +1,6 @@
 //! The page of a calibrated model: `aurt run`, `aurt calibrate-validate`, `aurt demo`.
 
-use aurt::{RecordingResult, Role};
+use aurt::{CalibratedModel, Outcome, RecordingResult, Role};
 use aurt_calibration::Comparison;
 use aurt_output::pretty;
 use serde_json::Value;
@@ -16,6 +16,14 @@ use crate::{
     results::metrics::Results,
     table::{Cell, Table},
 };
+
+/// The page of a calibration in memory.
+#[must_use]
+pub fn of_outcome(Outcome { calibrated, recordings, .. }: &Outcome) -> Page {
+    let CalibratedModel { model, calibration, .. } = calibrated;
+    let results = Results { model, calibration, notes: &[], recordings };
+    page("calibrate", &results, None, &results.to_json())
+}
 
 /// The page; `experiment` is the file that was run, where there is one, and `metrics` what metrics.json holds.
 pub fn page(command: &str, results: &Results<'_>, experiment: Option<&str>, metrics: &Value) -> Page {
