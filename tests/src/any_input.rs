@@ -14,9 +14,10 @@ use std::{
 use aurt::{
     prelude::*,
     simulate,
-    simulation::{Motion, Scenario, ScenarioFile, case::Plan, robots},
+    simulation::{Motion, Scenario, ScenarioFile, robots},
 };
 use aurt_experiment::Experiment;
+use aurt_lab::case::Plan;
 use aurt_plugins::Registry;
 use aurt_recording::preprocess;
 use aurt_workbench::experiments::fit_experiment;

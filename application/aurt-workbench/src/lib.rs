@@ -20,7 +20,6 @@ pub mod failure;
 pub mod gains;
 pub mod injected;
 pub mod output;
-pub mod proof;
 pub mod reports;
 pub mod results;
 pub mod sensitivity;

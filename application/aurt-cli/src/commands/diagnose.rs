@@ -13,7 +13,6 @@ use aurt_workbench::{
     diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
     failure::Failure,
     output::{OutputFolder, Outputs},
-    proof::COMPARISON,
     results::diagnosed_series,
 };
 use clap::Args;
@@ -53,7 +52,7 @@ pub struct Diagnose {
     /// Do as if an effect were unknown; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Take confidence from this file of `aurt prove --learn` instead of the program's own
+    /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
     /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
@@ -120,7 +119,7 @@ impl Diagnose {
 
         let mut files = vec![("verdict.json".to_owned(), pretty(&diagnosis.document).into_bytes())];
         if let Some(comparison) = &diagnosis.comparison {
-            files.push((COMPARISON.to_owned(), pretty(comparison).into_bytes()));
+            files.push(("comparison.json".to_owned(), pretty(comparison).into_bytes()));
         }
         if let Some(improved) = &diagnosis.improved {
             files.extend([
