@@ -9,7 +9,6 @@ use aurt_plugins::BuildError;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_robots::RobotErrors;
-use aurt_simulation::SimulationError;
 use aurt_traits::{MeasurementUnit, ModelError};
 
 /// Why something failed.
@@ -29,8 +28,9 @@ pub enum Error {
     #[error(transparent)]
     Gains(Box<GainsError>),
     /// A simulation.
+    #[cfg(feature = "simulation")]
     #[error(transparent)]
-    Simulation(Box<SimulationError>),
+    Simulation(Box<aurt_simulation::SimulationError>),
     /// A diagnosis.
     #[error(transparent)]
     Diagnosis(Box<DiagnosisError>),
@@ -133,8 +133,9 @@ impl From<GainsError> for Error {
     }
 }
 
-impl From<SimulationError> for Error {
-    fn from(error: SimulationError) -> Self {
+#[cfg(feature = "simulation")]
+impl From<aurt_simulation::SimulationError> for Error {
+    fn from(error: aurt_simulation::SimulationError) -> Self {
         Self::Simulation(Box::new(error))
     }
 }

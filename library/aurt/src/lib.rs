@@ -100,6 +100,15 @@
 //! # Ok::<(), aurt::Error>(())
 //! ```
 //!
+//! # Features
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | `export` | [`export`]: models as files of other programs |
+//! | `simulation` | [`simulation`] and [`simulate`]: simulated robots, calibrated models that move |
+//!
+//! Both are on unless `default-features = false`.
+//!
 //! # Conventions
 //!
 //! Every fallible function returns [`Error`] or the error of the crate that it is from, which becomes one. Joints count from
@@ -120,6 +129,7 @@ pub mod prelude;
 pub mod progress;
 mod questioned;
 mod role;
+#[cfg(feature = "simulation")]
 mod simulating;
 mod torque;
 
@@ -129,6 +139,9 @@ pub use aurt_friction as friction;
 pub use aurt_model as model;
 pub use aurt_plugins as plugins;
 pub use aurt_recording as recording;
+#[cfg(feature = "export")]
+pub use aurt_export as export;
+#[cfg(feature = "simulation")]
 pub use aurt_simulation as simulation;
 pub use aurt_traits as traits;
 
@@ -143,7 +156,8 @@ pub use crate::{
     progress::Progress,
     questioned::{Asked, Part},
     role::{RecordingResult, Role},
-    simulating::{Drive, simulate},
     torque::TorqueSeries,
 };
+#[cfg(feature = "simulation")]
+pub use crate::simulating::{Drive, simulate};
 pub use aurt_model::{Friction, ModelBuilder, Robot};
