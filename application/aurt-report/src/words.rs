@@ -72,7 +72,7 @@ pub fn groups(verdict: &Verdict, asked: Asked) -> Vec<Group<'_>> {
 /// What an empty group says: nothing, as far as names go.
 pub const fn nothing(answer: Answer) -> &'static str {
     match answer {
-        Answer::Unexplained => "nothing that has a name",
+        Answer::Unexplained => "nothing that was identified",
         _ => "nothing",
     }
 }
@@ -109,13 +109,13 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     match (verdict.verdict, changes) {
         (Answer::NoMismatch, _) => match verdict.structure {
             None | Some(Answer::NoMismatch) => {
-                "nothing has changed, and nothing is missing: what is left is noise".to_owned()
+                "nothing has changed and nothing is missing: the residual is noise".to_owned()
             }
             Some(Answer::Named) if faults.is_some() && !has_physics(verdict) => {
-                "nothing has changed; a fault of the recordings accounts for what is left".to_owned()
+                "nothing has changed; a fault of the recordings explains the residual".to_owned()
             }
             Some(Answer::Named) => {
-                "nothing has changed; what the model lacks in all recordings has a name".to_owned()
+                "nothing has changed; what the model lacks in all recordings was identified".to_owned()
             }
             Some(Answer::Ambiguous) => {
                 "nothing has changed; what the model lacks in all recordings is one of a class of effects that these \
@@ -123,7 +123,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
                     .to_owned()
             }
             Some(Answer::Unexplained) => {
-                "nothing has changed; what the model lacks in all recordings has no name that accounts for it"
+                "nothing has changed; the model lacks something in all recordings that no known effect explains"
                     .to_owned()
             }
         },
@@ -132,18 +132,18 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
         }
         (Answer::Named, Some(changes)) => format!("changed since calibration: {changes}"),
         (Answer::Named, None) => match faults {
-            Some(fault) => format!("a fault of the recordings accounts for what differs: {fault}"),
-            None => "the difference has a name".to_owned(),
+            Some(fault) => format!("a fault of the recordings explains the difference: {fault}"),
+            None => "the cause was identified".to_owned(),
         },
         (Answer::Ambiguous, changes) => {
             format!("changed since calibration: {}, or another of a class that these recordings cannot separate",
                 changes.unwrap_or_else(|| "something".to_owned()))
         }
         (Answer::Unexplained, Some(changes)) => {
-            format!("something has changed that no known effect accounts for; part of it looks like {changes}")
+            format!("something has changed that no known effect explains; part of it resembles {changes}")
         }
         (Answer::Unexplained, None) => {
-            "something has changed in the target, and no known effect accounts for it".to_owned()
+            "something has changed in the target that no known effect explains".to_owned()
         }
     }
 }
@@ -152,21 +152,17 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
 fn missing(verdict: &Verdict, asked: Asked) -> String {
     let found = brief(verdict, |f| place(f, asked) != Place::Fault);
     match (verdict.verdict, found) {
-        (Answer::NoMismatch, _) => "nothing is missing: what is left is noise".to_owned(),
-        (Answer::Named, None) => "a fault of the recordings accounts for what differs".to_owned(),
+        (Answer::NoMismatch, _) => "nothing is missing: the residual is noise".to_owned(),
+        (Answer::Named, None) => "a fault of the recordings explains the difference".to_owned(),
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::Ambiguous, found) => format!(
             "the model lacks {}, or another of a class of effects that these recordings cannot separate",
             found.unwrap_or_else(|| "something".to_owned())
         ),
         (Answer::Unexplained, Some(found)) => {
-            format!(
-                "the model lacks something that no known effect accounts for; part of it looks like {found}"
-            )
+            format!("the model lacks something that no known effect explains; part of it resembles {found}")
         }
-        (Answer::Unexplained, None) => {
-            "the model lacks something that no known effect accounts for".to_owned()
-        }
+        (Answer::Unexplained, None) => "the model lacks something that no known effect explains".to_owned(),
     }
 }
 
@@ -259,7 +255,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
     let all = worse.len() == judged.len();
     let rest = if all { String::new() } else { ", and not on the others".into() };
     Some(format!(
-        "does not hold on data that took no part: with all that was found their error grows on {}{rest}",
+        "does not hold on held-out data: with all findings in the model, the error grows on {}{rest}",
         listed(&worse)
     ))
 }
@@ -321,6 +317,7 @@ mod tests {
             },
             shifts: Vec::new(),
             registered_models: Vec::new(),
+            warnings: Vec::new(),
             notes: Vec::new(),
         }
     }

@@ -135,16 +135,18 @@ mod torque;
 
 pub use aurt_calibration as calibration;
 pub use aurt_diagnosis as diagnosis;
+#[cfg(feature = "export")]
+pub use aurt_export as export;
 pub use aurt_friction as friction;
 pub use aurt_model as model;
 pub use aurt_plugins as plugins;
 pub use aurt_recording as recording;
-#[cfg(feature = "export")]
-pub use aurt_export as export;
 #[cfg(feature = "simulation")]
 pub use aurt_simulation as simulation;
 pub use aurt_traits as traits;
 
+#[cfg(feature = "simulation")]
+pub use crate::simulating::{Drive, simulate};
 pub use crate::{
     calibrated_file::{CalibratedModel, file_contents},
     calibrating::{Calibrator, Settings},
@@ -158,6 +160,4 @@ pub use crate::{
     role::{RecordingResult, Role},
     torque::TorqueSeries,
 };
-#[cfg(feature = "simulation")]
-pub use crate::simulating::{Drive, simulate};
 pub use aurt_model::{Friction, ModelBuilder, Robot};

@@ -153,8 +153,8 @@ impl Diagnose {
         }
         let mut json = diagnosis.document.clone();
         json["command"] = json!("diagnose");
-        json["warnings"] =
-            json!(diagnosis.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings));
+        let improved = diagnosis.improved.iter().flat_map(|i| &i.model.calibration.warnings);
+        json["warnings"] = json!(diagnosis.verdict.warnings.iter().chain(improved).collect::<Vec<_>>());
         json["notes"] = json!(notes);
         json["outputs"] = json!(written);
         json["setup"] = json!(setup.as_ref().map(Examination::to_json));

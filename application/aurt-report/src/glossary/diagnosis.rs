@@ -53,12 +53,12 @@ pub const TERMS: &[Term] = &[
         title: "verdict: named",
         text: "Something has changed (without targets: is missing), and it has a name: the effects listed explain it \
             better than any other that is known, each has passed every test, and together they account for most of it, \
-            joint by joint and on data that took no part. improved.toml has them.",
+            joint by joint and on held-out data. improved.toml has them.",
     },
     Term {
         name: "no_mismatch",
         title: "verdict: no_mismatch",
-        text: "Nothing is missing that these recordings could show: what is left is noise. It does not say \
+        text: "Nothing is missing that these recordings could show: the residual is noise. It does not say \
             that the model is right for motions that were not recorded; see not_decidable. `aurt sensitivity` says how \
             large an effect could be and stay hidden.",
     },
@@ -67,7 +67,7 @@ pub const TERMS: &[Term] = &[
         title: "noise floor",
         text: "The residual that a perfect model would leave on a joint: the white noise of the measurement \
             after the filter, and the noise of the positions as it passes through differentiation and model. No \
-            model can have less on data that took no part. Structure is claimed where a residual exceeds 1.65 \
+            model has a smaller residual on held-out data. Structure is claimed where a residual exceeds 1.65 \
             times the floor.",
     },
     Term {
@@ -106,16 +106,15 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "stands_out",
         title: "windows that stand out",
-        text: "Half-second stretches in which a residual is at least 3.5 times both its own median and the \
-            noise floor. Contacts, corrupt samples and sudden changes show so; windows at reversals speak of \
-            friction at low speed.",
+        text: "Half-second windows whose residual is larger than chance explains: among all windows of a recording, \
+            noise of the residual's median variance (at least that of the noise floor) exceeds the limit in 1 % of cases. \
+            Contacts, corrupt samples and sudden changes appear here; windows at reversals indicate friction at low speed.",
     },
     Term {
         name: "structure",
         title: "structure: the second answer",
         text: "Where targets stand beside other recordings, `verdict` says what has changed in them, and `structure`, in \
-            the same four words, what the model lacks in all recordings. An arm whose structure nobody can explain can \
-            still have a change that is plain.",
+            the same four words, what the model lacks in all recordings. A change can be identified even where the structure cannot be explained.",
     },
     Term {
         name: "structure_left",
@@ -132,7 +131,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "unexplained",
         title: "verdict: unexplained",
-        text: "The residual has structure, and no effect that aurt knows accounts for it. The report says \
+        text: "The residual has structure, and no known effect explains it. The report says \
             where it is (joint, time, coordinate), and which registered friction model predicts it, if one of a library \
             that is loaded does (docs/friction-plugin.md). An effect of your own can be added: docs/adding-an-effect.md.",
     },

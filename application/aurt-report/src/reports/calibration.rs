@@ -66,7 +66,7 @@ fn held_out<'a>(results: &'a Results<'_>) -> Vec<&'a RecordingResult> {
     results.recordings.iter().filter(|r| r.role == Role::Validation).collect()
 }
 
-/// Those recordings that took no part, or, where all took part, all.
+/// The held-out recordings, or all where none is held out.
 fn judged<'a>(results: &'a Results<'_>) -> Vec<&'a RecordingResult> {
     let held_out = held_out(results);
     if held_out.is_empty() { results.recordings.iter().collect() } else { held_out }
@@ -96,7 +96,7 @@ fn verdict(results: &Results<'_>) -> Verdict {
         )
     } else {
         format!(
-            "Calibrated on {}; on {} that took no part, its error is {low} % to {high} % of the signal, joint by joint",
+            "Calibrated on {}; on {}, held out, its error is {low} % to {high} % of the signal, joint by joint",
             plural(fitted, "recording"),
             plural(held_out.len(), "recording")
         )

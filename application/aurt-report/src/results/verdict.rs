@@ -59,13 +59,8 @@ impl Shown<'_> {
             text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
         }
         let warning = style.emphasise(Emphasis::Warning, "warning");
-        let (warnings, notes): (Vec<&String>, Vec<&String>) =
-            verdict.notes.iter().partition(|n| n.starts_with(WARNING));
-        for w in &warnings {
-            text.push_str(&wrapped(&format!(
-                "{warning}: {}",
-                w[WARNING.len()..].trim_start_matches([':', ' '])
-            )));
+        for w in &verdict.warnings {
+            text.push_str(&wrapped(&format!("{warning}: {w}")));
         }
         // How well its parameters are excited stands in the report; it says nothing about the answer.
         for w in self.warnings.iter().filter(|w| is_about_physics(w)) {
@@ -78,7 +73,7 @@ impl Shown<'_> {
             text.push_str(&wrapped(&format!("not decidable here: {}", names.join(", "))));
         }
         text.extend(verdict.not_examined.iter().map(|n| wrapped(&format!("not examined: {}", n.reason))));
-        text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        text.extend(verdict.notes.iter().map(|n| wrapped(&format!("note: {n}"))));
         if verdict.verdict == Answer::NoMismatch {
             text.push_str(&wrapped(HOW_LARGE));
         }
@@ -128,6 +123,3 @@ impl Shown<'_> {
         }
     }
 }
-
-/// What begins a note that is a warning.
-const WARNING: &str = "WARNING";

@@ -121,8 +121,7 @@ impl Diagnosed<'_> {
         let mut sentences: Vec<String> =
             groups(self.verdict, self.asked).iter().flat_map(|g| self.sentences(g)).collect();
         sentences.extend(self.verdict.registered_models.iter().map(|m| format!("{}.", capital(&m.sentence))));
-        let warnings = self.verdict.notes.iter().filter(|n| n.starts_with("WARNING"));
-        sentences.extend(warnings.map(|n| format!("{}.", capital(n.trim_start_matches("WARNING: ")))));
+        sentences.extend(self.verdict.warnings.iter().map(|w| format!("{}.", capital(w))));
         sentences.extend(
             self.improved
                 .1
@@ -139,7 +138,7 @@ impl Diagnosed<'_> {
         if let Some(j) = most.filter(|_| self.found()) {
             let lower = (0..joints).filter(|j| ratio(*j) < 1.0).count();
             sentences.push(format!(
-                "On data that took no part the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
+                "On held-out data the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
                  goes from {} {unit} to {} {unit}, and noise alone leaves {} {unit}.",
                 significant(held.rms_before[j], 3),
                 significant(held.rms_after[j], 3),
@@ -319,7 +318,7 @@ impl Diagnosed<'_> {
             let reasons = self.verdict.not_examined.iter().map(|n| format!("{}.", capital(&n.reason)));
             blocks.push(Block::List(reasons.collect()));
         }
-        let notes = self.verdict.notes.iter().filter(|n| !n.starts_with("WARNING"));
+        let notes = self.verdict.notes.iter();
         let notes: Vec<String> = notes.map(|n| format!("{}.", capital(n))).collect();
         if !notes.is_empty() {
             blocks.push(Block::List(notes));

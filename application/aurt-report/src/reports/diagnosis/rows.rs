@@ -25,7 +25,7 @@ impl Diagnosed<'_> {
         let count: usize = self.series.iter().map(|s| s.joints.len()).sum();
         let points = points_per_series(5 * count);
         let mut order: Vec<&RecordingSeries> = self.series.iter().collect();
-        // What took no part convinces most, then what was asked about.
+        // Held-out recordings convince most, then what was asked about.
         order.sort_by_key(|s| match s.role {
             Role::Validation => 0,
             Role::Target => 1,
