@@ -14,6 +14,8 @@ use aurt_report::{
 };
 use serde_json::Value;
 
+use aurt_report::rendering::joints::label;
+
 use crate::inspection::joints::JointReport;
 
 /// What a motion says of the parameters, by their names.
@@ -138,7 +140,7 @@ impl Checked<'_> {
                 }
                 let moves = if self.joints[j].moves() { "" } else { ", at rest" };
                 let figure = TimeFigure {
-                    title: format!("joint {j}{moves}"),
+                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
                     name: format!("recording_joint_{j}"),
                     caption: String::new(),
                     time_s: &time,
@@ -148,7 +150,7 @@ impl Checked<'_> {
                     link: "recording".into(),
                 };
                 Block::Folded {
-                    title: format!("joint {j}{moves}"),
+                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
                     open: self.joints[j].moves(),
                     blocks: vec![Block::Figure(figure.figure(points))],
                 }

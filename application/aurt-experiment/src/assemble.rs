@@ -1,10 +1,9 @@
 //! From the sections of an experiment to a robot model.
 
 use aurt_model::{BASE_PARAMETER_SEED, Error, RigidBodyDynamics};
-use aurt_rbd::RobotDescription;
 use aurt_traits::{KnownBodies, RobotModel};
 
-use crate::Experiment;
+use crate::experiment::Experiment;
 
 impl Experiment {
     /// The rigid bodies of `[robot]`.
@@ -12,7 +11,7 @@ impl Experiment {
     /// # Errors
     /// As [`RigidBodyDynamics::from_mdh`].
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
-        let rigid_body = self.robot.geometry.rigid_body(self.robot.gravity_m_s2)?;
+        let rigid_body = self.robot.rigid_body()?;
         RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)
     }
 

@@ -13,7 +13,7 @@ use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotMod
 use serde_json::json;
 
 use crate::{
-    experiments::{calibration_options, instrument},
+    experiments::{calibration_options, check_robot_of, instrument},
     failure::Failure,
 };
 
@@ -68,7 +68,9 @@ impl GivenModel {
                 "leave out --base and --tip",
             ));
         }
-        Ok(Self { calibrated: CalibratedModel::read(path, registry)?, notes: Vec::new() })
+        let calibrated = CalibratedModel::read(path, registry)?;
+        check_robot_of(&calibrated, experiment)?;
+        Ok(Self { calibrated, notes: Vec::new() })
     }
 }
 

@@ -12,10 +12,10 @@ use aurt_diagnosis::{
 };
 use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_plugins::Registry;
-use aurt_recording::Stretches;
+use aurt_recording::{RobotJoints, Stretches};
 use aurt_report::{
     Page,
-    rendering::style::Style,
+    rendering::{joints::with_names, style::Style},
     reports::diagnosis::{Diagnosed, arm, notes},
     results::verdict::Shown,
 };
@@ -122,8 +122,10 @@ pub fn diagnose_experiment(
         instrument: instrument(experiment),
         calibration: calibration_options(experiment),
     };
-    let joints = experiment.joints();
-    let parts = read(experiment, joints, options.most_rows.unwrap_or(MOST_ROWS), |what| progress.step(what))?;
+    let parts =
+        read(experiment, &experiment.robot.robot_joints(), options.most_rows.unwrap_or(MOST_ROWS), |what| {
+            progress.step(what)
+        })?;
     let named = diagnoser
         .settings(settings)
         .without(&options.without)
@@ -152,7 +154,7 @@ impl Found<'_> {
             learnt.apply(&mut verdict);
         }
         let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
-        let document = json!(verdict);
+        let document = with_names(json!(verdict), question.model.rigid_body().joint_names());
         let comparison = options.compare.then(|| {
             let answer = |method: Method| json!(method.answer(question, investigation));
             let methods = Method::ALL.into_iter().map(|method| (method.name().to_owned(), answer(method)));
@@ -178,6 +180,7 @@ impl Found<'_> {
                 rows,
                 first_s: recording.raw.time_s.first().copied().unwrap_or(0.0),
                 origin_s: recording.raw.report.origin_s,
+                joint_names: recording.raw.joints.names().to_vec(),
                 unit,
             };
             diagnosis.series = series_of().into_iter().zip(question.recordings).map(of_rows).collect();
@@ -234,7 +237,7 @@ impl Found<'_> {
 /// Reads the recordings of an experiment, each with its part.
 fn read(
     experiment: &Experiment,
-    joints: usize,
+    joints: &RobotJoints,
     most_rows: usize,
     mut progress: impl FnMut(String),
 ) -> Result<Vec<Part>, Failure> {
@@ -269,7 +272,9 @@ fn read(
             let options = source.read_options(Some(joints), Purpose::Validation);
             Stretches::read(&source.file, &options, most_rows)?
         } else {
-            Stretches::whole(Loaded::read(source.clone(), Some(joints), Purpose::Validation)?.recording)
+            Stretches::whole(
+                Loaded::read(source.clone(), Some(joints), Purpose::Validation)?.recording.into(),
+            )
         };
         rows.push(stretches.rows());
         read.push((source, stretches, role));
@@ -280,12 +285,12 @@ fn read(
     }
     let mut predictions = simulated.iter();
     let part = |(source, kept, role): (Source, Stretches, Role)| {
-        let loaded = Loaded { source, recording: kept.into_recording() };
+        let recording = kept.into_recording();
         let prediction = if role == questioned { predictions.next() } else { None };
         let simulated = prediction
-            .map(|prediction| simulated::read(&prediction.file, joints, &loaded.recording.time_s))
+            .map(|prediction| simulated::read(&prediction.file, joints.count, &recording.time_s))
             .transpose()?;
-        Ok(Part { loaded, role, simulated })
+        Ok(Part { source, recording, role, simulated })
     };
     read.into_iter().map(part).collect()
 }

@@ -1,7 +1,7 @@
 //! What an experiment asks of the library: its recordings, instrument, options, and the fit of its model.
 
 use aurt::{
-    Outcome, Progress,
+    CalibratedModel, Outcome, Progress,
     data::{Instrument, Source},
     fitting::{Assigned, Detail, Job},
     origins::Origins,
@@ -11,6 +11,8 @@ use aurt_experiment::{
     Experiment,
     experiment::{self, RecordingSource},
 };
+
+use aurt_recording::RobotJoints;
 
 use crate::failure::Failure;
 
@@ -37,6 +39,30 @@ pub fn source(source: &RecordingSource) -> Source {
         columns: source.columns.as_ref().map(Into::into),
         recorded: source.recorded.clone(),
     }
+}
+
+/// Whether the model is of the robot of an experiment, as far as joints and their names tell.
+///
+/// # Errors
+/// [`Failure::Argument`] if it is not.
+pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> Result<(), Failure> {
+    let (ours, theirs) = (RobotJoints::of(&**calibrated.model.rigid_body()), experiment.robot.robot_joints());
+    let named = !ours.names.is_empty() && !theirs.names.is_empty();
+    let reason = if ours.count != theirs.count {
+        format!("the model has {} joints, the experiment {}", ours.count, theirs.count)
+    } else if named && ours.names != theirs.names {
+        let listed = |joints: &RobotJoints| joints.names.join(", ");
+        format!("the model's joints are {}, the experiment's {}", listed(&ours), listed(&theirs))
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Argument {
+        option: "--model",
+        reason,
+        remedy: "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
+                 the model under [robot]: joint_names = […]"
+            .into(),
+    })
 }
 
 /// What an experiment asks to be fitted.

@@ -146,7 +146,7 @@ pub fn fit_in_stretches(
     let mut first: Option<(MeasurementUnit, &Path)> = None;
     for (source, role) in assigned {
         progress.step(format!("reading {} in stretches", source.label));
-        let options = source.read_options(Some(job.model.joints()), role.purpose());
+        let options = source.read_options(Some(&pipeline.joints), role.purpose());
         let long = LongRecording::read(&source.file, &options)?;
         let unit = job.instrument.unit(long.unit());
         match first {

@@ -35,8 +35,11 @@ impl Loader for ExperimentLoader {
 
 fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Error> {
     let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let read = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Error> {
         sources.iter().map(|recording| pipeline.read(source(recording), purpose)).collect()
     };

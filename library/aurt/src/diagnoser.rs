@@ -9,14 +9,14 @@ use aurt_diagnosis::{
 };
 use aurt_model::Error as ModelFileError;
 use aurt_plugins::Registry;
-use aurt_recording::Recording;
+use aurt_recording::{Recording, RobotJoints};
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::Value;
 
 use crate::{
     calibrated_file::CalibratedModel,
     calibrating::Settings,
-    data::{Instrument, Loaded, Pipeline},
+    data::{Instrument, Loaded, Pipeline, Source},
     effects::{Effect, Named},
     error::Error,
     fitting::{Assigned, Detail, Job},
@@ -146,7 +146,7 @@ impl Diagnoser {
     }
 
     fn recording(self, recording: &Recording, role: Role) -> Self {
-        self.part(Part { loaded: Loaded::from(recording.clone()), role, simulated: None })
+        self.part(Part { source: Source::of(recording), recording: recording.clone(), role, simulated: None })
     }
 
     /// Adds a recording with its file, its window, and what another simulator predicts for it.
@@ -204,12 +204,16 @@ impl Diagnoser {
         };
         self.check()?;
         let Settings { preprocessing, instrument, calibration } = &self.settings;
-        let pipeline = Pipeline { joints: self.model.joints(), preprocessing, instrument };
-        let unit = pipeline.common_unit(self.parts.iter().map(|p| &p.loaded))?.unwrap_or_default();
+        let pipeline = Pipeline { joints: self.joints(), preprocessing, instrument };
+        let loaded: Vec<Loaded> =
+            self.parts.iter().map(|part| part.loaded(&pipeline.joints)).collect::<Result<_, _>>()?;
+        let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
         if let Some(given) = self.given.as_ref().map(|given| given.unit).filter(|given| *given != unit) {
             return Err(Error::GivenUnit { given, recorded: unit }.into());
         }
-        let recordings = self.parts.iter().map(|p| p.questioned(&pipeline)).collect::<Result<Vec<_>, _>>()?;
+        let parts = self.parts.iter().zip(loaded);
+        let recordings: Vec<QuestionedRecording> =
+            parts.map(|(part, loaded)| part.questioned(loaded, &pipeline)).collect::<Result<_, _>>()?;
         let question = Question {
             model: &self.model,
             frozen: self.given.as_ref(),
@@ -223,6 +227,10 @@ impl Diagnoser {
         let investigation =
             investigate(&question, registry, |what| progress.step(what)).map_err(Error::from)?;
         answer(&question, &investigation, registry)
+    }
+
+    fn joints(&self) -> RobotJoints {
+        RobotJoints::of(&**self.model.rigid_body())
     }
 
     /// Whether the arm is small enough.
@@ -265,8 +273,8 @@ impl Diagnoser {
             .parts
             .iter()
             .filter(|part| fitted(part.role))
-            .map(|part| Assigned { loaded: part.loaded.clone(), role: role::Role::Calibration })
-            .collect();
+            .map(|part| Ok(Assigned { loaded: part.loaded(&self.joints())?, role: role::Role::Calibration }))
+            .collect::<Result<_, Error>>()?;
         Ok(job.fit(&assigned, Detail::Errors, &Progress::silent())?.calibrated)
     }
 }

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt};
 
 use aurt_calibration::with_deviation;
-use aurt_diagnosis::{Finding, effects::ParameterValue};
+use aurt_diagnosis::{Finding, ParameterValue};
 use serde_json::Value;
 
 /// An estimate with its standard deviation.

@@ -4,6 +4,7 @@ use aurt_calibration::{
     Calibration, CalibrationError, CalibrationOptions, Comparison, NamedRecording, ShapeOptions, TermScopes,
     ValidatedRows, calibrate_shapes, compare, predict, validate,
 };
+use aurt_recording::RobotJoints;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
@@ -98,7 +99,7 @@ impl Job {
     /// How recordings are read and preprocessed.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
-            joints: self.model.joints(),
+            joints: RobotJoints::of(&**self.model.rigid_body()),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
         }
@@ -290,7 +291,7 @@ impl CalibratedModel {
     /// How this model reads recordings.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
-            joints: self.model.joints(),
+            joints: RobotJoints::of(&**self.model.rigid_body()),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
         }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use aurt_diagnosis::{Question, QuestionedRecording, Role};
+use aurt_recording::{Recording, RobotJoints};
 
 use crate::{
-    data::{Loaded, Pipeline, Purpose},
+    data::{Loaded, Pipeline, Purpose, Source},
     error::Error,
 };
 
@@ -36,8 +37,10 @@ impl Asked {
 /// A recording with its part in a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// The recording, read.
-    pub loaded: Loaded,
+    /// Where the recording is from.
+    pub source: Source,
+    /// The recording.
+    pub recording: Recording,
     /// Its part.
     pub role: Role,
     /// What another simulator predicts for it, `[joint][sample]`, where that is compared instead of a model.
@@ -45,29 +48,42 @@ pub struct Part {
 }
 
 impl Part {
+    /// The recording with the joints of a robot.
+    ///
+    /// # Errors
+    /// Joints that are not the robot's.
+    pub(crate) fn loaded(&self, joints: &RobotJoints) -> Result<Loaded, Error> {
+        Ok(Loaded { source: self.source.clone(), recording: self.recording.clone().of_robot(joints)? })
+    }
+
     /// Preprocessed.
     ///
     /// # Errors
     /// What makes the recording unfit.
-    pub(crate) fn questioned(&self, pipeline: &Pipeline<'_>) -> Result<QuestionedRecording, Error> {
-        let Self { loaded, role, simulated } = self;
-        let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {
-            Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone(),
-        };
+    pub(crate) fn questioned(
+        &self,
+        loaded: Loaded,
+        pipeline: &Pipeline<'_>,
+    ) -> Result<QuestionedRecording, Error> {
+        let Self { role, simulated, .. } = self;
         // A target in which the arm stands has no motion to be trimmed to; it can show a contact all the same.
-        let trimmed = pipeline.preprocess(loaded, Purpose::Calibration);
+        let trimmed = pipeline.preprocess(&loaded, Purpose::Calibration);
         let (data, purpose) = match trimmed {
             Err(_) if *role == Role::Target => {
-                (pipeline.preprocess(loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
+                (pipeline.preprocess(&loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
             }
             trimmed => (trimmed?, Purpose::Calibration),
+        };
+        let options = pipeline.options(loaded.recording.unit, purpose);
+        let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {
+            Some(window) => loaded.recording.window(window)?,
+            None => loaded.recording.into(),
         };
         Ok(QuestionedRecording {
             role: *role,
             raw: Arc::new(raw),
             data: Arc::new(data),
-            options: pipeline.options(loaded.recording.unit, purpose),
+            options,
             simulated: simulated.clone(),
             spoilt: None,
         })

@@ -240,7 +240,7 @@ fn rigid_bodies_of_ones_own_are_predicted_sample_by_sample() {
 /// The typed effects are those of the diagnosis.
 #[test]
 fn kinds_of_effects_are_those_of_the_diagnosis() {
-    let mut known: Vec<&str> = aurt::diagnosis::effects::all().iter().map(|effect| effect.id()).collect();
+    let mut known: Vec<&str> = aurt::diagnosis::effects::ALL.iter().map(|effect| effect.id).collect();
     known.sort_unstable();
     let kinds: Vec<&str> = EffectKind::ALL.iter().map(|kind| kind.id()).collect();
     assert_eq!(kinds, known);

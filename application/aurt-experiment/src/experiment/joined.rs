@@ -2,8 +2,8 @@ use aurt_plugins::{Node, NodeKind, suggestion::likely};
 use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
 
 use super::{
-    recorded_as,
-    recordings::{UNITS, column, joint_columns},
+    columns::{column, joint_columns},
+    recorded_as::{self, UNITS},
     section::Section,
 };
 
