@@ -138,7 +138,7 @@ proptest! {
         let registry = Registry::linked().unwrap();
         if let Err(error) = model_file::robot_model_from_json(&changed, &registry) {
             let error = error.in_file(Path::new("m.json"), &text, &[]);
-            let aurt_experiment::Error::ModelFile { line, column, .. } = error else {
+            let aurt_model::Error::ModelFile { line, column, .. } = error else {
                 return Err(TestCaseError::fail(error.to_string()));
             };
             prop_assert!(line >= 1 && line <= text.lines().count() && column >= 1);
