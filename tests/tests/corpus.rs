@@ -4,7 +4,7 @@
 
 use std::{fs, path::Path};
 
-use aurt_lab::case::Plan;
+use aurt::simulation::effects;
 use aurt_plugins::Registry;
 use aurt_tests::any_input::TARGETS;
 use proptest::{prelude::*, test_runner::TestRunner};
