@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use aurt_plugins::Trust;
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::{failure::Failure, rendering::terminal::Report};
+use crate::rendering::terminal::Report;
 
 /// Trust libraries of models that experiments name, or list those that are trusted.
 ///
