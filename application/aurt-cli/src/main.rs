@@ -20,7 +20,7 @@ use aurt::{
     injected, inspection, origins, output, proof, reports, results, sensitivity, streaming, sweeping,
     tracking,
 };
-use aurt_plugins::{Registry, Trust, Worker};
+use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;
 
 use crate::{
@@ -41,10 +41,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
         registry.trust(Trust::all());
     }
     registry.before_libraries(supervised::before_library);
-    if let Ok(worker) = Worker::this_program() {
-        registry.serve_with(worker);
-    }
-    registry.isolate(cfg!(unix) && arguments.command.tries_libraries());
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
@@ -72,9 +68,6 @@ fn refuse(error: &clap::Error) -> ExitCode {
 }
 
 fn main() -> ExitCode {
-    if let Some(status) = aurt_plugins::serve_if_asked() {
-        return status;
-    }
     let arguments = match arguments::parse(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),

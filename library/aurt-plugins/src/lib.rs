@@ -2,8 +2,7 @@
 //!
 //! - [`Registry`] knows every model that can be named and builds one from its table;
 //! - [`Node`] is such a table, with the place of every key and value;
-//! - [`Registry::load_library`] adds the models of a dynamic library, in this process or ([`Registry::isolate`]) in one
-//!   of the library's own, [`new_plugin`] writes a new one to start from.
+//! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from.
 //!
 //! ```
 //! use aurt_plugins::{Node, Registry};
@@ -35,9 +34,7 @@ mod trust;
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;
-pub use dynamic::{
-    LibraryListing, LibraryProblem, Told, Worker, longest_call, serve_if_asked, time_limit, watch_calls,
-};
+pub use dynamic::{LibraryListing, LibraryProblem, Told, longest_call, time_limit, watch_calls};
 pub use error::{BuildError, Error};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};
 pub use registry::{ModelListing, Origin, Registry};

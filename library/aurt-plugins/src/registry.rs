@@ -5,7 +5,7 @@ use aurt_traits::{ModelEntry, Slot};
 use crate::{
     Error, Node, Span,
     build::{self, SlotModel},
-    dynamic::{self, LibraryListing, LibraryModel, LibraryProblem, Worker},
+    dynamic::{self, LibraryListing, LibraryModel, LibraryProblem},
     error::BuildError,
     inner::Form,
     trust::{Trust, hash_of},
@@ -18,10 +18,6 @@ pub struct Registry {
     libraries: Vec<LibraryListing>,
     /// Called before a library is loaded into this process.
     before_library: Option<fn(&Path)>,
-    /// What serves libraries in processes of their own.
-    worker: Option<Worker>,
-    /// Whether libraries that are loaded from now on get such processes.
-    isolating: bool,
     /// Which libraries may be loaded because a file names them.
     trust: Trust,
 }
@@ -135,18 +131,10 @@ impl Registry {
         if path.canonicalize().is_ok_and(|file| self.libraries.iter().any(|known| known.path == file)) {
             return Ok(());
         }
-        let (library, models) = match (self.isolating, &self.worker) {
-            (true, Some(worker)) => dynamic::load_isolated(path, worker)?,
-            (true, None) => {
-                return Err(Error::Library { path: path.to_owned(), problem: LibraryProblem::NoWorker });
-            }
-            (false, _) => {
-                if let Some(before) = self.before_library {
-                    before(path);
-                }
-                dynamic::load(path)?
-            }
-        };
+        if let Some(before) = self.before_library {
+            before(path);
+        }
+        let (library, models) = dynamic::load(path)?;
         let mut with_library = self.clone();
         for (listing, model) in models {
             with_library.add(listing, Some(model))?;
@@ -179,24 +167,6 @@ impl Registry {
         let mut trust = self.trust.clone();
         self.libraries.iter().for_each(|library| trust.insert(library.blake3.clone()));
         trust
-    }
-
-    /// Says which program serves libraries in processes of their own; see [`crate::serve_if_asked`].
-    pub fn serve_with(&mut self, worker: Worker) {
-        self.worker = Some(worker);
-    }
-
-    /// Whether libraries that are loaded from now on run in processes of their own: what such a library does wrong (it
-    /// crashes, does not return, writes where it must not, takes all memory) is then an error of its model alone. A batch
-    /// takes some microseconds more, and its series are copied. That needs [`Self::serve_with`].
-    pub const fn isolate(&mut self, isolating: bool) {
-        self.isolating = isolating;
-    }
-
-    /// Whether libraries that are loaded from now on run in processes of their own.
-    #[must_use]
-    pub const fn is_isolating(&self) -> bool {
-        self.isolating
     }
 
     /// Has a function called before every library that is loaded into this process, with its path: loading runs its code.

@@ -28,8 +28,7 @@
 //!
 //! Every fallible function returns one [`Error`]. Joints count from 0, units are SI and stand in names; a model calibrated
 //! on motor currents has A in the place of Nm. The modules below are what the command `aurt` is made of. Traits
-//! for models of one's own are in [`traits`]; [`plugins`] loads them from libraries. A program that calls
-//! [`plugins::serve_if_asked`] first in `main` can run libraries in processes of their own.
+//! for models of one's own are in [`traits`]; [`plugins`] loads them from libraries.
 
 pub mod calibrated_file;
 pub mod calibrating;

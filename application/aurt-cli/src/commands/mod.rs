@@ -97,12 +97,6 @@ pub struct Session<'a> {
 }
 
 impl Command {
-    /// Whether models of libraries are candidates among many here, of which one that crashes must not end the command:
-    /// they run in processes of their own, unless an experiment says otherwise.
-    pub const fn tries_libraries(&self) -> bool {
-        matches!(self, Self::Diagnose(_) | Self::Prove(_))
-    }
-
     /// Does it.
     ///
     /// # Errors

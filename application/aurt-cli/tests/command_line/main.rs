@@ -16,7 +16,6 @@ mod first_experiment;
 mod gains;
 mod injection;
 mod instruction_sets;
-mod isolation;
 mod joined;
 mod long_recordings;
 mod machine_output;

@@ -201,10 +201,6 @@ fn read_schema(top: &mut Section<'_, '_>) {
 fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<PathBuf> {
     let Some(mut section) = top.section("plugins") else { return Vec::new() };
     let mut libraries = Vec::new();
-    let default = registry.is_isolating();
-    if let Some(isolate) = section.boolean("isolate") {
-        registry.isolate(isolate);
-    }
     if let Some(node) = section.take("libraries") {
         match &node.kind {
             NodeKind::Array(items) => {
@@ -224,7 +220,6 @@ fn read_libraries(top: &mut Section<'_, '_>, registry: &mut Registry) -> Vec<Pat
             ),
         }
     }
-    registry.isolate(default);
     section.finish();
     libraries
 }

@@ -3,6 +3,7 @@
 use std::{
     cell::Cell,
     collections::BTreeMap,
+    env,
     sync::{
         Arc, Mutex, OnceLock, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -14,6 +15,11 @@ use super::library::LibraryModel;
 
 /// Told the model and its library before the first call from a thread, and whenever a thread goes on to another model.
 pub type Told = fn(&str);
+
+/// Seconds that a single call of a library's function may take.
+const TIME_LIMIT: &str = "AURT_LIBRARY_TIME_LIMIT_S";
+/// Without [`TIME_LIMIT`]: a call evaluates some thousand samples, which takes milliseconds.
+const USUAL_TIME: Duration = Duration::from_secs(60);
 
 static TOLD: OnceLock<Told> = OnceLock::new();
 static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -28,6 +34,13 @@ thread_local! {
 pub fn watch_calls(told: Told) {
     // A second one is not needed: there is one command in a process.
     let _ = TOLD.set(told);
+}
+
+/// The longest time that a call of a library's function may take: `AURT_LIBRARY_TIME_LIMIT_S`, or 60 s.
+#[must_use]
+pub fn time_limit() -> Duration {
+    let wanted = env::var(TIME_LIMIT).ok().and_then(|text| text.parse::<f64>().ok()).filter(|s| *s > 0.0);
+    wanted.and_then(|s| Duration::try_from_secs_f64(s).ok()).unwrap_or(USUAL_TIME)
 }
 
 /// The call that has been running for the longest time: its model and library, and for how long.

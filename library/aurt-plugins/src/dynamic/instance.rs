@@ -15,12 +15,7 @@ use aurt_traits::{
 };
 use serde_json::{Map, Value};
 
-use super::{
-    calls,
-    description::Described,
-    isolated::Remote,
-    library::{Code, LibraryModel, Table},
-};
+use super::{calls, description::Described, library::LibraryModel};
 
 /// Bytes for a library's messages.
 const MESSAGE_BYTES: usize = 4096;
@@ -32,29 +27,17 @@ pub(crate) struct Instance {
     pub model: Arc<LibraryModel>,
     /// The keys it was made from, without `model`.
     pub config: Map<String, Value>,
-    body: Body,
+    pointer: *mut c_void,
+    /// What it said of itself, by number of joints; locked while it is asked.
+    described: Mutex<BTreeMap<usize, Arc<Described>>>,
     /// How many batches it has evaluated between guards.
     guarded: AtomicUsize,
 }
 
-/// Where an instance lives.
-enum Body {
-    Loaded(Loaded),
-    Isolated(Remote),
-}
-
-/// An instance in this process.
-struct Loaded {
-    table: Table,
-    pointer: *mut c_void,
-    /// What it said of itself, by number of joints; locked while it is asked.
-    described: Mutex<BTreeMap<usize, Arc<Described>>>,
-}
-
 // SAFETY: the ABI demands that instances may be used from any thread, and `describe` is called under a lock.
-unsafe impl Send for Loaded {}
+unsafe impl Send for Instance {}
 // SAFETY: as above.
-unsafe impl Sync for Loaded {}
+unsafe impl Sync for Instance {}
 
 impl fmt::Debug for Instance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -119,49 +102,43 @@ fn outcome(code: i32, message: &[u8]) -> Result<(), Fault> {
 
 impl Instance {
     pub(crate) fn create(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Self, Fault> {
-        let body = match &model.code {
-            Code::Loaded(table) => Body::Loaded(Loaded::create(*table, &model, &config)?),
-            Code::Isolated { pool, number } => {
-                Body::Isolated(Remote::new(pool.clone(), *number, &config, None)?)
-            }
-        };
-        Ok(Self { model, config, body, guarded: AtomicUsize::new(0) })
+        let text = Value::Object(config.clone()).to_string();
+        let mut pointer = ptr::null_mut();
+        let function = model.table.functions.create.ok_or_else(|| missing("create"))?;
+        let running = calls::enter(&model);
+        // SAFETY: the table is the library's own, the text has the given length, and the pointers are to local values.
+        call(|error| unsafe {
+            function(model.table.address, text.as_ptr().cast(), text.len(), &raw mut pointer, error)
+        })?;
+        drop(running);
+        Ok(Self { model, config, pointer, described: Mutex::default(), guarded: AtomicUsize::new(0) })
     }
 
     /// The same model with other shape parameters, as another instance.
     pub(crate) fn with_shape(&self, values: &[f64]) -> Result<Self, Fault> {
-        let (model, config) = (self.model.clone(), self.config.clone());
-        let body = match &self.body {
-            Body::Isolated(remote) => Body::Isolated(remote.with_shape(values)?),
-            Body::Loaded(Loaded { table, .. }) => {
-                let other = Loaded::create(*table, &model, &config)?;
-                let function = table.functions.set_shape.ok_or_else(|| missing("set_shape"))?;
-                let _running = calls::enter(&model);
-                // SAFETY: nobody else knows the new instance; the values have the given length.
-                call(|error| unsafe { function(other.pointer, values.as_ptr(), values.len(), error) })?;
-                Body::Loaded(other)
-            }
-        };
-        Ok(Self { model, config, body, guarded: AtomicUsize::new(0) })
+        let other = Self::create(self.model.clone(), self.config.clone())?;
+        let function = self.model.table.functions.set_shape.ok_or_else(|| missing("set_shape"))?;
+        let running = calls::enter(&self.model);
+        // SAFETY: nobody else knows the new instance; the values have the given length.
+        call(|error| unsafe { function(other.pointer, values.as_ptr(), values.len(), error) })?;
+        drop(running);
+        Ok(other)
     }
 
     /// What the model says of itself, for a robot of that many joints; asked once.
     pub(crate) fn describe(&self, robot_joints: usize) -> Result<Arc<Described>, Fault> {
-        let body = match &self.body {
-            Body::Isolated(remote) => return remote.describe(robot_joints),
-            Body::Loaded(body) => body,
-        };
-        let mut known = body.described.lock().unwrap_or_else(PoisonError::into_inner);
+        let table = &self.model.table;
+        let mut known = self.described.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(described) = known.get(&robot_joints) {
             return Ok(described.clone());
         }
-        let function = body.table.functions.describe.ok_or_else(|| missing("describe"))?;
+        let function = table.functions.describe.ok_or_else(|| missing("describe"))?;
         // A library of a later minor version writes a longer description.
-        let mut place = vec![0_u64; body.table.description_size.div_ceil(8)];
+        let mut place = vec![0_u64; table.description_size.div_ceil(8)];
         let description = place.as_mut_ptr().cast::<abi::Description>();
         let running = calls::enter(&self.model);
         // SAFETY: the place has the size that the library declares; the lock keeps other descriptions away.
-        call(|error| unsafe { function(body.pointer, robot_joints, description, error) })?;
+        call(|error| unsafe { function(self.pointer, robot_joints, description, error) })?;
         drop(running);
         // SAFETY: the library has filled the description; what it points to lives until the next one.
         let described = unsafe { Described::read(&*description) }.map_err(Fault)?;
@@ -172,19 +149,11 @@ impl Instance {
 
     /// The state before the first sample; zeros if the model has no function for it.
     pub(crate) fn initial_state(&self, first: &Series, state_len: usize) -> Result<Vec<f64>, Fault> {
-        let body = match &self.body {
-            Body::Isolated(remote) => {
-                // SAFETY: the series is ours for the time of the call, of the lengths given.
-                let (motion, load) = unsafe { first.as_arm() };
-                return remote.initial_state(&motion, load, first.load_stride, state_len);
-            }
-            Body::Loaded(body) => body,
-        };
         let mut state = vec![0.0; state_len];
-        if let Some(function) = body.table.functions.initial_state {
+        if let Some(function) = self.model.table.functions.initial_state {
             let _running = calls::enter(&self.model);
             // SAFETY: series and state are ours for the time of the call, of the lengths given.
-            call(|error| unsafe { function(body.pointer, first, state.as_mut_ptr(), state_len, error) })?;
+            call(|error| unsafe { function(self.pointer, first, state.as_mut_ptr(), state_len, error) })?;
         }
         Ok(state)
     }
@@ -196,22 +165,14 @@ impl Instance {
         state: &mut [f64],
         out: &mut Columns<'_>,
     ) -> Result<(), Fault> {
-        let body = match &self.body {
-            Body::Isolated(remote) => {
-                // SAFETY: the series is ours for the time of the call, of the lengths given.
-                let (motion, load) = unsafe { series.as_arm() };
-                return remote.evaluate(&motion, load, series.load_stride, state, out);
-            }
-            Body::Loaded(body) => body,
-        };
-        let function = body.table.functions.evaluate.ok_or_else(|| missing("evaluate"))?;
+        let function = self.model.table.functions.evaluate.ok_or_else(|| missing("evaluate"))?;
         let columns = out.columns();
         let _running = calls::enter(&self.model);
         let (out, stride) = out.raw_mut();
         // SAFETY: series, state and output are ours for the time of the call, of the lengths given.
         call(|error| unsafe {
             function(
-                body.pointer,
+                self.pointer,
                 series,
                 state.as_mut_ptr(),
                 state.len(),
@@ -227,11 +188,6 @@ impl Instance {
     pub(crate) fn is_new(&self) -> bool {
         self.guarded.load(Ordering::Relaxed) < GUARDED_BATCHES
             && self.guarded.fetch_add(1, Ordering::Relaxed) < GUARDED_BATCHES
-    }
-
-    /// Whether the instance lives in the library's own process, which evaluates every batch between guards.
-    pub(crate) const fn is_isolated(&self) -> bool {
-        matches!(self.body, Body::Isolated(_))
     }
 
     /// The keys with the present values of the shape parameters, and where the model is from: what is saved.
@@ -265,23 +221,9 @@ impl Instance {
     }
 }
 
-impl Loaded {
-    fn create(table: Table, model: &Arc<LibraryModel>, config: &Map<String, Value>) -> Result<Self, Fault> {
-        let text = Value::Object(config.clone()).to_string();
-        let mut pointer = ptr::null_mut();
-        let function = table.functions.create.ok_or_else(|| missing("create"))?;
-        let _running = calls::enter(model);
-        // SAFETY: the table is the library's own, the text has the given length, and the pointers are to local values.
-        call(|error| unsafe {
-            function(table.address, text.as_ptr().cast(), text.len(), &raw mut pointer, error)
-        })?;
-        Ok(Self { table, pointer, described: Mutex::default() })
-    }
-}
-
-impl Drop for Loaded {
+impl Drop for Instance {
     fn drop(&mut self) {
-        if let Some(destroy) = self.table.functions.destroy {
+        if let Some(destroy) = self.model.table.functions.destroy {
             // SAFETY: the pointer is from `create` and this is its end.
             unsafe { destroy(self.pointer) };
         }

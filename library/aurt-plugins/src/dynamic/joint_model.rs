@@ -167,7 +167,7 @@ pub(super) fn evaluate(
         );
         return Err(instance.failed(reason));
     }
-    let evaluated = if guarded && !instance.is_isolated() {
+    let evaluated = if guarded {
         guarded::evaluate(instance, series, state, out)
     } else {
         instance.evaluate(series, state, out)

@@ -9,10 +9,8 @@ use aurt_traits::{
     abi::{self, Declaration, ModelTable},
 };
 use libloading::Library;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::isolated::Pool;
 use crate::{
     Error,
     registry::{ModelListing, Origin},
@@ -33,7 +31,7 @@ pub struct LibraryListing {
 }
 
 /// Why a library could not be loaded.
-#[derive(Debug, Clone, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum LibraryProblem {
     /// There is no such file.
@@ -72,15 +70,6 @@ pub enum LibraryProblem {
         /// Its minor version.
         minor: u32,
     },
-    /// It is to run in a process of its own, and the host has not said which program that is.
-    #[error(
-        "is to run in a process of its own, which this program does not offer; the command `aurt` does, and with \
-         `isolate = false` under [plugins] the library runs in this process"
-    )]
-    NoWorker,
-    /// The process that it was to run in ended, or could not be had.
-    #[error("{0} while it was being loaded in a process of its own")]
-    Process(String),
     /// Its declaration contradicts the ABI.
     #[error("has a faulty declaration: {0}")]
     Faulty(String),
@@ -89,20 +78,11 @@ pub enum LibraryProblem {
 /// A model of a library.
 #[derive(Debug)]
 pub struct LibraryModel {
-    pub code: Code,
+    pub table: Table,
     pub slot: Slot,
     /// Lives as long as the process.
     pub name: &'static str,
     pub library: LibraryListing,
-}
-
-/// Where a model's functions run.
-#[derive(Debug)]
-pub enum Code {
-    /// In this process.
-    Loaded(Table),
-    /// In processes of the library's own; `number` is the model's place there.
-    Isolated { pool: Arc<Pool>, number: usize },
 }
 
 /// The functions of a model of a library that is loaded into this process.
@@ -255,8 +235,8 @@ unsafe fn read_model(
         example: named(table.example, "example of a model")?.to_owned(),
         origin: Origin::Library(library.clone()),
     };
-    let code = Code::Loaded(Table { functions: table, description_size, address });
-    Ok((listing, Arc::new(LibraryModel { code, slot, name, library: library.clone() })))
+    let table = Table { functions: table, description_size, address };
+    Ok((listing, Arc::new(LibraryModel { table, slot, name, library: library.clone() })))
 }
 
 /// # Safety

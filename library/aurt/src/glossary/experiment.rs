@@ -113,8 +113,7 @@ pub const TERMS: &[Term] = &[
         name: "plugins",
         title: "[plugins]: models of your own",
         text: "`libraries = [\"libmine.so\"]` loads friction models and arm terms from dynamic libraries; `aurt new-plugin \
-            NAME` writes one to start from. Loading one runs its code: it has to be trusted (`aurt trust`, `--allow-plugins`). `isolate = true` runs them in processes of their own, so that one that crashes or \
-            does not return costs its model alone; `aurt diagnose` does so unless it is `false`.",
+            NAME` writes one to start from. Loading one runs its code: it has to be trusted (`aurt trust`, `--allow-plugins`).",
     },
     Term {
         name: "position_cutoff_hz",
