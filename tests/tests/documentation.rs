@@ -22,6 +22,10 @@ fn pages() -> Vec<PathBuf> {
         "examples/1-demo",
         "examples/2-unknown-load",
         "examples/3-friction-sweep",
+        "examples/4-mujoco",
+        "examples/plugin-c",
+        "examples/plugin-rust",
+        "laboratory/mujoco",
     ] {
         let entries = fs::read_dir(root.join(folder)).into_iter().flatten();
         pages.extend(entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "md")));
@@ -121,4 +125,11 @@ fn commands_in_the_documentation_exist() {
             assert!(commands.contains(&module), "{}: there is no command in `{line}`", page.display());
         }
     }
+}
+
+#[test]
+fn pages_stay_short() {
+    let pages = pages().into_iter().filter(|page| page.starts_with(Path::new(ROOT).join("docs")));
+    let lines: usize = pages.map(|page| fs::read_to_string(page).unwrap().lines().count()).sum();
+    assert!((500..=3000).contains(&lines), "docs/ has {lines} lines; 3000 are what a reader may be asked for");
 }

@@ -134,6 +134,6 @@ pub const TERMS: &[Term] = &[
         title: "verdict: unexplained",
         text: "The residual has structure, and no effect that aurt knows accounts for it. The report says \
             where it is (joint, time, coordinate), and which registered friction model predicts it, if one of a library \
-            that is loaded does (docs/friction-plugin.md). An effect of your own can be added: docs/adding-an-effect.md.",
+            that is loaded does (docs/friction-plugin.md). An effect of your own can be added: CONTRIBUTING.md.",
     },
 ];
