@@ -47,6 +47,7 @@ def main() -> None:
             copy.write_text(text)
         else:
             shutil.copy(ROOT / page, copy)
+    (SOURCE / "site.css").write_text(".md-grid { max-width: 90rem; }\n")  # room for tables and commands
     environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
     build = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--config-file", ROOT / "mkdocs.yml"]
     sys.exit(subprocess.run(build, check=False, env=environment).returncode)
