@@ -131,5 +131,8 @@ fn commands_in_the_documentation_exist() {
 fn pages_stay_short() {
     let pages = pages().into_iter().filter(|page| page.starts_with(Path::new(ROOT).join("docs")));
     let lines: usize = pages.map(|page| fs::read_to_string(page).unwrap().lines().count()).sum();
-    assert!((500..=3000).contains(&lines), "docs/ has {lines} lines; 3000 are what a reader may be asked for");
+    assert!(
+        (500..=3000).contains(&lines),
+        "docs/ has {lines} lines; 3000 are what a reader may be asked for"
+    );
 }

@@ -26,9 +26,9 @@ use crate::{
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
 ///
-/// Writes recordings of a robot whose friction is known, with noise, and an experiment file, runs the experiment,
-/// and compares what it found with what was put in. Then it diagnoses recordings of the same robot after something
-/// has changed, and tells what it was. The files are a start for experiments of your own.
+/// Writes noisy recordings of a robot with known friction and an experiment file, runs the experiment, and
+/// compares estimated with true parameters. Then diagnoses recordings of the same robot with an undeclared
+/// load. The files are a template for your own experiments.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt demo\n  aurt run aurt-demo/experiment.toml --out results")]
 pub struct Demo {

@@ -17,7 +17,7 @@ use crate::{
     sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
 };
 
-/// Say from which size on each effect would have been found in the experiment's own recordings: "nothing is missing"
+/// Find the smallest size of each effect that the experiment's recordings would show: "nothing is missing"
 /// becomes "nothing larger than this is missing".
 ///
 /// Each effect is added to what the recordings measured, at growing strength, in five draws of shape and noise, and
