@@ -2,7 +2,7 @@
 file by file, with the proof that nobody disturbed.
 
     cargo build --release
-    python3 scripts/killed-proof.py --program target/release/aurt --hours 24 --out killed
+    python3 scripts/killed-proof.py --program target/release/aurt-lab --hours 24 --out killed
 
 `--hours` is the time that the recordings of all cases last together. A shard is killed (SIGKILL) after a time that is drawn for
 each start, on average that of `--cases` cases and exponentially distributed, so that long cases end as well; every other time
@@ -103,7 +103,7 @@ def run_killed(commands, mean_s, draws):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("--program", default="aurt", help="the executable of aurt")
+    arguments.add_argument("--program", default="aurt-lab", help="the executable of aurt-lab; aurt is in the same folder")
     arguments.add_argument("--hours", type=float, default=24.0, help="time of the recordings of all cases")
     arguments.add_argument("--shards", type=int, default=4)
     arguments.add_argument("--cases", type=float, default=5.0, help="how many a shard makes before it is killed, on average")

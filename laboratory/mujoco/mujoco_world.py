@@ -32,7 +32,7 @@ def read_plan(path):
     except ValueError as error:
         raise Refusal(f"{path}: is no JSON: {error}") from error
     if not isinstance(plan, dict):
-        raise Refusal(f"{path}: holds no plan (an object with recordings, singles, strangers, pairs, nulls)")
+        raise Refusal(f"{path}: holds no plan (an object with recordings, singles, unknown_effects, pairs, nulls)")
     settings = {"duration_s": 30.0, "rate_hz": 500.0} | (plan.get("recordings") or {})
     if not 6.0 <= settings["duration_s"] <= 300.0:
         raise Refusal(f"{path}: recordings.duration_s is {settings['duration_s']}; 6 to 300 s are possible here")

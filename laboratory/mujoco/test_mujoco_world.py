@@ -153,7 +153,7 @@ def test_what_is_concealed_is_not_declared():
 
 
 def test_every_effect_of_the_vocabulary_is_there_or_is_not_offered():
-    assert len(requests.VOCABULARY) >= 18 and len(requests.STRANGERS) >= 4
+    assert len(requests.VOCABULARY) >= 18 and len(requests.UNKNOWN_EFFECTS) >= 4
     for kind in requests.KINDS.values():
         assert kind.family in "FVHLIPDCXQ" and kind.presence in ("structural", "later", "either")
         changed = kind.install is not effect.Effect.install or kind.sense is not effect.Effect.sense

@@ -11,10 +11,8 @@ use std::{
     sync::OnceLock,
 };
 
-use aurt::{
-    prelude::*,
-    simulation::{ScenarioFile, case::Plan},
-};
+use aurt::{prelude::*, simulation::ScenarioFile};
+use aurt_lab::case::Plan;
 use aurt_recording::preprocess;
 use tempfile::TempDir;
 

@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{fs, path::Path};
 
-use aurt::{prelude::*, simulation::case::Plan};
+use aurt::prelude::*;
 use aurt_tests::any_input::TARGETS;
 use proptest::{prelude::*, test_runner::TestRunner};
 
@@ -54,12 +54,10 @@ fn every_model_and_effect_has_an_input() {
     for model in Registry::linked().unwrap().models() {
         assert!(named("experiment", &model.name), "{}", model.name);
     }
-    let plan = Plan::parse("[singles]\n[strangers]\n", "plan.toml").unwrap();
-    let effects: BTreeSet<String> =
-        plan.requests(1).unwrap().into_iter().flat_map(|request| request.effects).collect();
-    assert!(effects.len() > 30, "{effects:?}");
-    for effect in &effects {
-        assert!(named("scenario", effect), "{effect}");
+    let kinds = effects::catalogue();
+    assert!(kinds.len() > 20, "{kinds:?}");
+    for kind in kinds {
+        assert!(named("scenario", kind.identifier), "{}", kind.identifier);
     }
 }
 

@@ -17,8 +17,7 @@ use std::process::ExitCode;
 
 use aurt::{
     calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, gains, glossary,
-    injected, inspection, origins, output, proof, reports, results, sensitivity, streaming, sweeping,
-    tracking,
+    inspection, origins, output, reports, results, sensitivity, streaming, sweeping, tracking,
 };
 use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;

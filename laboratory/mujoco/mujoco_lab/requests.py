@@ -4,11 +4,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from . import friction, mechanics, robots, sensing, strangers
+from . import friction, mechanics, robots, sensing, unknown_effects
 
 VOCABULARY = {kind.identifier: kind for kind in friction.EFFECTS + mechanics.EFFECTS + sensing.EFFECTS}
-STRANGERS = {kind.identifier: kind for kind in strangers.EFFECTS}
-KINDS = VOCABULARY | STRANGERS
+UNKNOWN_EFFECTS = {kind.identifier: kind for kind in unknown_effects.EFFECTS}
+KINDS = VOCABULARY | UNKNOWN_EFFECTS
 STRENGTHS = {"weak": 0.3, "medium": 1.0, "strong": 3.0}
 # Effects that act between the engine's steps, which take a rigid arm.
 BETWEEN_STEPS = {"coulomb_asymmetry", "viscous_asymmetry", "viscous_nonlinear", "stribeck", "presliding_hysteresis",
@@ -63,11 +63,11 @@ def _chosen(names, known):
 
 
 def _foreign(names):
-    """Strangers of this world: those named, and for each name of another world's stranger one of ours in turn."""
+    """Unknown effects of this world: those named, and for each name of another world's unknown effect one of ours in turn."""
     if not names:
-        return list(STRANGERS)
-    chosen = [name for name in names if name in STRANGERS]
-    ours = [name for name in STRANGERS if name not in chosen]
+        return list(UNKNOWN_EFFECTS)
+    chosen = [name for name in names if name in UNKNOWN_EFFECTS]
+    ours = [name for name in UNKNOWN_EFFECTS if name not in chosen]
     return chosen + ours[: len(names) - len(chosen)]
 
 
@@ -76,7 +76,7 @@ def requests(plan, seed):
     random = np.random.default_rng([seed, 0x9E37])
     found = []
     for part, case_type, choose in (
-            ("singles", "single", lambda names: _chosen(names, VOCABULARY)), ("strangers", "stranger", _foreign)):
+            ("singles", "single", lambda names: _chosen(names, VOCABULARY)), ("unknown_effects", "unknown_effect", _foreign)):
         asked = plan.get(part) or None
         if asked is None:
             continue

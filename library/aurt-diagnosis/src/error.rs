@@ -81,7 +81,7 @@ pub enum DiagnosisError {
         reason: String,
     },
     /// A file of what was learnt from proofs cannot be used.
-    #[error("{}: {reason}; write it with `aurt prove --learn`", path.display())]
+    #[error("{}: {reason}; write it with `aurt-lab prove --learn`", path.display())]
     Learnt {
         /// The file.
         path: std::path::PathBuf,

@@ -1,9 +1,11 @@
+//! Why a simulation is refused.
+
 use std::path::{Path, PathBuf};
 
 use aurt_rbd::RbdError;
 use thiserror::Error;
 
-/// Why a simulation, a plan or a score was refused.
+/// Why a simulation was refused.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
@@ -182,12 +184,12 @@ pub enum SimulationError {
 
 impl SimulationError {
     /// What TOML says of a text, with its place.
-    pub(crate) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Self {
+    pub fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> Self {
         Self::at(path, text, error.span().map_or(0, |span| span.start), error.message().to_owned())
     }
 
     /// What is wrong at a byte of a text.
-    pub(crate) fn at(path: &Path, text: &str, byte: usize, reason: String) -> Self {
+    pub fn at(path: &Path, text: &str, byte: usize, reason: String) -> Self {
         let before = text.get(..byte).unwrap_or_default();
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         Self::Syntax {
@@ -198,12 +200,16 @@ impl SimulationError {
         }
     }
 
-    pub(crate) fn value(what: impl Into<String>, value: f64, reason: impl Into<String>) -> Self {
+    /// A value that cannot be.
+    pub fn value(what: impl Into<String>, value: f64, reason: impl Into<String>) -> Self {
         Self::Value { what: what.into(), value, reason: reason.into() }
     }
 
     /// Nothing for no errors, the error for one, all of them for several.
-    pub(crate) fn all(mut errors: Vec<Self>) -> Result<(), Self> {
+    ///
+    /// # Errors
+    /// The errors.
+    pub fn all(mut errors: Vec<Self>) -> Result<(), Self> {
         match errors.len() {
             0 => Ok(()),
             1 => Err(errors.remove(0)),
@@ -214,7 +220,7 @@ impl SimulationError {
 
 /// Complaints about values, collected.
 #[derive(Debug, Default)]
-pub(crate) struct Complaints(pub Vec<SimulationError>);
+pub struct Complaints(pub Vec<SimulationError>);
 
 impl Complaints {
     /// Complains unless `value` is finite and > 0.
@@ -255,6 +261,10 @@ impl Complaints {
         }
     }
 
+    /// Nothing, the complaint, or all of them.
+    ///
+    /// # Errors
+    /// What was complained of.
     pub fn finish(self) -> Result<(), SimulationError> {
         SimulationError::all(self.0)
     }

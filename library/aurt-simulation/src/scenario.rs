@@ -1,7 +1,9 @@
 use crate::effects::{Effect, Setup};
+use crate::error::SimulationError;
 use crate::plant::{self, Controller, Machine, Traces};
+use crate::robots::Robot;
 use crate::sensors::{Instrument, Logger, SimulatedRecording};
-use crate::{Robot, SimulationError, Trajectory};
+use crate::trajectory::Trajectory;
 
 /// One recording to be made.
 ///
@@ -81,7 +83,10 @@ pub fn trace(scenario: &Scenario) -> Result<Traces, SimulationError> {
 }
 
 /// The same with the sensors that belong to it.
-pub(crate) fn trace_with_instrument(scenario: &Scenario) -> Result<(Traces, Instrument), SimulationError> {
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_with_instrument(scenario: &Scenario) -> Result<(Traces, Instrument), SimulationError> {
     let setup = scenario.set_up()?;
     let traces = plant::run(setup.machine, &scenario.controller, &scenario.trajectory)?;
     Ok((traces, setup.instrument))

@@ -7,9 +7,12 @@ use toml::Spanned;
 
 use crate::effects::{Effect, read_effect};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::Controller;
+use crate::robots::{Robot, Rotors};
+use crate::scenario::Scenario;
 use crate::sensors::Logger;
-use crate::{Motion, Robot, Rotors, Scenario, SimulationError};
+use crate::trajectory::Motion;
 
 /// A scenario as a file says it: one of the included robots, perhaps changed, its motion, and what else is in it.
 ///
@@ -78,7 +81,7 @@ pub struct LinkChange {
     pub inertia_at_com_kg_m2: Option<[f64; 6]>,
 }
 
-/// A drive that differs; units as in [`crate::Drive`].
+/// A drive that differs; units as in [`crate::robots::Drive`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "the fields are those of `Drive`")]

@@ -1,32 +1,18 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use std::path::Path;
-
 use aurt_experiment::{
-    Experiment, Registry,
+    Experiment,
     experiment::{Geometry, RecordingSource},
 };
 use aurt_files::escaped;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
-use aurt_simulation::{
-    fit::{JointStructure, Structure},
-    inject::{Injection, RealExperiment, RealRecording},
-};
+use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
 use crate::{
     data::{Instrument, Pipeline, Purpose, Source},
     failure::Failure,
 };
-
-/// Reads an experiment and prepares its recordings for effects to be added; the file's stem names the robot.
-///
-/// # Errors
-/// What is wrong with the experiment or its recordings.
-pub fn read(path: &Path, registry: &mut Registry) -> Result<Injection, Failure> {
-    let experiment = Experiment::read(path, registry)?;
-    Ok(Injection::new(plain(&experiment)?)?)
-}
 
 /// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
 ///

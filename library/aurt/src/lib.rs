@@ -51,7 +51,6 @@ pub mod output;
 pub mod predictor;
 pub mod prelude;
 pub mod progress;
-pub mod proof;
 pub mod rendering;
 pub mod reports;
 pub mod results;

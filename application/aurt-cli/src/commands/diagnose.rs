@@ -15,7 +15,6 @@ use crate::{
     doctor::{self, Examination, Subject},
     failure::Failure,
     output::{OutputFolder, Outputs},
-    proof::COMPARISON,
     rendering::{
         json::pretty,
         terminal::{Report, Terminal},
@@ -53,7 +52,7 @@ pub struct Diagnose {
     /// Exclude an effect from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Take confidence from this file of `aurt prove --learn` instead of the program's own
+    /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
     /// Write comparison.json: the answers of simpler methods (best single candidate, LASSO, STLSQ)
@@ -120,7 +119,7 @@ impl Diagnose {
 
         let mut files = vec![("verdict.json".to_owned(), pretty(&diagnosis.document).into_bytes())];
         if let Some(comparison) = &diagnosis.comparison {
-            files.push((COMPARISON.to_owned(), pretty(comparison).into_bytes()));
+            files.push(("comparison.json".to_owned(), pretty(comparison).into_bytes()));
         }
         if let Some(improved) = &diagnosis.improved {
             files.extend([

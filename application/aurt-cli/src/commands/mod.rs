@@ -7,7 +7,6 @@ mod checked_setup;
 mod compile_rbd;
 pub mod compile_rd;
 mod completions;
-mod conceal;
 mod data_options;
 mod demo;
 mod diagnose;
@@ -22,10 +21,8 @@ mod new_plugin;
 mod planned_robot;
 pub mod plots;
 mod predict;
-mod prove;
 mod robots;
 pub mod run;
-mod score;
 mod sensitivity;
 mod simulate;
 mod sweep;
@@ -59,9 +56,6 @@ pub enum Command {
     Gains(gains::GainsCommand),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
-    Conceal(conceal::Conceal),
-    Score(score::Score),
-    Prove(prove::Prove),
     Models(models::Models),
     Robots(robots::Robots),
     Explain(explain::Explain),
@@ -73,12 +67,11 @@ pub enum Command {
 }
 
 /// The commands by what they are for, as `--help` shows them.
-pub const GROUPS: [(&str, &[&str]); 8] = [
+pub const GROUPS: [(&str, &[&str]); 7] = [
     ("Start here", &["demo", "init", "check", "run"]),
     ("Which model, what is missing", &["sweep", "diagnose", "sensitivity", "track", "gains"]),
     ("Motions and simulation", &["excite", "simulate"]),
     ("Models in other programs", &["export"]),
-    ("Proof", &["prove", "conceal", "score"]),
     (
         "Step by step, as in the paper",
         &["compile-rbd", "compile-rd", "calibrate", "calibrate-validate", "predict"],
@@ -119,9 +112,6 @@ impl Command {
             Self::Gains(command) => command.run(session),
             Self::Simulate(command) => command.run(session),
             Self::Excite(command) => command.run(session),
-            Self::Conceal(command) => command.run(session),
-            Self::Score(command) => command.run(session),
-            Self::Prove(command) => command.run(session),
             Self::Models(command) => command.run(session),
             Self::Robots(command) => command.run(session),
             Self::Explain(command) => command.run(session),

@@ -35,7 +35,6 @@ fn a_path_that_is_no_utf_8_is_refused_by_every_command_before_any_work() {
         "diagnose experiment.toml --out",
         "sweep run experiment.toml --out",
         "compile-rbd --mdh mdh.csv --out",
-        "conceal --seed 1 --cases c --sealed",
         "excite --robot ur10e --seed 1 --out",
         "check",
     ] {
@@ -128,16 +127,12 @@ fn counts_are_checked_before_memory_is_taken_for_them() {
     folder
         .aurt(words("simulate --scenario scenario.toml --out m.csv"))
         .refused(&["scenario.toml", "number of harmonics"]);
-    folder.write("plan.toml", "[singles]\ntrials = 9223372036854775807\n");
-    folder
-        .aurt(words("conceal --plan plan.toml --seed 1 --cases c --sealed s"))
-        .refused(&["plan.toml", "at most 1000000"]);
     folder
         .aurt(words(
             "excite --robot ur10e --kind sweeps --duration-s 3600 --rate-hz 100000 --seed 1 --out m.csv",
         ))
         .refused(&["number of rows"]);
-    assert_eq!(folder.names(), ["plan.toml", "scenario.toml"]);
+    assert_eq!(folder.names(), ["scenario.toml"]);
 }
 
 #[test]
@@ -168,19 +163,11 @@ fn programs_are_told_the_place_of_what_is_wrong() {
     let scenario = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi_sine\"\nduration_s = 3.0\nharmonics = 5\n\
                     top_hz = 0.8\nshare = 0.5\n[[effect]]\nname = \"current_offset\"\njoints = [1]\noffset_nm = [3.0]\n";
     let second = "[[effect]]\nname = \"current_offset\"\njoints = [7]\noffset_nm = [3.0]\n";
-    let plan = |of: &str| format!("[recordings]\n[nulls]\n{of}\n");
     let excite = "excite --robot ur10e --kind sweeps --seed 1 --out m --limits";
     for (file, text, line, command) in [
         ("s.toml", format!("{scenario}{second}"), Some(13), "simulate --out m --scenario"),
         ("s.toml", scenario.replace("two_link", "three_link"), Some(1), "simulate --out m --scenario"),
         ("s.toml", scenario.replace("share = 0.5", "share = 5.0"), Some(3), "simulate --out m --scenario"),
-        (
-            "p.toml",
-            plan("count = 1\nrobots = [\"nobody\"]"),
-            Some(4),
-            "conceal --seed 1 --cases c --sealed s --plan",
-        ),
-        ("p.toml", plan("count = 9999999"), None, "conceal --seed 1 --cases c --sealed s --plan"),
         ("l.csv", "# limits\nlower_rad\n".to_owned(), Some(2), excite),
         ("l.so", "no library".to_owned(), None, "models --plugin"),
     ] {
@@ -192,7 +179,7 @@ fn programs_are_told_the_place_of_what_is_wrong() {
         let message = problem["message"].as_str().unwrap();
         assert_eq!(message.matches(file).count(), 1, "{message}");
     }
-    assert_eq!(folder.names(), ["l.csv", "l.so", "p.toml", "s.toml"]);
+    assert_eq!(folder.names(), ["l.csv", "l.so", "s.toml"]);
 }
 
 #[test]
@@ -332,7 +319,6 @@ fn pipes_and_devices_end() {
         ("compile-rbd --mdh zero --gravity 0 0 -9.81 --out r.json", "device"),
         ("predict --model zero --data other_motion.csv --out p.csv", "device"),
         ("simulate --scenario zero --out p.csv", "device"),
-        ("conceal --plan zero --seed 1 --cases c --sealed s", "device"),
         ("run pipe --out out", "nobody writes"),
         ("check pipe", "nobody writes"),
     ] {

@@ -30,7 +30,7 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
     let plan = "[singles]\nrobots = ['ur10e']\n\
                 effects = ['rotor_inertia', 'joint_coupling_friction', 'viscous_asymmetry']\n\
                 strengths = ['medium']\ntrials = 1\n";
-    let folder = Folder::new().with_concealed(plan, "2024");
+    let folder = Folder::new().with_concealed(plan, 2024);
     for case in ["case_0001", "case_0002", "case_0003"] {
         let hidden = &truth(&folder, case)["effects"][0];
         let found = verdict(&folder, case, &[]);
@@ -97,10 +97,10 @@ fn friction_beside_a_load_is_no_noise() {
 
 /// Physics that no candidate describes is not given a name, and nothing is nothing.
 #[test]
-fn strangers_stay_unexplained_and_nulls_are_null() {
-    let plan = "[strangers]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
+fn unknown_effects_stay_unexplained_and_nulls_are_null() {
+    let plan = "[unknown_effects]\nrobots = ['ur10e']\neffects = ['cross_drag']\nstrengths = ['medium']\ntrials = 1\n\
                 [nulls]\nrobots = ['ur10e']\ncount = 1\n";
-    let folder = Folder::new().with_concealed(plan, "2025");
+    let folder = Folder::new().with_concealed(plan, 2025);
     for case in ["case_0001", "case_0002"] {
         let null = truth(&folder, case)["effects"].as_array().unwrap().is_empty();
         let found = verdict(&folder, case, &[]);
@@ -298,7 +298,7 @@ fn short_and_empty_recordings_are_no_excuse() {
 fn a_contact_that_may_not_be_named_is_not_masked_either() {
     let plan =
         "[singles]\nrobots = ['ur10e']\neffects = ['external_contact']\nstrengths = ['strong']\ntrials = 1\n";
-    let folder = Folder::new().with_concealed(plan, "2026");
+    let folder = Folder::new().with_concealed(plan, 2026);
     let case = "case_0001";
     let joints = truth(&folder, case)["effects"][0]["joints"].clone();
     let found = verdict(&folder, case, &[]);

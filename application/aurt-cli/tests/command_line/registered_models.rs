@@ -21,9 +21,9 @@ fn verdict(folder: &Folder, out: &str) -> Value {
 #[test]
 fn a_law_that_only_a_library_has_is_found_and_modelled() {
     let folder = Folder::new().with_concealed(
-        "[strangers]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
+        "[unknown_effects]\nrobots = ['ur10e']\neffects = ['acceleration_friction', 'position_damper']\n\
          strengths = ['strong']\ntrials = 1\n",
-        "31",
+        31,
     );
     let Some(library) = strange_friction(&folder) else { return };
     let library = text(&library);
@@ -92,7 +92,7 @@ fn a_library_changes_nothing_where_its_laws_are_not() {
     let folder = Folder::new().with_concealed(
         "[singles]\nrobots = ['ur10e']\neffects = ['presliding_hysteresis', 'viscous_nonlinear', 'rotor_inertia']\n\
          strengths = ['medium']\ntrials = 1\n[nulls]\nrobots = ['ur10e']\ncount = 2\n",
-        "32",
+        32,
     );
     let Some(library) = strange_friction(&folder) else { return };
     let library = text(&library);

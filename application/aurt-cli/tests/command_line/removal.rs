@@ -12,7 +12,7 @@ const PLAN: &str =
 /// cases the play strikes above the filters, and leaves nothing in the rows below them once its windows are left out.
 #[test]
 fn an_effect_that_is_withheld_is_not_looked_for() {
-    let folder = Folder::new().with_concealed(PLAN, "3");
+    let folder = Folder::new().with_concealed(PLAN, 3);
     for case in ["case_0001", "case_0004"] {
         let experiment = format!("cases/{case}/experiment.toml");
         folder.aurt(["diagnose", &experiment, "--verdict-only", "--without", "backlash", "--out", "said"]);

@@ -1,4 +1,4 @@
-//! `aurt simulate`, `aurt excite`, `aurt conceal` and the demo's concealed load.
+//! `aurt simulate`, `aurt excite` and the demo's concealed load.
 
 use std::f64::consts::PI;
 
@@ -79,9 +79,6 @@ fn absurd_scenarios_are_refused_with_a_reason() {
         },
         &["trajectory asks joint", "velocity", "limit"],
     );
-    folder
-        .aurt("conceal --seed 1 --plan nowhere.toml --cases c --sealed s".split(' '))
-        .refused(&["nowhere.toml"]);
 }
 
 #[test]

@@ -8,8 +8,11 @@ use std::{
     sync::LazyLock,
 };
 
+use aurt_lab::case::{Plan, conceal};
 use serde_json::Value;
 use tempfile::TempDir;
+
+use crate::programs::aurt;
 
 /// A folder that is gone after the test.
 pub struct Folder(TempDir);
@@ -67,10 +70,9 @@ impl Folder {
     }
 
     /// Makes the cases of a plan here, in `cases`, and their truths in `sealed`.
-    pub fn with_concealed(self, plan: &str, seed: &str) -> Self {
-        self.write("plan.toml", plan);
-        let folders = ["--cases", "cases", "--sealed", "sealed"];
-        self.aurt(["conceal", "--plan", "plan.toml", "--seed", seed].into_iter().chain(folders)).succeeded();
+    pub fn with_concealed(self, plan: &str, seed: u64) -> Self {
+        let plan = Plan::parse(plan, "plan.toml").unwrap();
+        conceal(&plan, seed, self.path("cases"), self.path("sealed"), &|_| ()).unwrap();
         self
     }
 
@@ -107,7 +109,7 @@ impl Folder {
         input: String,
         arguments: impl IntoIterator<Item = S>,
     ) -> Run {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        let mut child = Command::new(aurt())
             .args(arguments)
             .current_dir(self.0.path())
             .stdin(Stdio::piped())
@@ -129,16 +131,15 @@ impl Folder {
         environment: impl IntoIterator<Item = (&'e str, &'e str)>,
         arguments: impl IntoIterator<Item = S>,
     ) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
+        let mut command = Command::new(aurt());
+        command
             .args(arguments)
             .current_dir(self.0.path())
             .env_remove("NO_COLOR")
             // Tests' own libraries; what is not trusted has a test of its own.
             .env("AURT_TRUST", "all")
-            .envs(environment)
-            .output()
-            .unwrap();
-        Run(output)
+            .envs(environment);
+        Run::of(command)
     }
 }
 
@@ -167,6 +168,11 @@ pub fn with_cell(line: &str, number: usize, cell: &str) -> String {
 pub struct Run(Output);
 
 impl Run {
+    /// Runs a command to its end.
+    pub fn of(mut command: Command) -> Self {
+        Self(command.output().unwrap())
+    }
+
     pub fn stdout(&self) -> String {
         String::from_utf8(self.0.stdout.clone()).unwrap()
     }

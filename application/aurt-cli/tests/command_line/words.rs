@@ -11,7 +11,6 @@ fn help_names_every_command_and_each_has_an_example() {
         "check",
         "sweep",
         "diagnose",
-        "conceal",
         "simulate",
         "excite",
         "completions",

@@ -1,4 +1,4 @@
-//! A small robot with one file of every kind, and the commands that read them.
+//! A small robot with one file of every kind.
 
 use std::{
     fmt::Write as _,
@@ -8,6 +8,8 @@ use std::{
 };
 
 use tempfile::TempDir;
+
+use crate::subject::aurt;
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -29,37 +31,6 @@ const SCENARIO: &str = "robot = \"two_link\"\nseed = 7\n[motion]\nkind = \"multi
                         offset_nm = [3.0]\n";
 const PLAN: &str = "[recordings]\n[nulls]\nrobots = [\"two_link\"]\ncount = 0\n";
 const LIMITS: &str = "lower_rad,upper_rad,velocity_rad_s,acceleration_rad_s2\n-3,3,1,3\n-3,3,1,3\n";
-
-/// A kind of input: its file, and a command that reads it and writes `out` or nothing.
-#[derive(Debug, Clone, Copy)]
-pub struct Input {
-    pub file: &'static str,
-    pub command: &'static str,
-}
-
-/// `FILE` stands for the input's file.
-pub const INPUTS: [Input; 17] = [
-    Input { file: "mdh.csv", command: "compile-rbd --mdh FILE --gravity 0 -9.81 0 --out out" },
-    Input { file: "mdh.csv", command: "run experiment.toml --out out" },
-    Input { file: "a.csv", command: "check FILE" },
-    Input { file: "a.csv", command: "run experiment.toml --out out" },
-    Input { file: "log.npz", command: "check FILE" },
-    Input { file: "log.mat", command: "check FILE" },
-    Input { file: "log.mcap", command: "check FILE" },
-    Input { file: "log.parquet", command: "check FILE" },
-    Input { file: "b.csv", command: "predict --model model.json --data FILE --out out" },
-    Input { file: "experiment.toml", command: "run FILE --out out" },
-    Input { file: "sweep.toml", command: "sweep plan FILE --out out" },
-    Input { file: "scenario.toml", command: "simulate --scenario FILE --out out" },
-    Input { file: "plan.toml", command: "conceal --plan FILE --seed 1 --cases out --sealed sealed" },
-    Input {
-        file: "limits.csv",
-        command: "excite --mdh mdh.csv --gravity 0 -9.81 0 --limits FILE --kind sweeps --duration-s 8 --seed 1 --out out",
-    },
-    Input { file: "model.json", command: "predict --model FILE --data b.csv --out out" },
-    Input { file: "swept/sweep.json", command: "sweep show swept" },
-    Input { file: "library.so", command: "models --plugin FILE" },
-];
 
 /// The files.
 pub struct Bench {
@@ -94,11 +65,8 @@ impl Bench {
             fs::copy(formats.join(source), bench.path().join(name)).unwrap();
         }
         for line in ["run experiment.toml --out ran", "sweep run sweep.toml --out swept"] {
-            let output = Command::new(env!("CARGO_BIN_EXE_aurt"))
-                .args(line.split(' '))
-                .current_dir(bench.path())
-                .output()
-                .unwrap();
+            let output =
+                Command::new(aurt()).args(line.split(' ')).current_dir(bench.path()).output().unwrap();
             assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
         }
         fs::rename(bench.path().join("ran/rd_calibrated.json"), bench.path().join("model.json")).unwrap();

@@ -9,21 +9,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::{bench::Bench, damages::Draws};
+use crate::{
+    bench::Bench,
+    damages::Draws,
+    subject::{COMMANDS, PREPARATIONS, aurt, program},
+};
 
-/// A command, and whether it goes on where it was when it is run again.
-const COMMANDS: [(&str, bool); 7] = [
-    ("run experiment.toml --out out", false),
-    (
-        "calibrate --model rd.json --data a.csv --f-dyn-hz 5 --out-params out --out-calibrated-model sealed",
-        false,
-    ),
-    ("diagnose experiment.toml --out out", false),
-    ("excite --robot ur10e --kind sweeps --duration-s 20 --seed 1 --out out", false),
-    ("sweep run sweep.toml --out out", true),
-    ("conceal --plan cases.toml --seed 1 --cases out --sealed sealed", true),
-    ("prove --world clean --plan proof.toml --seed 1 --out out", true),
-];
 const CASES: &str = "[recordings]\n[nulls]\nrobots = [\"two_link\"]\ncount = 2\n";
 const PROOF: &str =
     "[recordings]\nduration_s = 8.0\nrate_hz = 125.0\n[nulls]\nrobots = [\"two_link\"]\ncount = 2\n";
@@ -38,8 +29,8 @@ fn is_done(status: std::process::ExitStatus) -> bool {
     matches!(status.code(), Some(0 | 1))
 }
 
-fn start(folder: &Path, line: &str) -> std::process::Child {
-    Command::new(env!("CARGO_BIN_EXE_aurt"))
+fn start(program: &Path, folder: &Path, line: &str) -> std::process::Child {
+    Command::new(program)
         .args(line.split(' '))
         .current_dir(folder)
         .stdin(Stdio::null())
@@ -105,19 +96,16 @@ fn what_is_interrupted_is_whole_or_absent() {
     let bench = Bench::new();
     fs::write(bench.path().join("cases.toml"), CASES).unwrap();
     fs::write(bench.path().join("proof.toml"), PROOF).unwrap();
-    for line in [
-        "compile-rbd --mdh mdh.csv --gravity 0 -9.81 0 --out rbd.json",
-        "compile-rd --model-rbd rbd.json --friction-torque-model none --friction-viscous-powers 1 --out rd.json",
-    ] {
-        assert!(start(bench.path(), line).wait().unwrap().success(), "{line}");
+    for line in PREPARATIONS {
+        assert!(start(aurt(), bench.path(), line).wait().unwrap().success(), "{line}");
     }
     let mut draws = Draws(20_261_120);
     let (mut ended, mut done, mut slowest) = (0, 0, Duration::ZERO);
-    for (line, resumes) in COMMANDS {
+    for (line, resumes) in COMMANDS.iter().copied() {
         // Sweeps know where they are, so everything happens in one folder.
         let folder = bench.copy();
         let begin = Instant::now();
-        assert!(is_done(start(folder.path(), line).wait().unwrap()), "{line}");
+        assert!(is_done(start(program(), folder.path(), line).wait().unwrap()), "{line}");
         let takes_ms = begin.elapsed().as_millis() as usize + 1;
         let expected = results(folder.path());
         assert!(!expected.is_empty(), "{line}");
@@ -129,7 +117,7 @@ fn what_is_interrupted_is_whole_or_absent() {
                 for part in parts(folder.path()) {
                     let _ = if part.is_dir() { fs::remove_dir_all(part) } else { fs::remove_file(part) };
                 }
-                let mut child = start(folder.path(), line);
+                let mut child = start(program(), folder.path(), line);
                 std::thread::sleep(Duration::from_millis(draws.below(takes_ms) as u64));
                 let sent = Instant::now();
                 let told = Command::new("kill")
@@ -160,7 +148,7 @@ fn what_is_interrupted_is_whole_or_absent() {
                     assert!(resumes || all_or_none, "{line}, {signal}: {:?}", kept.keys());
                 }
                 if resumes {
-                    assert!(is_done(start(folder.path(), line).wait().unwrap()), "{line} again");
+                    assert!(is_done(start(program(), folder.path(), line).wait().unwrap()), "{line} again");
                     let again = results(folder.path());
                     assert!(again.keys().eq(expected.keys()), "{line}: {:?}", again.keys());
                     let equal = again.iter().all(|(name, bytes)| same(name, bytes, &expected[name]));

@@ -1,6 +1,6 @@
 //! Confidence as a hit rate: how often findings with such evidence were right in proofs.
 //!
-//! The rates are learnt (`aurt prove --learn`) on cases whose truth is known, of findings under every answer, strangers
+//! The rates are learnt (`aurt-lab prove --learn`) on cases whose truth is known, of findings under every answer, unknown effects
 //! and nulls included; the file says from which worlds and seeds. On robots unlike all of these they are an upper bound.
 
 use std::{collections::BTreeMap, path::Path, sync::LazyLock};
@@ -90,7 +90,7 @@ impl Learnt {
         Self::parse(EMBEDDED, Path::new("learnt.json"))
     }
 
-    /// Reads a file that `aurt prove --learn` wrote.
+    /// Reads a file that `aurt-lab prove --learn` wrote.
     ///
     /// # Errors
     /// [`DiagnosisError::Learnt`].

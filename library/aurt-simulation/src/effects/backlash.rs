@@ -1,11 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::effect::{Effect, Factor, Setup, check_joints};
 use super::joint_elasticity::{check_rotors, gear_damping_nm_s, heavy_link, make_compliant};
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, kind};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, Rotors, SimulationError};
+use crate::robots::{Robot, Rotors};
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "backlash",
@@ -78,6 +80,6 @@ impl Effect for Backlash {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -1,12 +1,12 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{
-    Draw, Effect, EffectKind, Factor, Family, Hidden, Presence, Setup, check_joints, check_values, kind,
-};
+use super::effect::{Effect, Factor, Hidden, Setup, check_joints, check_values};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "coulomb",
@@ -85,6 +85,6 @@ impl Effect for Coulomb {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -1,10 +1,12 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
+use super::effect::{Effect, Factor, Setup};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
+use crate::error::SimulationError;
 use crate::random::Random;
+use crate::robots::Robot;
 use crate::sensors::{ClockFaults, CorruptRows};
-use crate::{Robot, SimulationError};
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "dropped_samples",
@@ -70,6 +72,6 @@ impl Effect for DroppedSamples {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -2,11 +2,13 @@ use aurt_rbd::{LinkFrame, SerialChain};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
+use super::effect::{Effect, Factor, Setup};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::{Instant, LinkTorque};
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "external_contact",
@@ -102,7 +104,7 @@ impl Effect for ExternalContact {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }
 

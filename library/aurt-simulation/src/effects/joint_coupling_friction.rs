@@ -1,11 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, conflict, kind};
+use super::effect::{Effect, Factor, Setup, check_joints, conflict};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::{CoupledRotor, Gear};
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "joint_coupling_friction",
@@ -119,6 +121,6 @@ impl Effect for JointCouplingFriction {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -1,13 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{
-    Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, conflict, kind,
-};
+use super::effect::{Effect, Factor, Setup, check_joints, check_values, conflict};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::Gear;
 use crate::random::Random;
-use crate::{Robot, Rotors, SimulationError};
+use crate::robots::{Robot, Rotors};
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "joint_elasticity",
@@ -121,7 +121,7 @@ impl Effect for JointElasticity {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }
 

@@ -1,9 +1,12 @@
+//! What is known of all effects of one identifier.
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::Effect;
+use super::effect::Effect;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, Rotors, SimulationError};
+use crate::robots::{Robot, Rotors};
 
 /// Families of effects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -69,17 +72,17 @@ pub struct Draw<'a> {
 
 impl Draw<'_> {
     /// One value per chosen joint: `per_noise` times the noise of its measured torque.
-    pub(super) fn noises(&self, per_noise: f64) -> Vec<f64> {
+    pub fn noises(&self, per_noise: f64) -> Vec<f64> {
         self.joints.iter().map(|j| per_noise * self.robot.drives[*j].torque_noise_nm).collect()
     }
 
     /// Whether shapes are drawn from a continuum.
-    pub(super) fn continuous(&self) -> bool {
+    pub fn continuous(&self) -> bool {
         self.shapes == Shapes::Continuum
     }
 
     /// The first chosen joint.
-    pub(super) fn joint(&self) -> usize {
+    pub fn joint(&self) -> usize {
         self.joints.first().copied().unwrap_or(0)
     }
 }
@@ -110,10 +113,14 @@ pub struct EffectKind {
     pub presence: Presence,
     /// Where the rotors' inertia has to be, if that matters.
     pub rotors: Option<Rotors>,
-    pub(super) takes: Takes,
-    pub(super) suits: fn(&Robot, usize) -> bool,
-    pub(super) draw: fn(&Draw<'_>, &mut Random) -> Box<dyn Effect>,
-    pub(super) read: fn(Value) -> Result<Box<dyn Effect>, serde_json::Error>,
+    /// How many joints it takes.
+    pub takes: Takes,
+    /// Whether it can be on a joint.
+    pub suits: fn(&Robot, usize) -> bool,
+    /// Draws an effect.
+    pub draw: fn(&Draw<'_>, &mut Random) -> Box<dyn Effect>,
+    /// Reads the fields of an effect.
+    pub read: fn(Value) -> Result<Box<dyn Effect>, serde_json::Error>,
 }
 
 impl EffectKind {
@@ -155,8 +162,19 @@ impl EffectKind {
         (self.draw)(context, random)
     }
 
+    /// The effect of this kind with the given fields.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unreadable`]: what is wrong with the fields.
+    pub fn effect(&self, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
+        (self.read)(fields).map_err(|error| SimulationError::Unreadable {
+            path: format!("effect `{}`", self.identifier).into(),
+            reason: error.to_string(),
+        })
+    }
+
     /// Whether the effect has a size of its own on each of its joints.
-    pub(crate) fn joint_by_joint(&self) -> bool {
+    pub fn joint_by_joint(&self) -> bool {
         self.takes == Takes::Few
     }
 
@@ -168,97 +186,13 @@ impl EffectKind {
 }
 
 /// Any joint will do.
-pub(super) fn any_joint(_robot: &Robot, _joint: usize) -> bool {
+pub fn any_joint(_robot: &Robot, _joint: usize) -> bool {
     true
 }
 
 /// Reads the fields of an effect type.
-pub(super) fn read<E: Effect + for<'d> Deserialize<'d> + 'static>(
+pub fn read<E: Effect + for<'d> Deserialize<'d> + 'static>(
     fields: Value,
 ) -> Result<Box<dyn Effect>, serde_json::Error> {
     Ok(Box::new(serde_json::from_value::<E>(fields)?))
-}
-
-const CATALOGUE: &[EffectKind] = &[
-    super::backlash::KIND,
-    super::base_tilt::KIND,
-    super::coulomb::KIND,
-    super::coulomb_asymmetry::KIND,
-    super::current_offset::KIND,
-    super::drive_efficiency::KIND,
-    super::dropped_samples::KIND,
-    super::external_contact::KIND,
-    super::friction_level_changed::KIND,
-    super::joint_coupling_friction::KIND,
-    super::joint_elasticity::KIND,
-    super::load_dependent_friction::KIND,
-    super::payload::KIND,
-    super::presliding_hysteresis::KIND,
-    super::rotor_inertia::KIND,
-    super::saturation::KIND,
-    super::spring::KIND,
-    super::stribeck::KIND,
-    super::temperature_dependent_friction::KIND,
-    super::time_delay::KIND,
-    super::torque_constant::KIND,
-    super::torque_ripple::KIND,
-    super::viscous::KIND,
-    super::viscous_asymmetry::KIND,
-    super::viscous_nonlinear::KIND,
-];
-
-/// All effects of the vocabulary, by identifier.
-#[must_use]
-pub const fn catalogue() -> &'static [EffectKind] {
-    CATALOGUE
-}
-
-/// Effects outside the vocabulary, by identifier.
-#[must_use]
-pub const fn strangers() -> &'static [EffectKind] {
-    super::stranger::KINDS
-}
-
-/// The kind of an identifier, from either list.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`].
-pub fn kind(identifier: &str) -> Result<&'static EffectKind, SimulationError> {
-    let all = || CATALOGUE.iter().chain(super::stranger::KINDS);
-    all().find(|kind| kind.identifier == identifier).ok_or_else(|| SimulationError::UnknownEffect {
-        name: identifier.into(),
-        meant: all()
-            .map(|kind| (edit_distance(kind.identifier, identifier), kind.identifier))
-            .min()
-            .filter(|(distance, _)| *distance <= 3)
-            .map(|(_, name)| name.into()),
-        known: all().map(|kind| kind.identifier.into()).collect(),
-    })
-}
-
-/// The effect of an identifier with the given fields.
-///
-/// # Errors
-/// [`SimulationError::UnknownEffect`], or what is wrong with the fields.
-pub fn read_effect(identifier: &str, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
-    let kind = kind(identifier)?;
-    (kind.read)(fields).map_err(|error| SimulationError::Unreadable {
-        path: format!("effect `{identifier}`").into(),
-        reason: error.to_string(),
-    })
-}
-
-/// Number of insertions, deletions and replacements between two words.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -2,10 +2,12 @@ use aurt_rbd::LinkBody;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, kind};
+use super::effect::{Effect, Factor, Setup};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "payload",
@@ -107,6 +109,6 @@ impl Effect for Payload {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -1,14 +1,14 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{
-    Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, conflict, kind,
-};
+use super::effect::{Effect, Factor, Setup, check_joints, check_values, conflict};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::Bristle;
 use crate::plant::bristles::{Gms, LuGre, Masing};
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "presliding_hysteresis",
@@ -69,7 +69,9 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
 }
 
 impl PreslidingHysteresis {
-    pub(super) fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
+    /// The bristle of a joint whose dry friction has a level.
+    #[must_use]
+    pub fn bristle(&self, distance_rad: f64, level_nm: f64, viscous_nm_s: f64) -> Box<dyn Bristle> {
         match self.model {
             BristleModel::Lugre => Box::new(LuGre {
                 stiffness_nm_rad: level_nm / (0.5 * distance_rad),
@@ -139,6 +141,6 @@ impl Effect for PreslidingHysteresis {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

@@ -1,11 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
+use super::effect::{Effect, Factor, Setup, check_joints, check_values};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::{DryTerm, Instant};
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "stribeck",
@@ -115,14 +117,18 @@ impl Effect for Stribeck {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }
 
+/// Static friction above Coulomb friction: excess / (1 + |q̇/v|^δ).
 #[derive(Debug)]
-pub(super) struct Curve {
+pub struct Curve {
+    /// Static less Coulomb friction, Nm.
     pub excess_nm: f64,
+    /// v, rad/s.
     pub velocity_rad_s: f64,
+    /// δ.
     pub exponent: f64,
 }
 

@@ -1,11 +1,13 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, check_values, kind};
+use super::effect::{Effect, Factor, Setup, check_joints, check_values};
+use super::kind::{self, Draw, EffectKind, Family, Presence};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::Warmth;
 use crate::random::Random;
-use crate::{Drive, Robot, SimulationError};
+use crate::robots::{Drive, Robot};
 
 pub(super) const KIND: EffectKind = EffectKind {
     identifier: "temperature_dependent_friction",
@@ -49,7 +51,9 @@ fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
 }
 
 impl TemperatureDependentFriction {
-    pub(super) fn warmth(&self, drive: &Drive, fall_per_k: f64) -> Warmth {
+    /// How the friction of a drive falls as it warms up.
+    #[must_use]
+    pub fn warmth(&self, drive: &Drive, fall_per_k: f64) -> Warmth {
         let speed = 0.5 * drive.velocity_limit_rad_s;
         let power = (drive.coulomb_nm + drive.viscous_nm_s * speed) * speed;
         Warmth {
@@ -101,6 +105,6 @@ impl Effect for TemperatureDependentFriction {
     }
 
     fn fields(&self) -> Value {
-        super::fields(self)
+        super::effect::fields(self)
     }
 }

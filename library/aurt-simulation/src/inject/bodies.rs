@@ -2,9 +2,11 @@
 
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody};
 
-use super::{Added, Law, Scene, resonator};
-use crate::SimulationError;
+use super::law::{Added, Law};
+use super::resonator;
+use super::scene::Scene;
 use crate::effects::BaseTilt;
+use crate::error::SimulationError;
 
 /// The torque of a law of inertia, gravity or position.
 pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, SimulationError> {

@@ -2,7 +2,9 @@
 
 use aurt_traits::MeasurementUnit;
 
-use super::{Added, Law, Scene, bodies};
+use super::bodies;
+use super::law::{Added, Law};
+use super::scene::Scene;
 
 /// The quantity that is an effect's size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,7 +76,8 @@ impl Added {
     }
 
     /// Parameters under their canonical names, where the law has them; `scene` gives the robot's own friction.
-    pub(super) fn parameters(&self, scene: &Scene) -> Vec<(String, Vec<f64>)> {
+    #[must_use]
+    pub fn parameters(&self, scene: &Scene) -> Vec<(String, Vec<f64>)> {
         let (coulomb, viscous) = (scene.coulomb[self.joint], scene.viscous[self.joint]);
         let signed = self.signed();
         let named: Vec<(&str, f64)> = match &self.law {
@@ -115,7 +118,8 @@ impl Added {
     }
 
     /// The joints whose physics it is; none for effects of the whole arm.
-    pub(super) fn own_joints(&self, whole_arm: bool) -> Vec<usize> {
+    #[must_use]
+    pub fn own_joints(&self, whole_arm: bool) -> Vec<usize> {
         match &self.law {
             Law::JointCouplingFriction { partner, .. } => {
                 vec![self.joint.min(*partner), self.joint.max(*partner)]

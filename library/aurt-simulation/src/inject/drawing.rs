@@ -1,32 +1,9 @@
 //! Shapes of effects, drawn for a robot's recordings: every shape from a continuum, within what the motion can show.
 
-use super::{Added, Injection, Law, kinds::Kind};
+use super::injection::Injection;
+use super::kinds::Kind;
+use super::law::{Added, Law};
 use crate::random::Random;
-
-/// What drawing needs to know of a joint, over all recordings.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct JointFigures {
-    /// Root mean square of q̇, rad/s.
-    pub velocity_rad_s: f64,
-    /// Smallest and largest q, rad.
-    pub range_rad: [f64; 2],
-    /// Largest measurement.
-    pub peak: f64,
-    /// Root mean square of the rigid bodies' torque.
-    pub load: f64,
-    /// Mean of the joint's own inertia, as fitted, kg m².
-    pub inertia: f64,
-}
-
-impl JointFigures {
-    fn width_rad(&self) -> f64 {
-        self.range_rad[1] - self.range_rad[0]
-    }
-
-    fn inside_rad(&self, random: &mut Random) -> f64 {
-        self.range_rad[0] + self.width_rad() * random.unit()
-    }
-}
 
 /// Joints slower than this are as good as standing, rad/s (root mean square).
 const STANDS_RAD_S: f64 = 0.02;
@@ -37,7 +14,8 @@ fn log_between(random: &mut Random, low: f64, high: f64) -> f64 {
 
 impl Injection {
     /// Whether an effect can be on a joint so that the recordings may show it.
-    pub(super) fn suits(&self, kind: &Kind, joint: usize) -> bool {
+    #[must_use]
+    pub fn suits(&self, kind: &Kind, joint: usize) -> bool {
         let (figures, left) = (&self.figures[joint], self.model.left_rms()[joint]);
         let moves = figures.velocity_rad_s > STANDS_RAD_S && left > 0.0;
         moves

@@ -1,6 +1,8 @@
 //! Laws of friction, dry and viscous, with and without load and memory.
 
-use super::{Added, Law, Scene, scene::direction};
+use super::law::{Added, Law};
+use super::scene::Scene;
+use super::scene::direction;
 
 /// The torque of a law of friction.
 pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {

@@ -1,14 +1,12 @@
-use aurt_recording::{Preprocessed, Recording, preprocess};
+use aurt_recording::{Preprocessed, Recording};
 
-use super::{
-    OwnModel, Presence, RealExperiment, Scene, Smoothed, Split, drawing::JointFigures, injectable,
-    kinds::Kind, own_model::Rows, strange,
-};
-use crate::SimulationError;
-use crate::Strength;
-use crate::case::{CaseRequest, CaseType, Plan};
-use crate::fit::mean_square;
-use crate::random::Random;
+use super::figures::JointFigures;
+use super::gram::mean_square;
+use super::own_model::{OwnModel, Rows};
+use super::real::RealExperiment;
+use super::scene::Scene;
+use super::smoothed::Smoothed;
+use crate::error::SimulationError;
 
 /// A real experiment that effects can be added to.
 #[derive(Debug, Clone)]
@@ -31,7 +29,8 @@ pub struct Recorded {
     pub recording: Recording,
     /// Its motion and load.
     pub scene: Scene,
-    pub(super) rows: Rows,
+    /// Its rows after the usual preprocessing.
+    pub rows: Rows,
 }
 
 impl Injection {
@@ -42,7 +41,7 @@ impl Injection {
     pub fn new(real: RealExperiment) -> Result<Self, SimulationError> {
         real.validate()?;
         let preprocessed: Vec<Preprocessed> =
-            real.recordings.iter().map(|r| preprocessed(&r.recording, &real)).collect::<Result<_, _>>()?;
+            real.recordings.iter().map(|r| real.preprocessed(&r.recording)).collect::<Result<_, _>>()?;
         let model = OwnModel::new(&real, &preprocessed)?;
         let recorded = real
             .recordings
@@ -83,83 +82,16 @@ impl Injection {
         &self.model
     }
 
+    /// Number of joints.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.figures.len()
+    }
+
     /// The recordings.
     #[must_use]
     pub fn recorded(&self) -> &[Recorded] {
         &self.recorded
-    }
-
-    /// All splits of the recordings into roles.
-    #[must_use]
-    pub fn splits(&self) -> Vec<Split> {
-        [Presence::Changed, Presence::All]
-            .into_iter()
-            .flat_map(|presence| Split::all(self.recorded.len(), presence))
-            .collect()
-    }
-
-    /// Names of the references: the recordings as they are, in the roles of each split.
-    #[must_use]
-    pub fn references(&self) -> Vec<String> {
-        self.splits().iter().map(|split| split.reference_name(&self.real.name)).collect()
-    }
-
-    /// The cases of a plan for these recordings, in an order that tells nothing; robots of the plan do not matter. An
-    /// effect that the recordings cannot have (no joint suits it, or their unit does not do) is left out where the plan
-    /// asks for all effects.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownEffect`], or a pair that does not exist.
-    pub fn requests(&self, plan: &Plan, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
-        let mut random = Random::labelled(seed, "injected plan");
-        let mut requests = Vec::new();
-        let known = self.possible(&injectable(self.real.unit))?;
-        let lists = [
-            (&plan.singles, known.clone(), CaseType::Single),
-            (&plan.strangers, self.possible(&strange())?, CaseType::Stranger),
-        ];
-        for (part, all, case_type) in lists {
-            let Some(part) = part else { continue };
-            let chosen: Vec<String> = if part.effects.is_empty() { all } else { part.effects.clone() };
-            for effect in &chosen {
-                Kind::named(effect)?;
-                for strength in &part.strengths {
-                    for _ in 0..part.trials {
-                        requests.push(self.request(case_type, std::slice::from_ref(effect), *strength));
-                    }
-                }
-            }
-        }
-        if let Some(pairs) = &plan.pairs {
-            let all = if pairs.effects.is_empty() { known } else { pairs.effects.clone() };
-            for _ in 0..pairs.count {
-                let mut two = all.clone();
-                random.shuffle(&mut two);
-                two.truncate(2);
-                requests.push(self.request(CaseType::Pair, &two, pairs.strength));
-            }
-        }
-        for _ in 0..plan.nulls.as_ref().map_or(0, |n| n.count) {
-            requests.push(self.request(CaseType::Null, &[], Strength::Medium));
-        }
-        random.shuffle(&mut requests);
-        Ok(requests)
-    }
-
-    /// Those of some effects that these recordings can have.
-    fn possible(&self, effects: &[&str]) -> Result<Vec<String>, SimulationError> {
-        let mut possible = Vec::new();
-        for effect in effects {
-            let kind = Kind::named(effect)?;
-            if kind.fits(self.real.unit) && (0..self.figures.len()).any(|j| self.suits(&kind, j)) {
-                possible.push((*effect).to_owned());
-            }
-        }
-        Ok(possible)
-    }
-
-    fn request(&self, case_type: CaseType, effects: &[String], strength: Strength) -> CaseRequest {
-        CaseRequest { robot: self.real.name.clone(), case_type, effects: effects.to_vec(), strength }
     }
 
     /// A recording's rows with another measurement, `[joint][row]`.
@@ -169,7 +101,7 @@ impl Injection {
         measurement: Vec<Vec<f64>>,
     ) -> Result<Vec<Vec<f64>>, SimulationError> {
         let recording = Recording { measurement: Some(measurement), ..self.recorded[k].recording.clone() };
-        let data = preprocessed(&recording, &self.real)?;
+        let data = self.real.preprocessed(&recording)?;
         let mut rows = vec![Vec::new(); self.figures.len()];
         for segment in &data.segments {
             let kept = segment.rows();
@@ -179,14 +111,6 @@ impl Injection {
         }
         Ok(rows)
     }
-}
-
-pub(super) fn preprocessed(
-    recording: &Recording,
-    real: &RealExperiment,
-) -> Result<Preprocessed, SimulationError> {
-    preprocess(recording, &real.options)
-        .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
 }
 
 fn figures(recorded: &[Recorded], j: usize) -> Result<JointFigures, SimulationError> {

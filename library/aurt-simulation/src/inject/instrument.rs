@@ -2,7 +2,8 @@
 
 use aurt_recording::Recording;
 
-use super::{Added, Law, Scene};
+use super::law::{Added, Law};
+use super::scene::Scene;
 use crate::random::Random;
 
 /// The difference that a law of the instrument makes.

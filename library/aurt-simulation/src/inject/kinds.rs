@@ -2,8 +2,8 @@
 
 use aurt_traits::MeasurementUnit;
 
-use crate::SimulationError;
 use crate::effects::{Family, Presence, kind};
+use crate::error::SimulationError;
 
 /// What is known of an effect that can be added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ const KNOWN: [(&str, bool, bool); 24] = [
 ];
 
 /// Effects outside the vocabulary.
-const STRANGE: [(&str, Family); 4] = [
+const UNKNOWN: [(&str, Family); 4] = [
     ("periodic_disturbance", Family::X),
     ("cross_angle_friction", Family::C),
     ("sticking_window", Family::F),
@@ -75,7 +75,7 @@ impl Kind {
                 needs_torque: *needs_torque,
             });
         }
-        if let Some((name, family)) = STRANGE.iter().find(|(name, _)| *name == identifier) {
+        if let Some((name, family)) = UNKNOWN.iter().find(|(name, _)| *name == identifier) {
             return Ok(Self {
                 identifier: name,
                 family: *family,
@@ -85,7 +85,7 @@ impl Kind {
                 needs_torque: false,
             });
         }
-        let known = KNOWN.iter().map(|k| k.0).chain(STRANGE.iter().map(|k| k.0)).map(str::to_owned).collect();
+        let known = KNOWN.iter().map(|k| k.0).chain(UNKNOWN.iter().map(|k| k.0)).map(str::to_owned).collect();
         let meant = match kind(identifier) {
             Err(SimulationError::UnknownEffect { meant, .. }) => meant,
             _ => None,
@@ -109,6 +109,6 @@ pub fn injectable(unit: MeasurementUnit) -> Vec<&'static str> {
 
 /// Identifiers outside the vocabulary that can be added.
 #[must_use]
-pub fn strange() -> Vec<&'static str> {
-    STRANGE.iter().map(|k| k.0).collect()
+pub fn unknown_injectable() -> Vec<&'static str> {
+    UNKNOWN.iter().map(|k| k.0).collect()
 }

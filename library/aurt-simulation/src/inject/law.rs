@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// The shape of an effect; its size is that of [`Added`](super::Added).
+/// The shape of an effect; its size is that of [`Added`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case")]
 pub enum Law {
@@ -175,5 +175,57 @@ impl Law {
             Self::StickingWindow { .. } => "sticking_window",
             Self::PositionDamper { .. } => "position_damper",
         }
+    }
+}
+
+/// An effect that is added to recordings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Added {
+    /// Its shape.
+    pub law: Law,
+    /// The joint that it is on; of effects of the whole arm, any.
+    pub joint: usize,
+    /// Its size, in the unit that `Self::unit` names; never negative.
+    pub size: f64,
+    /// 1 or −1: which way it acts, where it can act either way.
+    pub sign: f64,
+}
+
+impl Added {
+    /// The same effect of another size.
+    #[must_use]
+    pub fn of_size(&self, size: f64) -> Self {
+        Self { size, ..self.clone() }
+    }
+
+    /// Whether what is added is in proportion to the size.
+    #[must_use]
+    pub const fn is_linear(&self) -> bool {
+        !matches!(
+            self.law,
+            Law::TorqueConstant
+                | Law::TimeDelay
+                | Law::Saturation { .. }
+                | Law::BaseTilt { .. }
+                | Law::JointElasticity { .. }
+                | Law::DroppedSamples { .. }
+        )
+    }
+
+    /// Whether it takes rows away and adds no torque.
+    #[must_use]
+    pub const fn is_loss_of_rows(&self) -> bool {
+        matches!(self.law, Law::DroppedSamples { .. })
+    }
+
+    /// Whether it is confined to a window of one recording.
+    #[must_use]
+    pub const fn is_local(&self) -> bool {
+        matches!(self.law, Law::ExternalContact { .. })
+    }
+
+    /// Size with its sign.
+    pub(super) fn signed(&self) -> f64 {
+        self.sign * self.size
     }
 }

@@ -1,25 +1,20 @@
-//! Real recordings with an effect added: the world `injected`.
+//! Real recordings with an effect added.
 //!
 //! The background is a real robot's: its friction, its noise, its clock. The effect is known, because it is computed
 //! from the measured positions and added to what the joints measured. Nothing here is shared with what diagnoses or
 //! calibrates: positions are smoothed and differentiated by local polynomials ([`Smoothed`]), the robot's own model is a
-//! small least squares ([`OwnModel`]), and laws are written down anew ([`Law`]).
+//! small least squares ([`OwnModel`]), and laws are written again ([`Law`]).
 //!
 //! An injection changes the measurement alone. A real effect would also change the motion, by a little, through the
 //! controller; with the motion given, the torque that the joints need is the same.
-//!
-//! ```text
-//! RealExperiment ─► Injection ─► reference(name): the recordings as they are
-//!                       └──────► make(request, seed, name): an effect in the targets, or in all recordings
-//! ```
 
-mod added;
+mod applied;
 mod bodies;
-mod build;
-mod case;
 mod describe;
 mod drawing;
+mod figures;
 mod friction;
+mod gram;
 mod injection;
 mod instrument;
 mod kinds;
@@ -29,17 +24,18 @@ mod own_model;
 mod real;
 mod resonator;
 mod scene;
+mod sizing;
 mod smoothed;
 mod split;
 
-pub use added::Added;
-pub use build::Built;
 pub use describe::SizeName;
+pub use gram::{Gram, mean_square};
 pub use injection::{Injection, Recorded};
-pub use kinds::{Kind, injectable, strange};
-pub use law::Law;
-pub use own_model::OwnModel;
-pub use real::{RealExperiment, RealRecording};
+pub use kinds::{Kind, injectable, unknown_injectable};
+pub use law::{Added, Law};
+pub use own_model::{OwnModel, Rows};
+pub use real::{JointStructure, RealExperiment, RealRecording, Structure};
 pub use scene::Scene;
+pub use sizing::Built;
 pub use smoothed::Smoothed;
 pub use split::{Presence, Split};

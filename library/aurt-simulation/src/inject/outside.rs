@@ -1,13 +1,14 @@
 //! What acts from outside, and laws that no vocabulary has.
 
-use super::{Added, Law, Scene};
+use super::law::{Added, Law};
+use super::scene::Scene;
 
 /// A contact takes this long to build up and to end, s.
 const EDGE_S: f64 = 0.1;
 /// A sticking window's edges, rad.
 const EDGE_RAD: f64 = 0.02;
 
-/// The torque of a contact or a stranger.
+/// The torque of a contact or an unknown effect.
 pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {
     if let Law::ExternalContact { link, direction, window_s } = &added.law {
         return contact(added.size, scene, *link, *direction, *window_s);

@@ -5,9 +5,9 @@ use aurt_rbd::{INERTIAL_PARAMETERS, SerialChain, base_parameters};
 use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor};
 
-use super::RealExperiment;
-use crate::SimulationError;
-use crate::fit::{Gram, Structure, mean_square};
+use super::gram::{Gram, mean_square};
+use super::real::{RealExperiment, Structure};
+use crate::error::SimulationError;
 
 /// The experiment's structure fitted to the recordings as they are.
 #[derive(Debug, Clone)]
@@ -27,8 +27,10 @@ pub struct OwnModel {
 
 /// Filtered and decimated rows of one recording, `[joint][entry][row]`, and its measurement `[joint][row]`.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rows {
+pub struct Rows {
+    /// Entries of each joint's row.
     pub columns: Vec<Vec<Vec<f64>>>,
+    /// The measurement.
     pub measured: Vec<Vec<f64>>,
 }
 
@@ -119,7 +121,10 @@ impl OwnModel {
     }
 
     /// The rows of a recording.
-    pub(super) fn rows_of(&self, recording: &Preprocessed) -> Result<Rows, SimulationError> {
+    ///
+    /// # Errors
+    /// If a series cannot be filtered.
+    pub fn rows_of(&self, recording: &Preprocessed) -> Result<Rows, SimulationError> {
         let joints = self.rows.len();
         let mut rows = Rows {
             columns: self.rows.iter().map(|row| vec![Vec::new(); row.len()]).collect(),
@@ -141,7 +146,8 @@ impl OwnModel {
     }
 
     /// Least squares on recordings with the given measurement, `[recording, joint]`, joints weighted by what was left.
-    pub(super) fn fitted<'a>(
+    #[must_use]
+    pub fn fitted<'a>(
         &self,
         recordings: &[&Rows],
         measured: impl Fn(usize, usize) -> &'a Vec<f64>,
@@ -157,13 +163,8 @@ impl OwnModel {
     }
 
     /// What coefficients leave of a joint's measurement.
-    pub(super) fn left_over(
-        &self,
-        rows: &Rows,
-        measured: &[f64],
-        joint: usize,
-        coefficients: &[f64],
-    ) -> Vec<f64> {
+    #[must_use]
+    pub fn left_over(&self, rows: &Rows, measured: &[f64], joint: usize, coefficients: &[f64]) -> Vec<f64> {
         let mut left = measured.to_vec();
         for (k, column) in self.rows[joint].iter().zip(&rows.columns[joint]) {
             for (l, y) in left.iter_mut().zip(column) {

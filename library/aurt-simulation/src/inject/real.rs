@@ -1,9 +1,11 @@
 use aurt_rbd::SerialChain;
-use aurt_recording::{PreprocessOptions, Recording};
+use aurt_recording::{PreprocessOptions, Preprocessed, Recording, preprocess};
 use aurt_traits::MeasurementUnit;
 
-use crate::SimulationError;
-use crate::fit::Structure;
+use serde::{Deserialize, Serialize};
+
+use crate::error::SimulationError;
+use crate::robots::Robot;
 
 /// An experiment with real recordings, as plain data.
 #[derive(Debug, Clone)]
@@ -36,6 +38,15 @@ pub struct RealRecording {
 }
 
 impl RealExperiment {
+    /// A recording after this experiment's preprocessing.
+    ///
+    /// # Errors
+    /// [`SimulationError::Preprocessing`].
+    pub fn preprocessed(&self, recording: &Recording) -> Result<Preprocessed, SimulationError> {
+        preprocess(recording, &self.options)
+            .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
+    }
+
     /// Checks that the recordings are those of the robot.
     pub(super) fn validate(&self) -> Result<(), SimulationError> {
         let joints = self.chain.joints().len();
@@ -54,5 +65,45 @@ impl RealExperiment {
             count(format!("{}: joints with a measured torque or current", real.name), joints, measured)?;
         }
         Ok(())
+    }
+}
+
+/// Which terms beyond the base parameters a joint's row has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointStructure {
+    /// Coulomb friction.
+    pub coulomb: bool,
+    /// Viscous friction.
+    pub viscous: bool,
+    /// Rotor inertia.
+    pub rotor: bool,
+    /// Dry friction in proportion to the load.
+    pub load: bool,
+}
+
+/// The terms of all joints.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Structure {
+    /// One per joint.
+    pub joints: Vec<JointStructure>,
+}
+
+impl Structure {
+    /// What the robot has by itself.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        let joints = robot
+            .drives
+            .iter()
+            .map(|drive| JointStructure {
+                coulomb: drive.coulomb_nm > 0.0,
+                viscous: drive.viscous_nm_s > 0.0,
+                rotor: drive.rotor_inertia_kg_m2 > 0.0,
+                load: drive.load_coefficient > 0.0,
+            })
+            .collect();
+        Self { joints }
     }
 }

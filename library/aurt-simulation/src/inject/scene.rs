@@ -1,8 +1,9 @@
 use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_traits::{Motion, RigidBodyRegressor};
 
-use super::{OwnModel, Smoothed};
-use crate::SimulationError;
+use super::own_model::OwnModel;
+use super::smoothed::Smoothed;
+use crate::error::SimulationError;
 
 /// A recording as effects see it: its motion, the torque of its rigid bodies, and the robot's own friction.
 #[derive(Debug, Clone)]

@@ -3,7 +3,7 @@
 use aurt_recording::Recording;
 use nalgebra::{Matrix4, Vector4};
 
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// The motion of a recording at its own time stamps, whatever their spacing.
 ///

@@ -69,7 +69,8 @@ impl Split {
     }
 
     /// The recordings in the order of a case's files, each with whether an effect is in it.
-    pub(super) fn files(&self) -> Vec<(usize, bool)> {
+    #[must_use]
+    pub fn files(&self) -> Vec<(usize, bool)> {
         let all = self.presence == Presence::All;
         let calibration = self.calibration.iter().map(|k| (*k, all));
         calibration.chain(self.target.iter().chain(&self.validation).map(|k| (*k, true))).collect()

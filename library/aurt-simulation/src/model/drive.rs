@@ -3,7 +3,7 @@
 use aurt_traits::Motion;
 
 use super::torque::Torque;
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// What drives a model.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,8 +19,8 @@ pub use drive::ModelDrive;
 use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 
-use crate::SimulationError;
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use torque::Torque;
 
 /// Half the width of the velocities that count as rest, rad/s.

@@ -3,7 +3,7 @@
 use aurt_traits::{Motion, RobotState, RobotTile};
 
 use super::{MovingModel, REST_RAD_S};
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// A model with the memory of its friction at the last completed step.
 pub(super) struct Torque<'m> {

@@ -2,7 +2,8 @@
 
 use aurt_rbd::ChainDynamics;
 
-use crate::{Robot, SimulationError};
+use crate::error::SimulationError;
+use crate::robots::Robot;
 
 /// Rotor inertia that holds a joint in its place, kg m²: the acceleration that any torque gives it is below
 /// what rounding leaves.

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use super::arm::LOCKED_KG_M2;
 use super::dynamics::{Mode, Plant};
 use super::machine::{Gear, Instant};
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// Excess over a level that rounding explains, relative and in Nm.
 const SLACK: f64 = 1e-9;

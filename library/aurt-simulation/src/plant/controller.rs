@@ -4,7 +4,9 @@ use aurt_rbd::ChainDynamics;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Complaints;
-use crate::{Robot, SimulationError, Trajectory};
+use crate::error::SimulationError;
+use crate::robots::Robot;
+use crate::trajectory::Trajectory;
 
 /// How the joints are driven.
 ///

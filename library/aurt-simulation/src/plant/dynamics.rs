@@ -3,7 +3,7 @@
 use super::arm::{Arm, LOCKED_KG_M2};
 use super::controller::TrackingLoop;
 use super::machine::{Gear, Instant, Machine, Stretch};
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// What a dry contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,8 @@
 
 use std::fmt::Debug;
 
-use crate::Robot;
 use crate::plant::warmth::Warmth;
+use crate::robots::Robot;
 
 /// What the physics of a drive may depend on at one instant. Shafts are the motors' side of the gears, in
 /// joint units; they equal the joints unless a gear is elastic or has play.

@@ -34,7 +34,8 @@ use dynamics::{Command, Plant};
 use step::Integrator;
 
 use crate::error::Complaints;
-use crate::{SimulationError, Trajectory};
+use crate::error::SimulationError;
+use crate::trajectory::Trajectory;
 
 /// Distance of the samples of [`Traces`], s.
 pub const TRACE_STEP_S: f64 = 2e-3;

@@ -2,7 +2,7 @@
 //! sticking and break-away located and resolved.
 
 use super::dynamics::{Mode, Plant};
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// Accuracy of the times of events, s.
 const EVENT_S: f64 = 2e-7;

@@ -2,7 +2,7 @@
 
 use super::dynamics::{Command, Plant};
 use super::machine::Gear;
-use crate::SimulationError;
+use crate::error::SimulationError;
 
 /// The step in s that resolves the plant's fastest rate, a divisor of `sample_s`.
 ///

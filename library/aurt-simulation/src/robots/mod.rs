@@ -19,8 +19,8 @@ use aurt_rbd::{ChainDynamics, JointKind, LinkBody, MdhRow, MdhRows, MdhTable, Se
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-use crate::SimulationError;
 use crate::error::Complaints;
+use crate::error::SimulationError;
 
 /// A robot as it is built: geometry, bodies, drives and what its limits and sensors are.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-use crate::SimulationError;
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
 
 /// What a logger's clock and transport do to its rows; shares of all rows.

@@ -2,7 +2,8 @@ use serde::{Deserialize, Serialize};
 
 use super::current::{DriveRipple, NoiseMemory};
 use crate::error::Complaints;
-use crate::{Robot, SimulationError};
+use crate::error::SimulationError;
+use crate::robots::Robot;
 
 /// The sensors of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use super::csv::push_decimal;
 use super::current::Wander;
 use super::faults::{ClockFaults, Fate};
 use super::instrument::Instrument;
-use crate::SimulationError;
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::plant::{TRACE_STEP_S, Traces};
 use crate::random::Random;
 
@@ -318,7 +318,9 @@ impl SimulatedRecording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Motion, Scenario, robots, simulate_with_traces};
+    use crate::robots;
+    use crate::scenario::{Scenario, simulate_with_traces};
+    use crate::trajectory::Motion;
 
     /// Every row holds the position and the torque of its stamp, whatever the clock does.
     #[test]

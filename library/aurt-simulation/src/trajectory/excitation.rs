@@ -7,8 +7,9 @@ use nalgebra::DMatrix;
 use super::multi_sine::{MultiSine, MultiSineOptions, draw_amplitudes};
 use super::{Path, Trajectory};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// How an excitation is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,8 +3,9 @@ use super::{
     multi_sine, point_to_point, smooth_step,
 };
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// Share of the duration that the sines take.
 const SINES: f64 = 0.5;

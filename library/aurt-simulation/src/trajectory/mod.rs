@@ -15,8 +15,9 @@ use std::sync::Arc;
 use aurt_rbd::ChainDynamics;
 use serde::{Deserialize, Serialize};
 
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// A twice differentiable function of time for all joints.
 pub trait Path: Debug + Send + Sync {

@@ -2,8 +2,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{Path, Trajectory, check_options};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// What a multi-sine is to be like.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,8 @@
 use super::{Path, STEP_PEAK_ACCELERATION, STEP_PEAK_VELOCITY, Trajectory, check_options, smooth_step};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// No pose lies farther from home than this, rad.
 const LARGEST_SWING_RAD: f64 = 1.4;

@@ -1,7 +1,8 @@
 use super::{Path, Trajectory, check_options};
 use crate::error::Complaints;
+use crate::error::SimulationError;
 use crate::random::Random;
-use crate::{Robot, SimulationError};
+use crate::robots::Robot;
 
 /// Motions of constant velocities, with smooth changes between them, each joint with a schedule of its own.
 #[derive(Debug, Clone)]

@@ -3,9 +3,9 @@ use aurt_diagnosis::{Answer, Verdict};
 /// What a diagnosis claims.
 #[derive(Debug, Clone, Default)]
 pub struct Claims {
-    /// Whether its word names something.
+    /// Whether the verdict names something.
     names: bool,
-    /// Whether its word says that something has no name.
+    /// Whether the verdict says that something has no name.
     unexplained: bool,
     /// Effect and joints.
     claims: Vec<(String, Vec<usize>)>,
@@ -21,19 +21,19 @@ impl Claims {
         }
     }
 
-    /// The same with a further claim; `named` says whether the word names it.
+    /// The same with a further claim; `named` says whether the verdict names it.
     pub fn and(mut self, effect: &str, joints: Vec<usize>, named: bool) -> Self {
         self.claims.push((effect.to_owned(), joints));
         self.names = named;
         self
     }
 
-    /// Whether the word says that something has no name.
+    /// Whether the verdict says that something has no name.
     pub const fn is_unexplained(&self) -> bool {
         self.unexplained
     }
 
-    /// Whether an effect is claimed, on a joint if one is given, whatever the verdict's word.
+    /// Whether an effect is claimed, on a joint if one is given, whatever the verdict.
     pub fn lists(&self, effect: &str, joint: Option<usize>) -> bool {
         self.claims.iter().any(|(name, joints)| name == effect && joint.is_none_or(|j| joints.contains(&j)))
     }

@@ -1,0 +1,8 @@
+//! The program of the tests.
+
+use std::path::Path;
+
+/// `aurt`.
+pub fn aurt() -> &'static Path {
+    Path::new(env!("CARGO_BIN_EXE_aurt"))
+}

@@ -1,0 +1,103 @@
+use std::path::Path;
+
+use aurt_output::{write_file, write_folder};
+use rayon::prelude::*;
+
+use super::make::{Case, make_case};
+use super::plan::Plan;
+use super::world::World;
+use aurt_simulation::SimulationError;
+
+/// Makes the cases of a plan: folders `cases/case_0001` … with an experiment, its geometry and recordings, and
+/// `sealed/case_0001.json` … with the truth; says how many. The same plan and seed give the same bytes, on any number of
+/// threads.
+///
+/// # Errors
+/// The first case that cannot be made, or a file that cannot be written.
+pub fn conceal(
+    plan: &Plan,
+    seed: u64,
+    cases: impl AsRef<Path>,
+    sealed: impl AsRef<Path>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<usize, SimulationError> {
+    let (cases, sealed) = (cases.as_ref(), sealed.as_ref());
+    let all = plan.requests(seed)?.len();
+    for folder in [cases, sealed] {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| SimulationError::Io { path: folder.into(), source })?;
+    }
+    (0..all).into_par_iter().try_for_each(|index| {
+        let case = plan.make(World::Clean, seed, index)?;
+        case.write(cases, sealed)?;
+        progress(&case.name);
+        Ok::<(), SimulationError>(())
+    })?;
+    Ok(all)
+}
+
+impl Plan {
+    /// One case of a plan in a world of this simulator. The rough world draws lengths, rates and motions of its own; of the
+    /// plan it takes robots, effects and strengths.
+    ///
+    /// # Errors
+    /// As [`Plan::requests`]; [`SimulationError::Unreadable`] if there is no such case or this simulator does not make the
+    /// world; what making it reports.
+    pub fn make(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
+        let requests = self.requests(seed)?;
+        let request = requests.get(index).ok_or_else(|| SimulationError::Unreadable {
+            path: "plan".into(),
+            reason: format!("has {} cases, number {} was asked for", requests.len(), index + 1),
+        })?;
+        again(|attempt| {
+            let seed = case_seed(seed, index, attempt);
+            make_case(world, &Self::case_name(index), request, &self.recordings, seed)
+        })
+    }
+
+    /// The name of a case; `index` counts from 0.
+    #[must_use]
+    pub fn case_name(index: usize) -> String {
+        format!("case_{:04}", index + 1)
+    }
+}
+
+/// Draws after which a case is given up: now and then an effect is stronger than the robot's controller can bear.
+const MOST_DRAWS: usize = 4;
+
+/// The first draw that can be made, or why the last one could not.
+fn again(make: impl Fn(usize) -> Result<Case, SimulationError>) -> Result<Case, SimulationError> {
+    let mut draw = make(0);
+    for attempt in 1..MOST_DRAWS {
+        if draw.is_ok() {
+            break;
+        }
+        draw = make(attempt);
+    }
+    draw
+}
+
+fn case_seed(seed: u64, index: usize, attempt: usize) -> u64 {
+    let label = if attempt == 0 { format!("case {index}") } else { format!("case {index} again {attempt}") };
+    aurt_simulation::Random::labelled(seed, &label).bits()
+}
+
+impl Case {
+    /// Writes the case's folder into `cases` and its truth into `sealed`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`].
+    pub fn write(&self, cases: &Path, sealed: &Path) -> Result<(), SimulationError> {
+        // The truth first: a case folder that is there has one.
+        write_file(&sealed.join(format!("{}.json", self.name)), self.truth.json()?.as_bytes())?;
+        Ok(write_folder(&cases.join(&self.name), &self.files)?)
+    }
+
+    /// Writes the case's folder alone into `cases`: for references, which have no truth to be sealed.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`].
+    pub fn write_folder(&self, cases: &Path) -> Result<(), SimulationError> {
+        Ok(write_folder(&cases.join(&self.name), &self.files)?)
+    }
+}

@@ -1,0 +1,100 @@
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{request::CaseType, world::World};
+use crate::strength::Strength;
+use aurt_simulation::{SimulationError, effects::Family, robots::Rotors};
+
+/// What is in a case; hidden from the diagnosis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Name of the case's folder.
+    pub case: String,
+    /// The world that made it.
+    #[serde(default)]
+    pub world: World,
+    /// Seed from which the case can be made again.
+    pub seed: u64,
+    /// The robot.
+    pub robot: String,
+    /// Where its rotors' inertia is.
+    pub rotors: Rotors,
+    /// What the case is about.
+    pub case_type: CaseType,
+    /// How strong the effects were to be.
+    pub strength: Strength,
+    /// The effects that are to be found.
+    pub effects: Vec<TrueEffect>,
+    /// What else the experiment does not declare, weaker than the effects: to name it is neither right nor wrong.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub background: Vec<TrueEffect>,
+    /// Name of the same recordings without the effects. What is claimed of those is no news, and does not count here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
+    /// Standard deviation of the measured torques' noise, Nm per joint.
+    pub noise_nm: Vec<f64>,
+    /// What can be reached on the held-out recordings.
+    pub validation: Vec<ValidationFloor>,
+}
+
+/// An effect that is in a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrueEffect {
+    /// Identifier.
+    pub effect: String,
+    /// Family.
+    pub family: Family,
+    /// Whether the vocabulary has it.
+    pub in_vocabulary: bool,
+    /// The joints whose physics it is; of whole-arm effects those whose error it makes.
+    pub joints: Vec<usize>,
+    /// `calibration` if it is in all recordings, `target` if in the later ones alone.
+    pub present_in: Vec<String>,
+    /// The recording that it is confined to.
+    pub recording: Option<String>,
+    /// When it acts there, s.
+    pub window_s: Option<[f64; 2]>,
+    /// Parameters by canonical name, one value or one per joint.
+    pub parameters: Vec<(String, Vec<f64>)>,
+    /// Torque that the experiment's structure cannot absorb over noise, per joint, in the recording where it
+    /// is largest (within its window, if it has one).
+    pub achieved: Vec<f64>,
+    /// All its fields.
+    pub fields: Value,
+}
+
+/// Root mean square residuals of a held-out recording after the usual preprocessing, Nm per joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ValidationFloor {
+    /// The recording.
+    pub recording: String,
+    /// What the experiment's structure leaves of it.
+    pub before_nm: Vec<f64>,
+    /// What the same structure leaves of the same motion without the effects: what a perfect model would.
+    pub floor_nm: Vec<f64>,
+}
+
+impl Truth {
+    /// Reads a sealed truth.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
+        crate::json_file::read(path.as_ref())
+    }
+
+    /// The truth as the text of its file.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unreadable`] if a value has no JSON form.
+    pub fn json(&self) -> Result<String, SimulationError> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| SimulationError::Unreadable {
+            path: self.case.clone().into(),
+            reason: error.to_string(),
+        })?;
+        text.push('\n');
+        Ok(text)
+    }
+}

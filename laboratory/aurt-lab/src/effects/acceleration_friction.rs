@@ -1,0 +1,81 @@
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use aurt_simulation::{
+    Random, SimulationError,
+    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
+    error::Complaints,
+    plant::{DryTerm, Instant},
+    robots::Robot,
+};
+
+pub(super) const KIND: EffectKind = EffectKind {
+    identifier: "acceleration_friction",
+    family: Family::F,
+    summary: "dry friction that grows with acceleration, as of a seal that swells",
+    presence: Presence::Structural,
+    rotors: None,
+    takes: kind::Takes::One,
+    suits: kind::any_joint,
+    draw,
+    read: kind::read::<AccelerationFriction>,
+};
+
+/// Dry friction that grows with the size of the acceleration at the last step: level · |q̈| / (1 rad/s²).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AccelerationFriction {
+    /// The joint.
+    pub joint: usize,
+    /// Growth of the level per acceleration, Nm s²/rad.
+    pub growth_nm_s2: f64,
+}
+
+fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
+    let joint = context.joint();
+    let drive = &context.robot.drives[joint];
+    let growth = random.between(2.0, 4.0) / drive.acceleration_limit_rad_s2;
+    Box::new(AccelerationFriction { joint, growth_nm_s2: growth * drive.torque_noise_nm })
+}
+
+impl Effect for AccelerationFriction {
+    fn identifier(&self) -> &'static str {
+        KIND.identifier
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        vec![self.joint]
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        vec![("growth_nm_s2", vec![self.growth_nm_s2])]
+    }
+
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
+        let most = 10.0 * robot.drives[self.joint].coulomb_nm.max(0.1)
+            / robot.drives[self.joint].acceleration_limit_rad_s2;
+        self.growth_nm_s2 = (self.growth_nm_s2 * factor.on(self.joint)).clamp(-most, most);
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let mut complaints = Complaints::default();
+        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+        complaints.within("growth of friction in Nm s^2/rad", self.growth_nm_s2, -1e-12, 1e4);
+        complaints.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        setup.machine.joints[self.joint].dry_terms.push(Box::new(*self));
+        Ok(())
+    }
+
+    fn fields(&self) -> Value {
+        fields(self)
+    }
+}
+
+impl DryTerm for AccelerationFriction {
+    fn level_nm(&self, joint: usize, at: &Instant<'_>, _direction: f64) -> f64 {
+        self.growth_nm_s2 * at.last_qdd_rad_s2[joint].abs()
+    }
+}

@@ -1,0 +1,49 @@
+//! The list of the unknown effects, and the kinds of both lists.
+
+use aurt_simulation::{
+    SimulationError,
+    effects::{Effect, EffectKind, catalogue, kind_among},
+};
+use serde_json::Value;
+
+use super::{
+    acceleration_friction, cable_drag, cross_drag, leaking_spring, periodic_disturbance, position_damper,
+    sticking_window,
+};
+
+const UNKNOWN: &[EffectKind] = &[
+    acceleration_friction::KIND,
+    cable_drag::KIND,
+    cross_drag::KIND,
+    leaking_spring::KIND,
+    periodic_disturbance::KIND,
+    position_damper::KIND,
+    sticking_window::KIND,
+];
+
+/// Effects outside the vocabulary, by identifier.
+#[must_use]
+pub const fn unknown_effects() -> &'static [EffectKind] {
+    UNKNOWN
+}
+
+/// Effects of the vocabulary, then those outside of it.
+pub fn all_kinds() -> impl Iterator<Item = &'static EffectKind> + Clone {
+    catalogue().iter().chain(UNKNOWN)
+}
+
+/// The kind of an identifier, from either list.
+///
+/// # Errors
+/// [`SimulationError::UnknownEffect`].
+pub fn kind(identifier: &str) -> Result<&'static EffectKind, SimulationError> {
+    kind_among(all_kinds(), identifier)
+}
+
+/// The effect of an identifier with the given fields.
+///
+/// # Errors
+/// [`SimulationError::UnknownEffect`], or what is wrong with the fields.
+pub fn read_effect(identifier: &str, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
+    kind(identifier)?.effect(fields)
+}

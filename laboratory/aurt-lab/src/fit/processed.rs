@@ -1,0 +1,160 @@
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use aurt_recording::{PreprocessOptions, Preprocessed, ReadReport, Recording, Segment, preprocess};
+
+use super::columns::Columns;
+use aurt_simulation::{
+    SimulationError,
+    inject::{Gram, Structure, mean_square},
+    robots::Robot,
+    sensors::SimulatedRecording,
+};
+
+/// A structure fitted to recordings after the usual preprocessing (filtered, differentiated, decimated).
+#[derive(Debug)]
+pub struct ProcessedFit {
+    columns: Arc<Columns>,
+    coefficients: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// A recording after the usual preprocessing for dynamics up to `f_dyn_hz`, torques in Nm, rest trimmed.
+///
+/// # Errors
+/// Whatever preprocessing refuses.
+pub fn processed_motion(
+    recording: &SimulatedRecording,
+    robot: &Robot,
+    f_dyn_hz: f64,
+) -> Result<Preprocessed, SimulationError> {
+    let n = recording.joints;
+    let by_joint =
+        |series: &[f64]| (0..n).map(|j| series.iter().skip(j).step_by(n).copied().collect()).collect();
+    let input = Recording {
+        file: PathBuf::from("simulated"),
+        time_s: recording.time_s.clone(),
+        position_rad: by_joint(&recording.position_rad),
+        velocity_rad_s: None,
+        measurement: Some(by_joint(&recording.measurement)),
+        unit: recording.unit,
+        report: ReadReport::default(),
+    };
+    let mut options = PreprocessOptions::new(f_dyn_hz);
+    if recording.unit == aurt_traits::MeasurementUnit::Ampere {
+        options.gains = Some(robot.drives.iter().map(|d| d.torque_constant_nm_per_a).collect());
+    }
+    preprocess(&input, &options).map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
+}
+
+impl ProcessedFit {
+    /// Fits the structure to recordings, joints weighted by the inverse variance of what a first fit leaves.
+    ///
+    /// # Errors
+    /// If the structure does not fit the robot or a series cannot be filtered.
+    pub fn new(
+        robot: &Robot,
+        structure: &Structure,
+        recordings: &[&Preprocessed],
+    ) -> Result<Self, SimulationError> {
+        Self::of_columns(Arc::new(Columns::new(robot, structure)?), recordings)
+    }
+
+    pub(crate) fn of_columns(
+        columns: Arc<Columns>,
+        recordings: &[&Preprocessed],
+    ) -> Result<Self, SimulationError> {
+        let joints = columns.joints();
+        let weights = vec![1.0; joints];
+        let coefficients = vec![0.0; columns.coefficients()];
+        let mut fit = Self { columns, coefficients, weights };
+        let rows: Vec<Filtered> = recordings
+            .iter()
+            .flat_map(|r| &r.segments)
+            .map(|segment| fit.filtered(segment))
+            .collect::<Result<_, _>>()?;
+        for _ in 0..2 {
+            let mut gram = Gram::new(fit.columns.coefficients());
+            for filtered in &rows {
+                for (j, weight) in fit.weights.iter().enumerate() {
+                    gram.add(fit.columns.row(j), &filtered.rows[j], &filtered.measured[j], *weight);
+                }
+            }
+            fit.coefficients = gram.solve();
+            for j in 0..joints {
+                let left: Vec<f64> = rows.iter().flat_map(|f| fit.left_over(f, j)).collect();
+                fit.weights[j] = 1.0 / mean_square(&left).max(1e-18);
+            }
+        }
+        Ok(fit)
+    }
+
+    /// The fitted coefficients: base parameters, then each joint's terms.
+    #[must_use]
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// What the fit leaves of a recording, joint by joint, in Nm on the decimated rows.
+    ///
+    /// # Errors
+    /// If a series cannot be filtered.
+    pub fn residuals(&self, recording: &Preprocessed) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let mut residuals = vec![Vec::new(); self.weights.len()];
+        for segment in &recording.segments {
+            let filtered = self.filtered(segment)?;
+            for (j, all) in residuals.iter_mut().enumerate() {
+                all.extend(self.left_over(&filtered, j));
+            }
+        }
+        Ok(residuals)
+    }
+
+    /// Root mean square of [`Self::residuals`], Nm per joint.
+    ///
+    /// # Errors
+    /// As [`Self::residuals`].
+    pub fn residual_rms_nm(&self, recording: &Preprocessed) -> Result<Vec<f64>, SimulationError> {
+        Ok(self.residuals(recording)?.iter().map(|r| mean_square(r).sqrt()).collect())
+    }
+
+    fn filtered(&self, segment: &Segment) -> Result<Filtered, SimulationError> {
+        let failed = |error: aurt_recording::RecordingError| SimulationError::Preprocessing {
+            reason: error.to_string(),
+        };
+        let kept = segment.rows();
+        let thinned = |column: Vec<f64>| -> Vec<f64> {
+            column.into_iter().step_by(segment.decimation).take(kept).collect()
+        };
+        let rows = self
+            .columns
+            .evaluate(segment.motion.view())
+            .into_iter()
+            .map(|row| Ok(segment.parallel_filter.filter_all(&row)?.into_iter().map(thinned).collect()))
+            .collect::<Result<Vec<Vec<Vec<f64>>>, _>>()
+            .map_err(failed)?;
+        let measured = segment
+            .measurement
+            .iter()
+            .flatten()
+            .map(|series| series.iter().copied().take(kept).collect())
+            .collect();
+        Ok(Filtered { rows, measured })
+    }
+
+    fn left_over(&self, filtered: &Filtered, joint: usize) -> Vec<f64> {
+        let mut left = filtered.measured[joint].clone();
+        for (k, column) in self.columns.row(joint).iter().zip(&filtered.rows[joint]) {
+            for (l, y) in left.iter_mut().zip(column) {
+                *l -= self.coefficients[*k] * y;
+            }
+        }
+        left
+    }
+}
+
+/// Filtered and decimated rows of a segment, `[joint][entry][row]`, and its measurement.
+struct Filtered {
+    rows: Vec<Vec<Vec<f64>>>,
+    measured: Vec<Vec<f64>>,
+}

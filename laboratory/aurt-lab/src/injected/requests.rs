@@ -1,0 +1,118 @@
+//! Which cases the recordings of an experiment can have.
+
+use std::path::Path;
+
+use aurt_experiment::{Experiment, Registry};
+use aurt_simulation::{
+    Random, SimulationError,
+    inject::{Injection, Kind, Presence, Split, injectable, unknown_injectable},
+};
+
+use crate::{
+    case::{CaseRequest, CaseType, Plan},
+    product::{Failure, plain},
+    strength::Strength,
+};
+
+/// The world of one experiment's recordings, to which effects are added.
+///
+/// ```text
+/// Injection ─► reference(name): the recordings as they are
+///        └───► make(request, seed, name): an effect in the targets, or in all recordings
+/// ```
+#[derive(Debug, Clone)]
+pub struct InjectedWorld {
+    /// The recordings.
+    pub injection: Injection,
+}
+
+impl InjectedWorld {
+    /// Reads an experiment and prepares its recordings for effects to be added; the file's stem names the robot.
+    ///
+    /// # Errors
+    /// What is wrong with the experiment or its recordings.
+    pub fn read(path: &Path, registry: &mut Registry) -> Result<Self, Failure> {
+        let experiment = Experiment::read(path, registry)?;
+        Ok(Self { injection: Injection::new(plain(&experiment)?)? })
+    }
+
+    /// All splits of the recordings into roles.
+    #[must_use]
+    pub fn splits(&self) -> Vec<Split> {
+        [Presence::Changed, Presence::All]
+            .into_iter()
+            .flat_map(|presence| Split::all(self.injection.recorded().len(), presence))
+            .collect()
+    }
+
+    /// Names of the references: the recordings as they are, in the roles of each split.
+    #[must_use]
+    pub fn references(&self) -> Vec<String> {
+        self.splits().iter().map(|split| split.reference_name(&self.injection.real().name)).collect()
+    }
+
+    /// The cases of a plan for these recordings, in an order that reveals nothing; robots of the plan do not matter. An
+    /// effect that the recordings cannot have (no joint suits it, or their unit does not do) is left out where the plan
+    /// asks for all effects.
+    ///
+    /// # Errors
+    /// [`SimulationError::UnknownEffect`], or a pair that does not exist.
+    pub fn requests(&self, plan: &Plan, seed: u64) -> Result<Vec<CaseRequest>, SimulationError> {
+        let mut random = Random::labelled(seed, "injected plan");
+        let mut requests = Vec::new();
+        let known = self.possible(&injectable(self.injection.real().unit))?;
+        let lists = [
+            (&plan.singles, known.clone(), CaseType::Single),
+            (&plan.unknown_effects, self.possible(&unknown_injectable())?, CaseType::UnknownEffect),
+        ];
+        for (part, all, case_type) in lists {
+            let Some(part) = part else { continue };
+            let chosen: Vec<String> = if part.effects.is_empty() { all } else { part.effects.clone() };
+            for effect in &chosen {
+                Kind::named(effect)?;
+                for strength in &part.strengths {
+                    for _ in 0..part.trials {
+                        requests.push(self.request(case_type, std::slice::from_ref(effect), *strength));
+                    }
+                }
+            }
+        }
+        if let Some(pairs) = &plan.pairs {
+            let all = if pairs.effects.is_empty() { known } else { pairs.effects.clone() };
+            for _ in 0..pairs.count {
+                let mut two = all.clone();
+                random.shuffle(&mut two);
+                two.truncate(2);
+                requests.push(self.request(CaseType::Pair, &two, pairs.strength));
+            }
+        }
+        for _ in 0..plan.nulls.as_ref().map_or(0, |n| n.count) {
+            requests.push(self.request(CaseType::Null, &[], Strength::Medium));
+        }
+        random.shuffle(&mut requests);
+        Ok(requests)
+    }
+
+    /// Those of some effects that these recordings can have.
+    fn possible(&self, effects: &[&str]) -> Result<Vec<String>, SimulationError> {
+        let mut possible = Vec::new();
+        for effect in effects {
+            let kind = Kind::named(effect)?;
+            if kind.fits(self.injection.real().unit)
+                && (0..self.injection.joints()).any(|j| self.injection.suits(&kind, j))
+            {
+                possible.push((*effect).to_owned());
+            }
+        }
+        Ok(possible)
+    }
+
+    fn request(&self, case_type: CaseType, effects: &[String], strength: Strength) -> CaseRequest {
+        CaseRequest {
+            robot: self.injection.real().name.clone(),
+            case_type,
+            effects: effects.to_vec(),
+            strength,
+        }
+    }
+}

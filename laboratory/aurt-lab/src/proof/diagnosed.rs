@@ -1,0 +1,199 @@
+//! A case from its making to its verdicts.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use crate::{
+    case::{CaseType, Plan, Truth},
+    product::{Failure, OutputFolder},
+    score::leaks,
+};
+use aurt_plugins::Trust;
+use rayon::prelude::*;
+
+use super::{FAILED, Place, Shard, Source, VERDICT, scores::reference_folder};
+
+/// What a proof does besides diagnosing.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Whether cases stay after they were diagnosed.
+    pub keep: bool,
+    /// Whether every single is diagnosed once more without its candidate.
+    pub without: bool,
+    /// The part of the cases that is made here.
+    pub shard: Shard,
+    /// The program that diagnoses, `aurt`.
+    pub program: PathBuf,
+    /// The libraries that experiments of cases may name.
+    pub trust: Trust,
+}
+
+/// Makes, diagnoses and forgets the cases of a world, on all cores. Cases that were diagnosed before are skipped, so that
+/// a proof that was interrupted goes on; what a killed one had no time to forget is forgotten. What could not be made or
+/// diagnosed is written down, and the others go on.
+///
+/// # Errors
+/// Files that cannot be written, a diagnosis that cannot be started.
+pub fn prove(
+    source: &dyn Source,
+    place: &Place,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(), Failure> {
+    source.references().par_iter().try_for_each(|name| prove_reference(source, name, place, options))?;
+    let proved = (0..source.planned().len())
+        .into_par_iter()
+        .filter(|index| options.shard.has(*index))
+        .try_for_each(|index| {
+            prove_case(source, index, place, options)?;
+            progress(&Plan::case_name(index));
+            Ok(())
+        });
+    // What was too young for that when the next case was made.
+    let folders = place.results();
+    folders.iter().map(PathBuf::as_path).chain([place.root()]).for_each(aurt_output::clear_unfinished);
+    proved
+}
+
+/// Whether a folder holds a verdict, or why there is none.
+fn is_done(folder: &Path) -> bool {
+    folder.join(VERDICT).exists() || folder.join(FAILED).exists()
+}
+
+fn prove_reference(source: &dyn Source, name: &str, place: &Place, options: &Options) -> Result<(), Failure> {
+    let out = place.verdicts().join(reference_folder(name));
+    let folder = place.references().join(name);
+    if is_done(&out) {
+        return forget(&folder, options);
+    }
+    let files: Vec<(String, Vec<u8>)> = source.reference(name)?.files;
+    OutputFolder::nested("--out", &folder)?.write(&files)?;
+    diagnose(&folder, &out, &["--compare"], options)?;
+    forget(&folder, options)
+}
+
+fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Options) -> Result<(), Failure> {
+    let name = Plan::case_name(index);
+    let planned = &source.planned()[index];
+    let folder = place.cases().join(&name);
+    let verdict = place.verdicts().join(&name);
+    let blind = planned
+        .effects
+        .first()
+        .filter(|_| options.without && planned.case_type == CaseType::Single)
+        .map(|effect| (place.removed().join(&name), effect));
+    let unmade = place.unmade().join(format!("{name}.txt"));
+    if unmade.exists() || is_done(&verdict) && blind.as_ref().is_none_or(|(folder, _)| is_done(folder)) {
+        return forget(&folder, options);
+    }
+    if let Err(reason) = make(source, index, &name, place)? {
+        return OutputFolder::nested("--out", &place.unmade())?
+            .write(&[(format!("{name}.txt"), reason.into_bytes())]);
+    }
+    if !is_done(&verdict) {
+        diagnose(&folder, &verdict, &["--compare"], options)?;
+    }
+    if let Some((out, effect)) = blind.filter(|(out, _)| !is_done(out)) {
+        diagnose(&folder, &out, &["--without", effect], options)?;
+    }
+    forget(&folder, options)
+}
+
+/// Makes a case in a temporary folder and moves it there when it is complete; the reason if it cannot be made.
+fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<Result<(), String>, Failure> {
+    let fail = |path: PathBuf| move |source| Failure::Write { path, source };
+    let building = aurt_output::StagedFolder::new(place.root())?;
+    let (cases, sealed) = (building.path().join("cases"), building.path().join("sealed"));
+    for folder in [&cases, &sealed] {
+        fs::create_dir_all(folder).map_err(fail(folder.clone()))?;
+    }
+    if let Err(reason) = source.write(index, &cases, &sealed) {
+        return Ok(Err(reason));
+    }
+    let file = format!("{name}.json");
+    let truth = Truth::read(sealed.join(&file))?;
+    let found = leaks(cases.join(name), &truth)?;
+    if !found.is_empty() {
+        return Ok(Err(format!("its folder gives the truth away: {}", found.join("; "))));
+    }
+    let moved = place.cases().join(name);
+    remove(&moved)?;
+    fs::rename(cases.join(name), &moved).map_err(fail(moved))?;
+    let truth = place.sealed().join(&file);
+    fs::rename(sealed.join(&file), &truth).map_err(fail(truth))?;
+    Ok(Ok(()))
+}
+
+/// Removes the recordings of what has its verdict, unless they are to stay.
+fn forget(folder: &Path, options: &Options) -> Result<(), Failure> {
+    if options.keep { Ok(()) } else { remove(folder) }
+}
+
+/// Removes a folder if it is there.
+fn remove(folder: &Path) -> Result<(), Failure> {
+    match fs::remove_dir_all(folder) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(Failure::Write { path: folder.to_owned(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Runs `aurt diagnose` in a case's folder. Nothing of the case is in the command but its folder. What it complained of,
+/// if it failed, is written where its verdict would be.
+fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result<(), Failure> {
+    let fail = |source| Failure::Write { path: out.to_owned(), source };
+    let out = std::path::absolute(out).map_err(fail)?;
+    let done = Command::new(&options.program)
+        .args(["diagnose", "experiment.toml", "--quiet", "--verdict-only", "--out"])
+        .arg(&out)
+        .args(more)
+        .current_dir(case)
+        // Cases are diagnosed side by side.
+        .env("RAYON_NUM_THREADS", "1")
+        .envs([options.trust.environment()])
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| Failure::Argument {
+            option: "--program",
+            reason: format!("{} cannot be run: {error}", options.program.display()),
+            remedy: "name an executable of aurt".into(),
+        })?;
+    if out.join(VERDICT).exists() && matches!(done.status.code(), Some(0 | 1)) {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&done.stderr).trim().to_owned();
+    let reason = if said.is_empty() { format!("{} without a message", done.status) } else { said };
+    OutputFolder::nested("--out", &out)?.write(&[(FAILED.to_owned(), reason.into_bytes())])
+}
+
+/// What could not be made or diagnosed: the case, and why.
+///
+/// # Errors
+/// Folders that cannot be read.
+pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
+    let mut found = BTreeMap::new();
+    let entries = |folder: &Path| -> Vec<PathBuf> {
+        fs::read_dir(folder)
+            .map(|all| all.filter_map(Result::ok).map(|e| e.path()).collect())
+            .unwrap_or_default()
+    };
+    let stem = |path: &Path| path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let read = |path: &Path| {
+        fs::read_to_string(path).map_err(|source| Failure::Write { path: path.to_owned(), source })
+    };
+    for path in entries(&place.unmade()) {
+        found.insert(stem(&path), format!("could not be made: {}", read(&path)?));
+    }
+    for (folder, what) in [(place.removed(), " without its candidate"), (place.verdicts(), "")] {
+        for path in entries(&folder).iter().map(|p| p.join(FAILED)).filter(|p| p.exists()) {
+            let case = path.parent().map(stem).unwrap_or_default();
+            found.insert(format!("{case}{what}"), read(&path)?);
+        }
+    }
+    Ok(found)
+}

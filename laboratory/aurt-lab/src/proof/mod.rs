@@ -1,0 +1,36 @@
+//! Proofs: concealed cases of several worlds, diagnosed by processes that see nothing but a case's folder, and scored.
+//!
+//! `place` says where things lie, the sources of `worlds` make cases, `diagnosed` runs a case, `shard` divides and
+//! collects, `scores` compares with the truth, `report` writes the tables, `learn` what confidence is made of, `program` is what diagnoses.
+
+mod diagnosed;
+mod injected;
+mod learn;
+mod mujoco;
+mod place;
+mod plans;
+mod program;
+mod report;
+mod scores;
+mod shard;
+mod simulated;
+mod source;
+mod worlds;
+
+pub use diagnosed::{Options, prove};
+pub use learn::learn;
+pub use place::{Place, Proof};
+pub use plans::small;
+pub use program::program;
+pub use report::{Proven, report};
+pub use scores::{Verdicts, read_scores};
+pub use shard::{Shard, collect};
+pub use source::{Ingredients, Source};
+pub use worlds::source;
+
+/// The verdict of a diagnosis.
+pub const VERDICT: &str = "verdict.json";
+/// What simpler methods would have said, beside it.
+pub const COMPARISON: &str = "comparison.json";
+/// Why a diagnosis gave no verdict, in its place.
+pub const FAILED: &str = "failed.txt";

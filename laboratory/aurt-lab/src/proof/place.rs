@@ -1,0 +1,124 @@
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    case::{Plan, World},
+    product::{Failure, OutputFolder, pretty},
+};
+use serde::{Deserialize, Serialize};
+
+/// The folders of one world of a proof.
+#[derive(Debug, Clone)]
+pub struct Place {
+    root: PathBuf,
+}
+
+/// What a world's folder holds the proof of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Proof {
+    /// Seed of everything that is drawn.
+    pub seed: u64,
+    /// How many cases there are when it is complete.
+    pub cases: usize,
+    /// Names of the experiments that effects are added to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub into: Vec<String>,
+    /// Which cases they are.
+    pub plan: Plan,
+}
+
+/// The file that says which proof a folder holds.
+const PROOF: &str = "proof.json";
+/// Its plan alone, for programs that make cases.
+const PLAN: &str = "plan.json";
+
+impl Place {
+    /// A world's place in the folder of a proof.
+    pub fn new(proof: &Path, world: World) -> Self {
+        Self { root: proof.join(world.name()) }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The plan as a file, for programs that make cases.
+    pub fn plan(&self) -> PathBuf {
+        self.root.join(PLAN)
+    }
+
+    /// Folder of the case folders, while they are needed.
+    pub fn cases(&self) -> PathBuf {
+        self.root.join("cases")
+    }
+
+    /// Folder of the truths.
+    pub fn sealed(&self) -> PathBuf {
+        self.root.join("sealed")
+    }
+
+    /// Folder of the verdicts.
+    pub fn verdicts(&self) -> PathBuf {
+        self.root.join("verdicts")
+    }
+
+    /// Folder of the verdicts of diagnoses that were not allowed to know what was in the case.
+    pub fn removed(&self) -> PathBuf {
+        self.root.join("removed")
+    }
+
+    /// Folder of the recordings without effects, while they are needed.
+    pub fn references(&self) -> PathBuf {
+        self.root.join("references")
+    }
+
+    /// Folder of the reasons why cases could not be made.
+    pub fn unmade(&self) -> PathBuf {
+        self.root.join("unmade")
+    }
+
+    /// Folders that hold results.
+    pub fn results(&self) -> [PathBuf; 4] {
+        [self.sealed(), self.verdicts(), self.removed(), self.unmade()]
+    }
+
+    /// Makes the folders for a proof and writes down which it is.
+    ///
+    /// # Errors
+    /// [`Failure::Output`] if another proof is there; folders that cannot be written.
+    pub fn create(&self, proof: &Proof) -> Result<(), Failure> {
+        if let Some(other) = self.proof()?
+            && other != *proof
+        {
+            return Err(Failure::Output {
+                option: "--out",
+                path: self.root.clone(),
+                reason: "holds a proof of another plan or seed".into(),
+                remedy: "name another folder".into(),
+            });
+        }
+        for folder in self.results().into_iter().chain([self.cases(), self.references()]) {
+            fs::create_dir_all(&folder).map_err(|source| Failure::Write { path: folder, source })?;
+        }
+        let text = pretty(&serde_json::json!(proof));
+        OutputFolder::nested("--out", &self.root)?.write(&[(PROOF.to_owned(), text.into_bytes())])
+    }
+
+    /// Which proof the folder holds, if any.
+    ///
+    /// # Errors
+    /// A file that is none of ours.
+    pub fn proof(&self) -> Result<Option<Proof>, Failure> {
+        let path = self.root.join(PROOF);
+        let Ok(text) = fs::read_to_string(&path) else { return Ok(None) };
+        let proof = serde_json::from_str(&text).map_err(|error| Failure::ModelFile {
+            path,
+            reason: error.to_string(),
+            remedy: "name the folder that `aurt-lab prove --out` wrote".into(),
+        })?;
+        Ok(Some(proof))
+    }
+}

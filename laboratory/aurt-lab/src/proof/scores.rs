@@ -1,0 +1,139 @@
+//! Verdicts compared with the truth.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    case::Truth,
+    product::Failure,
+    score::{CaseScore, Claim, score},
+};
+use serde_json::Value;
+
+use super::{COMPARISON, FAILED, VERDICT};
+
+/// Whose verdicts are scored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdicts {
+    /// Those of the diagnosis.
+    Own,
+    /// Those of diagnoses that were not allowed to know the effect; references are verdicts of the diagnosis.
+    Removed {
+        /// Folder of the verdicts of the diagnosis.
+        own: PathBuf,
+    },
+    /// Those of another method on the same cases.
+    Method(String),
+}
+
+/// The folder of the verdict on the recordings without effects, among the verdicts.
+pub fn reference_folder(name: &str) -> String {
+    format!("reference_{name}")
+}
+
+/// Scores the verdicts of a folder; a case without a verdict is left out, one whose diagnosis failed is wrong.
+///
+/// # Errors
+/// Files that cannot be read; folders without a single case.
+pub fn read_scores(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
+    if truths(sealed)?.is_empty() {
+        return Err(Failure::Argument {
+            option: "--sealed",
+            reason: format!("{} holds no truths", sealed.display()),
+            remedy: "name the folder that `aurt-lab conceal --sealed` wrote".into(),
+        });
+    }
+    let scores = scores_so_far(sealed, verdicts, whose)?;
+    if scores.is_empty() {
+        return Err(Failure::Argument {
+            option: "--verdicts",
+            reason: format!("{} holds no verdict on a case of {}", verdicts.display(), sealed.display()),
+            remedy: "each case needs a folder of its name with a verdict.json, and cases of real recordings one named \
+                     reference_NAME with the verdict on these as they are"
+                .into(),
+        });
+    }
+    Ok(scores)
+}
+
+/// The same of a proof that may not have come to its first verdict.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result<Vec<CaseScore>, Failure> {
+    let mut scores = Vec::new();
+    let mut references: BTreeMap<String, Option<Claim>> = BTreeMap::new();
+    for path in truths(sealed)? {
+        let truth = Truth::read(&path)?;
+        let Some(claim) = claim(&verdicts.join(&truth.case), whose)? else { continue };
+        let known = match &truth.reference {
+            Some(name) => {
+                if !references.contains_key(name) {
+                    let (place, of) = match whose {
+                        Verdicts::Removed { own } => (own.as_path(), &Verdicts::Own),
+                        _ => (verdicts, whose),
+                    };
+                    references.insert(name.clone(), self::claim(&place.join(reference_folder(name)), of)?);
+                }
+                // Without it nothing says what is news.
+                match references.get(name).and_then(Option::as_ref) {
+                    Some(claim) => Some(claim),
+                    None => continue,
+                }
+            }
+            None => None,
+        };
+        let removed = truth.effects.first().filter(|_| matches!(whose, Verdicts::Removed { .. }));
+        scores.push(score(&truth, &claim, removed.map(|e| e.effect.as_str()), known));
+    }
+    Ok(scores)
+}
+
+/// What a folder says of a case.
+fn claim(folder: &Path, whose: &Verdicts) -> Result<Option<Claim>, Failure> {
+    if let Verdicts::Method(name) = whose {
+        return method(&folder.join(COMPARISON), name);
+    }
+    let file = folder.join(VERDICT);
+    Ok(if file.exists() {
+        Some(Claim::read(file)?)
+    } else if folder.join(FAILED).exists() {
+        Some(Claim::failed())
+    } else {
+        None
+    })
+}
+
+/// The truths of a folder, sorted.
+fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = fs::read_dir(sealed).map_err(|error| Failure::Argument {
+        option: "--sealed",
+        reason: format!("{} cannot be read: {error}", sealed.display()),
+        remedy: "name the folder that `aurt-lab conceal --sealed` wrote".into(),
+    })?;
+    let mut paths: Vec<PathBuf> = entries
+        .filter_map(Result::ok)
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "json"))
+        .collect();
+    paths.sort();
+    Ok(paths)
+}
+
+/// What a method said of a case, from its comparison file.
+fn method(path: &Path, name: &str) -> Result<Option<Claim>, Failure> {
+    let Ok(text) = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES) else { return Ok(None) };
+    let refuse = |reason: String| Failure::ModelFile {
+        path: path.to_owned(),
+        reason,
+        remedy: "diagnose the case again with --compare".into(),
+    };
+    let mut all: Value = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
+    match all.get_mut(name).map(Value::take) {
+        Some(claim) => serde_json::from_value(claim).map(Some).map_err(|e| refuse(e.to_string())),
+        None => Ok(None),
+    }
+}

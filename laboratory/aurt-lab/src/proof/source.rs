@@ -1,0 +1,64 @@
+use std::path::PathBuf;
+
+use crate::case::{Case, CaseRequest, CaseType, Plan, World};
+use aurt_simulation::SimulationError;
+use serde::Deserialize;
+
+/// A case that is to be made: what a proof has to know of it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Planned {
+    /// What it is about.
+    pub case_type: CaseType,
+    /// Identifiers of its effects.
+    pub effects: Vec<String>,
+}
+
+impl From<&CaseRequest> for Planned {
+    fn from(request: &CaseRequest) -> Self {
+        Self { case_type: request.case_type, effects: request.effects.clone() }
+    }
+}
+
+/// What makes the cases of a world.
+pub trait Source: Sync {
+    /// The cases, in an order that reveals nothing.
+    fn planned(&self) -> &[Planned];
+
+    /// Writes the folder of a case into `cases` and its truth into `sealed`; or says why it cannot be made.
+    ///
+    /// # Errors
+    /// The reason, as a person reads it.
+    fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
+
+    /// Names of the same recordings without effects, which are diagnosed once.
+    fn references(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Those recordings.
+    ///
+    /// # Errors
+    /// If there are none of that name.
+    fn reference(&self, name: &str) -> Result<Case, SimulationError> {
+        Err(SimulationError::Unreadable { path: name.into(), reason: "this world has no references".into() })
+    }
+}
+
+/// What cases are made from.
+#[derive(Debug, Clone)]
+pub struct Ingredients {
+    /// Which cases.
+    pub plan: Plan,
+    /// Seed of everything that is drawn.
+    pub seed: u64,
+    /// Experiments whose recordings effects are added to.
+    pub into: Vec<PathBuf>,
+}
+
+impl Ingredients {
+    /// What identifies the experiments that effects are added to: their names.
+    pub fn set_names(&self, world: World) -> Vec<String> {
+        let stem = |path: &PathBuf| path.file_stem().map(|s| s.to_string_lossy().into_owned());
+        if world == World::Injected { self.into.iter().filter_map(stem).collect() } else { Vec::new() }
+    }
+}

@@ -1,0 +1,284 @@
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::claim::{Answer, Claim, is_change};
+use super::compared::compare;
+use super::neighbours::neighbours;
+use super::news::{Background, News, Sameness, meet};
+use super::parameters::{ParameterError, parameter_errors};
+use crate::{
+    case::{CaseType, Truth, World},
+    effects::kind,
+    strength::Strength,
+};
+use aurt_simulation::effects::Family;
+
+/// A joint counts for the held-out improvement if its mean squared error exceeds the floor by this share.
+const IMPROVABLE: f64 = 0.2;
+
+/// How one verdict did. The parts are counted each for itself; `right` is all of them together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CaseScore {
+    /// The case.
+    pub case: String,
+    /// The world that made it.
+    pub world: World,
+    /// The robot.
+    pub robot: String,
+    /// What it is about.
+    pub case_type: CaseType,
+    /// How strong its effects are.
+    pub strength: Strength,
+    /// The effect that the diagnosis was not allowed to know.
+    pub removed: Option<String>,
+    /// Identifiers of what is in it.
+    pub truth: Vec<String>,
+    /// Whether the same is claimed of the recordings without the effects: nothing can be found that is new.
+    pub known_before: bool,
+    /// The answer that was given.
+    pub answer: Answer,
+    /// Identifiers that were named and are news, without repetition.
+    pub named: Vec<String>,
+    /// Whether it is right: a verdict that names an effect, the right effects first, on their joints, in the right recordings, and
+    /// no other claim them. Of nulls: nothing flagged; of unknown effects: `unexplained`; where the candidate was removed:
+    /// `unexplained`, or a neighbour under a verdict that names an effect.
+    pub right: bool,
+    /// The same, with effects that no recording tells apart counted as one.
+    pub right_class: bool,
+    /// Whether the first label is right, whatever the verdict.
+    pub first_label: bool,
+    /// The same, with effects that no recording tells apart counted as one.
+    pub first_label_class: bool,
+    /// Whether the first label or one of its alternatives is right, whatever the verdict.
+    pub with_alternatives: bool,
+    /// Whether the first label's family is right.
+    pub right_family: bool,
+    /// Whether the true labels stand anywhere.
+    pub anywhere: bool,
+    /// Whether the joints are the true ones exactly; of singles and pairs.
+    pub joints_right: Option<bool>,
+    /// Whether the kinds of recordings are right; of singles and pairs whose label stands anywhere.
+    pub presence_right: Option<bool>,
+    /// Claims that are neither true, nor of the background, nor of the reference; a claim on several joints counts
+    /// once for each.
+    pub beside: usize,
+    /// The same, with effects that no recording tells apart counted as one.
+    pub beside_class: usize,
+    /// What a null was flagged by: the claims that are news, or the verdict.
+    pub flagged_by: Vec<String>,
+    /// F1 of the joints of the first label; of singles.
+    pub joint_f1: Option<f64>,
+    /// Intersection over union of the windows, where the truth has one and it was named.
+    pub window_overlap: Option<f64>,
+    /// Errors of the parameters that both have.
+    pub parameter_errors: Vec<ParameterError>,
+    /// Share of the possible held-out improvement that was recovered.
+    pub recovered: Option<f64>,
+    /// Every finding that prints a confidence.
+    pub findings: Vec<ScoredFinding>,
+}
+
+/// A finding, what was said for it, and whether it is true.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScoredFinding {
+    /// Identifier.
+    pub effect: String,
+    /// Confidence that was printed.
+    pub confidence: f64,
+    /// Evidence, by name.
+    pub evidence: BTreeMap<String, f64>,
+    /// Whether other effects are said to do as well.
+    pub ambiguous: bool,
+    /// Whether the effect is in the truth, in the background or claimed of the reference, on a joint of the finding.
+    pub hit: bool,
+}
+
+/// Scores a verdict against the truth. `removed` is the effect that the diagnosis was not allowed to know, `reference`
+/// the verdict on the same recordings without the effects.
+#[must_use]
+pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Option<&Claim>) -> CaseScore {
+    let background = Background::new(truth, reference);
+    let news = background.news(truth, claim);
+    let change = truth.effects.first().is_some_and(|e| is_change(&e.present_in));
+    let answer = claim.answer(change);
+    // With two verdicts, the first label is the first of the question that the truth answers.
+    let order: Vec<&News<'_>> =
+        distinct(news.iter().filter(|n| claim.structure.is_none() || n.change == change));
+    let strict = compare(&truth.effects, &news, &order, answer, Sameness::Strict);
+    let class = compare(&truth.effects, &news, &order, answer, Sameness::Class);
+    let flagged_by = flagged_by(claim, &news, reference);
+    let is_of_vocabulary = matches!(truth.case_type, CaseType::Single | CaseType::Pair) && removed.is_none();
+    let (right, right_class) = match (truth.case_type, removed) {
+        (CaseType::Null, _) => both(flagged_by.is_empty()),
+        (CaseType::UnknownEffect, _) => both(answer == Answer::Unexplained),
+        (_, Some(removed)) => {
+            let near = order.first().is_some_and(|n| neighbours(removed).contains(&n.effect));
+            both(answer == Answer::Unexplained || near && answer.names())
+        }
+        _ => (strict.right, class.right),
+    };
+    let single = truth.effects.first().filter(|_| is_of_vocabulary && truth.case_type == CaseType::Single);
+    CaseScore {
+        case: truth.case.clone(),
+        world: truth.world,
+        robot: truth.robot.clone(),
+        case_type: truth.case_type,
+        strength: truth.strength,
+        removed: removed.map(str::to_owned),
+        truth: truth.effects.iter().map(|e| e.effect.clone()).collect(),
+        known_before: truth.effects.iter().any(|e| {
+            let claimed = Background::new(&Truth { background: Vec::new(), ..truth.clone() }, reference).has(
+                &e.effect,
+                is_change(&e.present_in),
+                &e.joints,
+            );
+            claimed && e.in_vocabulary
+        }),
+        answer,
+        named: distinct(news.iter()).iter().map(|n| n.effect.to_owned()).collect(),
+        right,
+        right_class,
+        first_label: if is_of_vocabulary { strict.first_label } else { right },
+        first_label_class: if is_of_vocabulary { class.first_label } else { right },
+        with_alternatives: if is_of_vocabulary { strict.with_alternatives } else { right },
+        right_family: if is_of_vocabulary { family_is_right(truth, &order) } else { right },
+        anywhere: if is_of_vocabulary { strict.anywhere } else { right },
+        joints_right: is_of_vocabulary.then_some(strict.joints),
+        presence_right: (is_of_vocabulary && strict.anywhere).then_some(strict.presence),
+        beside: strict.beside,
+        beside_class: class.beside,
+        flagged_by: if truth.case_type == CaseType::Null { flagged_by } else { Vec::new() },
+        joint_f1: single
+            .map(|only| order.first().map_or(0.0, |n| f1(&only.joints, &joints_of(&news, n.effect)))),
+        window_overlap: single.and_then(|only| {
+            let claimed = claim.effects.iter().find(|f| f.effect == only.effect)?;
+            Some(overlap(only.window_s?, claimed.window_s.unwrap_or([0.0, 0.0])))
+        }),
+        parameter_errors: if removed.is_none() { parameter_errors(truth, claim) } else { Vec::new() },
+        recovered: if removed.is_none() { recovered(truth, claim) } else { None },
+        findings: if removed.is_none() { findings(truth, claim, &background) } else { Vec::new() },
+    }
+}
+
+/// The first claim of every effect.
+fn distinct<'n, 'a>(news: impl Iterator<Item = &'n News<'a>>) -> Vec<&'n News<'a>> {
+    let mut first: Vec<&News<'_>> = Vec::new();
+    for one in news {
+        if !first.iter().any(|f| f.effect == one.effect) {
+            first.push(one);
+        }
+    }
+    first
+}
+
+/// What speaks of something that is not there: claims that are news, or a verdict without any claim that is not the
+/// reference's verdict as well.
+fn flagged_by(claim: &Claim, news: &[News<'_>], reference: Option<&Claim>) -> Vec<String> {
+    let verdicts = [claim.verdict, claim.structure.unwrap_or(claim.verdict)];
+    if verdicts.iter().all(|w| *w == Answer::NoMismatch) {
+        return Vec::new();
+    }
+    let names: Vec<String> = distinct(news.iter()).iter().map(|n| n.effect.to_owned()).collect();
+    if !names.is_empty() {
+        return names;
+    }
+    let said_before =
+        |verdict: &Answer| reference.is_some_and(|r| r.verdict == *verdict || r.structure == Some(*verdict));
+    let verdict = verdicts.into_iter().find(|w| *w != Answer::NoMismatch && !said_before(w));
+    verdict
+        .filter(|w| claim.effects.is_empty() || *w == Answer::Failed)
+        .map(|w| vec![w.name().to_owned()])
+        .unwrap_or_default()
+}
+
+const fn both(right: bool) -> (bool, bool) {
+    (right, right)
+}
+
+fn family_is_right(truth: &Truth, order: &[&News<'_>]) -> bool {
+    let family: Option<Family> = order.first().and_then(|n| kind(n.effect).ok()).map(|k| k.family);
+    family.is_some() && truth.effects.iter().any(|e| Some(e.family) == family)
+}
+
+fn findings(truth: &Truth, claim: &Claim, background: &Background<'_>) -> Vec<ScoredFinding> {
+    claim
+        .effects
+        .iter()
+        .filter_map(|c| {
+            let is_true =
+                truth.effects.iter().any(|e| e.effect == c.effect && meet(&c.effect, &e.joints, &c.joints));
+            Some(ScoredFinding {
+                effect: c.effect.clone(),
+                confidence: c.confidence.filter(|p| p.is_finite())?,
+                evidence: c.numbers(),
+                ambiguous: !c.alternatives.is_empty(),
+                hit: is_true || background.overlaps(c),
+            })
+        })
+        .collect()
+}
+
+/// Joints of all claims of one identifier.
+fn joints_of(news: &[News<'_>], effect: &str) -> Vec<usize> {
+    let mut joints: Vec<usize> =
+        news.iter().filter(|n| n.effect == effect).flat_map(|n| n.joints.iter().copied()).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    joints
+}
+
+/// Harmonic mean of precision and recall of a set of joints.
+fn f1(truth: &[usize], claimed: &[usize]) -> f64 {
+    let common = truth.iter().filter(|j| claimed.contains(j)).count() as f64;
+    let size = (truth.len() + claimed.len()) as f64;
+    if size > 0.0 { 2.0 * common / size } else { 1.0 }
+}
+
+/// Intersection over union of two windows.
+fn overlap(truth: [f64; 2], claimed: [f64; 2]) -> f64 {
+    let common = (truth[1].min(claimed[1]) - truth[0].max(claimed[0])).max(0.0);
+    let union = (truth[1] - truth[0]) + (claimed[1] - claimed[0]).max(0.0) - common;
+    if union > 0.0 { common / union } else { 0.0 }
+}
+
+/// Σ_j (before² − after²)/σ_j² over Σ_j (before² − floor²)/σ_j², over the joints that can improve; `before` and
+/// `after` are the verdict's, the floor is the truth's. What a verdict without residuals recovers is nothing.
+fn recovered(truth: &Truth, claim: &Claim) -> Option<f64> {
+    if truth.effects.is_empty() || truth.validation.is_empty() {
+        return None;
+    }
+    let recordings = truth.validation.len() as f64;
+    let (mut gained, mut possible) = (0.0, 0.0);
+    for (j, noise) in truth.noise_nm.iter().enumerate() {
+        let mean = |of: fn(&crate::case::ValidationFloor) -> &Vec<f64>| {
+            let squares = truth.validation.iter().map(|v| of(v).get(j).map_or(f64::NAN, |rms| rms.powi(2)));
+            squares.sum::<f64>() / recordings
+        };
+        let (due, floor) = (mean(|v| &v.before_nm), mean(|v| &v.floor_nm));
+        if due > (1.0 + IMPROVABLE) * floor {
+            let held = |of: &[f64]| of.get(j).copied().filter(|rms| rms.is_finite());
+            let (Some(before), Some(after)) =
+                (held(&claim.held_out.rms_before), held(&claim.held_out.rms_after))
+            else {
+                return (claim.verdict == Answer::Failed).then_some(0.0);
+            };
+            gained += (before.powi(2) - after.powi(2)) / noise.powi(2);
+            possible += (before.powi(2) - floor).max(0.0) / noise.powi(2);
+        }
+    }
+    (possible > 0.0 && gained.is_finite()).then(|| (gained / possible).clamp(-1.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_and_windows_are_compared_as_sets() {
+        assert!((f1(&[1, 2], &[2]) - 2.0 / 3.0).abs() < 1e-12);
+        assert_eq!((f1(&[3], &[3]), f1(&[3], &[4]), f1(&[3], &[])), (1.0, 0.0, 0.0));
+        assert!((overlap([1.0, 3.0], [2.0, 4.0]) - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!((overlap([1.0, 3.0], [1.0, 3.0]), overlap([1.0, 3.0], [4.0, 5.0])), (1.0, 0.0));
+    }
+}

@@ -1,0 +1,184 @@
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use aurt_simulation::SimulationError;
+
+/// The answer of a verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// Nothing is missing.
+    NoMismatch,
+    /// What is missing has a name.
+    Named,
+    /// One of a class.
+    Ambiguous,
+    /// Something is missing that has no name.
+    Unexplained,
+    /// The diagnosis gave no verdict.
+    Failed,
+}
+
+impl Answer {
+    /// Whether the answer gives what is missing a name.
+    #[must_use]
+    pub const fn names(self) -> bool {
+        matches!(self, Self::Named | Self::Ambiguous)
+    }
+
+    /// Its name in files and tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoMismatch => "no_mismatch",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Unexplained => "unexplained",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What a verdict claims: the part of `verdict.json` that is scored. Further keys, `indications` among them, are no
+/// claims and are not read.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Claim {
+    /// The answer: what has changed where there are targets, else what the model lacks.
+    pub verdict: Answer,
+    /// What the model lacks in all recordings, in files that answer the two questions with two verdicts.
+    #[serde(default)]
+    pub structure: Option<Answer>,
+    /// The effects, the most important first.
+    #[serde(default)]
+    pub effects: Vec<ClaimedEffect>,
+    /// Residuals on data that took no part.
+    #[serde(default)]
+    pub held_out: ClaimedHeldOut,
+}
+
+/// An effect that a verdict names.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ClaimedEffect {
+    /// Identifier.
+    pub effect: String,
+    /// Joints.
+    #[serde(default)]
+    pub joints: Vec<usize>,
+    /// Kinds of recordings that have it.
+    #[serde(default)]
+    pub present_in: Vec<String>,
+    /// When it acts, s.
+    #[serde(default)]
+    pub window_s: Option<[f64; 2]>,
+    /// How sure the verdict is.
+    #[serde(default)]
+    pub confidence: Option<f64>,
+    /// Parameters: `{name: {value, std}}`.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, ClaimedValue>,
+    /// What else it could be.
+    #[serde(default)]
+    pub alternatives: Vec<ClaimedAlternative>,
+    /// Evidence: its score, and what else is said for it. What is no number is not used.
+    #[serde(default)]
+    pub evidence: BTreeMap<String, Value>,
+}
+
+/// A claimed parameter.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ClaimedValue {
+    /// A number, or a list along the joints.
+    pub value: Value,
+    /// Its standard deviation, in the same form.
+    #[serde(default)]
+    pub std: Value,
+}
+
+/// A claimed alternative.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ClaimedAlternative {
+    /// Identifier.
+    pub effect: String,
+    /// Joints that it would be on.
+    #[serde(default)]
+    pub joints: Vec<usize>,
+}
+
+/// Claimed residuals on data that took no part, joint by joint.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct ClaimedHeldOut {
+    /// Before.
+    pub rms_before: Vec<f64>,
+    /// With what is named.
+    pub rms_after: Vec<f64>,
+}
+
+/// Whether kinds of recordings are the later ones alone: something has changed.
+pub(super) fn is_change(present_in: &[String]) -> bool {
+    !present_in.is_empty() && present_in.iter().all(|kind| kind == "target")
+}
+
+impl ClaimedEffect {
+    /// Whether it is claimed of the later recordings alone.
+    #[must_use]
+    pub fn is_change(&self) -> bool {
+        is_change(&self.present_in)
+    }
+
+    /// Its evidence as far as it is finite numbers, by name.
+    #[must_use]
+    pub fn numbers(&self) -> BTreeMap<String, f64> {
+        let number = |(name, value): (&String, &Value)| {
+            Some((name.clone(), value.as_f64().filter(|v| v.is_finite())?))
+        };
+        // What had to be exceeded says how poor the recordings are, and nothing of the finding.
+        self.evidence.iter().filter(|(name, _)| *name != "threshold").filter_map(number).collect()
+    }
+}
+
+impl Claim {
+    /// Reads a `verdict.json`.
+    ///
+    /// # Errors
+    /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
+        crate::json_file::read(path.as_ref())
+    }
+
+    /// What a diagnosis that gave no verdict claims: nothing, and not even that.
+    #[must_use]
+    pub fn failed() -> Self {
+        Self {
+            verdict: Answer::Failed,
+            structure: None,
+            effects: Vec::new(),
+            held_out: ClaimedHeldOut::default(),
+        }
+    }
+
+    /// The answer to what has changed, or to what is missing in all recordings.
+    #[must_use]
+    pub fn answer(&self, change: bool) -> Answer {
+        if change { self.verdict } else { self.structure.unwrap_or(self.verdict) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_word_or_two_and_indications_are_read() {
+        let old: Claim = serde_json::from_str(r#"{"verdict": "named"}"#).unwrap();
+        assert_eq!((old.answer(true), old.answer(false)), (Answer::Named, Answer::Named));
+        let text = r#"{"verdict": "no_mismatch", "structure": "unexplained",
+            "indications": [{"effect": "spring", "joints": [1]}]}"#;
+        let new: Claim = serde_json::from_str(text).unwrap();
+        assert_eq!((new.answer(true), new.answer(false)), (Answer::NoMismatch, Answer::Unexplained));
+        assert!(new.effects.is_empty(), "an indication is no claim");
+    }
+}

@@ -1,0 +1,38 @@
+//! Cases of the clean world stay what they are, byte for byte: tables of earlier versions were made from them.
+
+use aurt_lab::case::{Plan, World};
+
+const PLAN: &str = r#"
+    [recordings]
+    duration_s = 5.0
+    rate_hz = 250.0
+    [singles]
+    robots = ["two_link"]
+    effects = ["joint_coupling_friction", "stribeck", "time_delay", "torque_ripple"]
+    strengths = ["medium"]
+    [nulls]
+    robots = ["ur5e"]
+    count = 1
+"#;
+
+/// FNV-1a over names and contents of a case's files.
+fn hash(files: &[(String, Vec<u8>)]) -> u64 {
+    let bytes = files.iter().flat_map(|(name, content)| name.bytes().chain(content.iter().copied()));
+    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01B3)
+    })
+}
+
+#[test]
+fn clean_cases_are_what_they_were() {
+    let plan = Plan::parse(PLAN, "plan.toml").unwrap();
+    let hashes: Vec<u64> = (0..5).map(|k| hash(&plan.make(World::Clean, 3, k).unwrap().files)).collect();
+    let before = [
+        0x9248_dc57_a41f_25f9,
+        0x98a3_289d_7cb3_8974,
+        0x0ba4_0159_0433_0dd7,
+        0x96d8_272b_b784_9230,
+        0x4a66_77b0_7276_f4f7,
+    ];
+    assert_eq!(hashes, before);
+}
