@@ -108,21 +108,24 @@ fn as_anchor(heading: &str) -> String {
 #[test]
 fn commands_in_the_documentation_exist() {
     let commands =
-        fs::read_to_string(Path::new(ROOT).join("application/aurt-cli/src/commands/mod.rs")).unwrap();
+        |crate_: &str| fs::read_to_string(Path::new(ROOT).join(crate_).join("src/commands/mod.rs")).unwrap();
+    let (product, laboratory) = (commands("application/aurt-cli"), commands("laboratory/aurt-lab"));
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
         for line in blocks(&text, "sh").iter().flat_map(|b| b.lines()) {
             let words: Vec<&str> = line.split_whitespace().collect();
             // What stands behind `--` is ours only where cargo runs the program itself.
             let runs = line.contains("cargo run") && !line.contains("--example");
-            let command =
-                words.iter().position(|w| *w == "aurt" || runs && *w == "--").and_then(|k| words.get(k + 1));
-            let Some(command) = command.filter(|c| c.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
-            else {
-                continue;
-            };
-            let module = format!("mod {};", command.replace('-', "_"));
-            assert!(commands.contains(&module), "{}: there is no command in `{line}`", page.display());
+            for (program, commands) in [("aurt", &product), ("aurt-lab", &laboratory)] {
+                let is_program = |word: &&str| *word == program || program == "aurt" && runs && *word == "--";
+                let command = words.iter().position(is_program).and_then(|k| words.get(k + 1));
+                let Some(command) = command.filter(|c| c.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
+                else {
+                    continue;
+                };
+                let module = format!("mod {};", command.replace('-', "_"));
+                assert!(commands.contains(&module), "{}: there is no command in `{line}`", page.display());
+            }
         }
     }
 }
