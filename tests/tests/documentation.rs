@@ -117,8 +117,10 @@ fn commands_in_the_documentation_exist() {
             // What stands behind `--` is ours only where cargo runs the program itself.
             let runs = line.contains("cargo run") && !line.contains("--example");
             for (program, commands) in [("aurt", &product), ("aurt-lab", &laboratory)] {
-                let is_program = |word: &&str| *word == program || program == "aurt" && runs && *word == "--";
-                let command = words.iter().position(is_program).and_then(|k| words.get(k + 1));
+                let command = words.windows(2).find_map(|pair| {
+                    let named = pair[0] == program || program == "aurt" && runs && pair[0] == "--";
+                    (named && !line.contains(&format!("-p {program} "))).then_some(pair[1])
+                });
                 let Some(command) = command.filter(|c| c.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
                 else {
                     continue;
