@@ -318,11 +318,9 @@ fn heeded(findings: &[String], what: &str, measured: bool, terminal: &Terminal) 
     if findings.is_empty() {
         let title = terminal.emphasise(Emphasis::Title, "findings");
         let said = if measured {
-            format!("nothing stands against calibrating on {what}")
+            format!("ready to calibrate on {what}")
         } else {
-            format!(
-                "nothing stands against predicting for {what}; calibrating takes measured currents or torques"
-            )
+            format!("ready to predict for {what}; calibration needs measured currents or torques")
         };
         return format!("\n{title}\n{}", wrapped(&said));
     }

@@ -52,7 +52,7 @@ impl Demo {
         let outcome = fit_experiment_watched(&experiment, session.terminal)?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
         let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
-        let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
+        let title = session.terminal.emphasise(Emphasis::Title, "estimated and true");
         let table = table(&compared);
         let later = folder.path().join(demo::QUESTION_FILE);
         let diagnosis = Diagnose::new(later, folder.path().join("diagnosis")).run(session)?;

@@ -58,9 +58,7 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
     for (one, fails) in chosen.iter().zip(&mut fails) {
         if let Some(p) = one.p_confirm.filter(|p| *p > question.selection.confirm) {
-            fails.push(format!(
-                "data that took no part favour it no more than chance does, with a probability of {p:.2}"
-            ));
+            fails.push(format!("held-out data favour it no more than chance, with a probability of {p:.2}"));
         }
     }
     for (joint, times) in trial.worse_in_all() {
@@ -243,7 +241,7 @@ impl<'a> Trial<'a> {
         let most = if self.joints[i].len() > 2 { WORSE_JOINTS * judged as f64 } else { 0.0 };
         (!worse.is_empty() && worse.len() as f64 >= most).then(|| {
             format!(
-                "data that took no part are predicted better without it, on joint{} {}",
+                "held-out data are predicted better without it, on joint{} {}",
                 if worse.len() == 1 { "" } else { "s" },
                 worse.join(", ")
             )

@@ -25,7 +25,7 @@ pub(crate) fn choose(
         return named;
     }
     if !named.chosen.is_empty() && accounts(selector.floor, &named) {
-        progress("asking registered models for what is left");
+        progress("trying registered models on the residual");
         return on_top(selector, groups, known, named, progress);
     }
     progress("trying registered models");

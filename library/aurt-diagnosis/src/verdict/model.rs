@@ -48,7 +48,7 @@ pub struct Verdict {
     pub not_examined: Vec<NotExamined>,
     /// What is left, joint by joint.
     pub residual: Vec<JointResidual>,
-    /// Improvement on data that took no part.
+    /// Improvement on held-out data.
     pub held_out: HeldOut,
     /// How much the rest of the model moved when the effects were added: parameter, before, after, and the
     /// shift in standard deviations.
@@ -197,7 +197,7 @@ pub struct JointResidual {
     pub windows_s: Vec<[f64; 2]>,
 }
 
-/// The improvement on data that took no part in selection or fitting.
+/// The improvement on held-out data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// The data used.

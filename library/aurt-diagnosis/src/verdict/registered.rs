@@ -37,7 +37,7 @@ pub(crate) fn findings(
         let joints: Vec<String> = group.joints.iter().map(ToString::to_string).collect();
         let changed = present_in == ["target"];
         let sentence = format!(
-            "the registered {} model `{}` predicts {:.0} % of what is left on joint {} without it{}",
+            "the registered {} model `{}` predicts {:.0} % of the residual on joint {} without it{}",
             model.slot.name(),
             model.name,
             100.0 * predicted_share,

@@ -119,8 +119,8 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         .collect();
     if !wandering.is_empty() {
         verdict.notes.push(format!(
-            "what is left on joint {} exceeds the noise that the recordings show above their filters; it follows no coordinate, \
-             stands in no window and hums at no frequency, and is taken for noise that wanders: an effect of that size can hide in it",
+            "the residual on joint {} exceeds the noise that the recordings show above their filters; it shows no \
+             pattern over coordinates, time or frequency and is treated as slow noise: an effect of that size can hide in it",
             wandering.join(", ")
         ));
     }

@@ -36,7 +36,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "held_out",
         title: "held-out data",
-        text: "Rows that took no part in selecting or fitting anything: the validation recordings or, where \
+        text: "Rows excluded from selection and fit: the validation recordings or, where \
             there are none, the last quarter of each questioned recording. Only errors on them say how well a \
             model predicts; errors on fitted rows fall with every parameter that is added.",
     },
@@ -44,8 +44,8 @@ pub const TERMS: &[Term] = &[
         name: "indications",
         title: "indications",
         text: "Effects that describe the recordings and fail a test: their parameters are none that a machine has, or \
-            within two standard deviations of nothing, or they lower the error of no joint by as much as counts, or data \
-            that took no part are predicted better without them. They are not claimed, and the improved model does \
+            within two standard deviations of nothing, or they lower the error of no joint by as much as counts, or \
+            held-out data are predicted better without them. They are not claimed, and the improved model does \
             without them.",
     },
     Term {
@@ -53,12 +53,12 @@ pub const TERMS: &[Term] = &[
         title: "verdict: named",
         text: "Something has changed (without targets: is missing), and it has a name: the effects listed explain it \
             better than any other that is known, each has passed every test, and together they account for most of it, \
-            joint by joint and on data that took no part. improved.toml has them.",
+            joint by joint and on held-out data. improved.toml has them.",
     },
     Term {
         name: "no_mismatch",
         title: "verdict: no_mismatch",
-        text: "Nothing is missing that these recordings could show: what is left is noise. It does not say \
+        text: "Nothing is missing that these recordings could show: the residual is noise. It does not say \
             that the model is right for motions that were not recorded; see not_decidable. `aurt sensitivity` says how \
             large an effect could be and stay hidden.",
     },
@@ -67,7 +67,7 @@ pub const TERMS: &[Term] = &[
         title: "noise floor",
         text: "The residual that a perfect model would leave on a joint: the white noise of the measurement \
             after the filter, and the noise of the positions as it passes through differentiation and model. No \
-            model can have less on data that took no part. Structure is claimed where a residual exceeds 1.65 \
+            model can have less on held-out data. Structure is claimed where a residual exceeds 1.65 \
             times the floor.",
     },
     Term {

@@ -87,7 +87,7 @@ fn verdict(results: &Results<'_>) -> Verdict {
         )
     } else {
         format!(
-            "Calibrated on {}; on {} that took no part, its error is {low} % to {high} % of the signal, joint by joint",
+            "Calibrated on {}; on {}, held out, its error is {low} % to {high} % of the signal, joint by joint",
             plural(fitted, "recording"),
             plural(held_out.len(), "recording")
         )

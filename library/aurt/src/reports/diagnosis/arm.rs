@@ -81,7 +81,7 @@ fn seen(points: &[[f64; 3]], gravity: [f64; 3]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The drawing: errors on data that took no part over the noise, or, without such data, on the rows that were fitted.
+/// The drawing: errors on held-out data over the noise, or, without such data, on the rows that were fitted.
 pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
     let held = &verdict.held_out;
     let joints = points_m.len().saturating_sub(1);
@@ -100,12 +100,12 @@ pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
             })
             .collect()
     };
-    let rows = if is_held_out { "on data that took no part" } else { "on the rows that were fitted" };
+    let rows = if is_held_out { "on held-out data" } else { "on the rows that were fitted" };
     Arm {
         title: "where the error is".into(),
         name: "arm".into(),
         caption: format!(
-            "Joints by their error {rows}, in multiples of what noise alone leaves. A pose of the recordings; joints at one place \
+            "Joints by their error {rows}, in multiples of the noise floor. A pose of the recordings; joints at one place \
              are drawn side by side."
         ),
         of: "noise".into(),

@@ -131,10 +131,10 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
     match (verdict.verdict, changes) {
         (Answer::NoMismatch, _) => match verdict.structure {
             None | Some(Answer::NoMismatch) => {
-                "nothing has changed, and nothing is missing: what is left is noise".to_owned()
+                "nothing has changed, and nothing is missing: the residual is noise".to_owned()
             }
             Some(Answer::Named) if faults.is_some() && !has_physics(verdict) => {
-                "nothing has changed; a fault of the recordings accounts for what is left".to_owned()
+                "nothing has changed; a fault of the recordings explains the residual".to_owned()
             }
             Some(Answer::Named) => {
                 "nothing has changed; what the model lacks in all recordings has a name".to_owned()
@@ -174,7 +174,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
 fn missing(verdict: &Verdict, asked: Asked) -> String {
     let found = brief(verdict, |f| place(f, asked) != Place::Fault);
     match (verdict.verdict, found) {
-        (Answer::NoMismatch, _) => "nothing is missing: what is left is noise".to_owned(),
+        (Answer::NoMismatch, _) => "nothing is missing: the residual is noise".to_owned(),
         (Answer::Named, None) => "a fault of the recordings accounts for what differs".to_owned(),
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::Ambiguous, found) => format!(
@@ -281,7 +281,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
     let all = worse.len() == judged.len();
     let rest = if all { String::new() } else { ", and not on the others".into() };
     Some(format!(
-        "does not hold on data that took no part: with all that was found their error grows on {}{rest}",
+        "does not hold on held-out data: with all claims their error grows on {}{rest}",
         parts::listed(&worse)
     ))
 }
