@@ -3,9 +3,11 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt::traits::MeasurementUnit;
-use aurt_recording::{ReadOptions, read_recording};
+use aurt_recording::{
+    AngleUnit, ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, RecordedAs, TimeUnit, read_recording,
+};
 use numpy::{PyArray1, PyArray2};
-use pyo3::{exceptions::PyTypeError, prelude::*};
+use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::{
     arrays::{Matrix, samples_by_joint, times},
@@ -19,6 +21,14 @@ pub struct Recording {
     pub inner: Arc<aurt_recording::Recording>,
 }
 
+const ANGLES: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
+const TIMES: [(&str, TimeUnit); 4] = [
+    ("s", TimeUnit::Second),
+    ("ms", TimeUnit::Millisecond),
+    ("us", TimeUnit::Microsecond),
+    ("ns", TimeUnit::Nanosecond),
+];
+
 /// The unit that a user named.
 fn unit_of(unit: Option<&str>) -> PyResult<Option<MeasurementUnit>> {
     match unit {
@@ -29,12 +39,77 @@ fn unit_of(unit: Option<&str>) -> PyResult<Option<MeasurementUnit>> {
     }
 }
 
+/// A column: its number from 0, or its name.
+#[derive(FromPyObject)]
+enum Column {
+    Index(usize),
+    Name(String),
+}
+
+/// The columns of a quantity: `[first, last]` by number, or a name for each joint.
+#[derive(FromPyObject)]
+enum Columns {
+    Range([usize; 2]),
+    Names(Vec<String>),
+}
+
+impl From<Column> for ColumnRef {
+    fn from(column: Column) -> Self {
+        match column {
+            Column::Index(index) => Self::Index(index),
+            Column::Name(name) => Self::Name(name),
+        }
+    }
+}
+
+impl From<Columns> for ColumnsRef {
+    fn from(columns: Columns) -> Self {
+        match columns {
+            Columns::Range([first, last]) => Self::Range { first, last },
+            Columns::Names(names) => Self::List(names.into_iter().map(ColumnRef::Name).collect()),
+        }
+    }
+}
+
+/// Which columns hold what, as `columns` of an experiment.
+fn selection(columns: Option<&Bound<'_, PyDict>>) -> PyResult<ColumnSelection> {
+    let mut selection = ColumnSelection::default();
+    for (key, value) in columns.into_iter().flatten() {
+        let key: String = key.extract()?;
+        match key.as_str() {
+            "time" => selection.time = Some(value.extract::<Column>()?.into()),
+            "position" => selection.position = Some(value.extract::<Columns>()?.into()),
+            "velocity" => selection.velocity = Some(value.extract::<Columns>()?.into()),
+            "measurement" => selection.measurement = Some(value.extract::<Columns>()?.into()),
+            _ => {
+                return Err(refused(format!(
+                    "columns has the key `{key}`; it may have time, position, velocity, measurement"
+                )));
+            }
+        }
+    }
+    Ok(selection)
+}
+
+/// The choice of a user among names.
+fn choice<T: Copy>(what: &str, given: Option<&str>, known: &[(&str, T)]) -> PyResult<Option<T>> {
+    let Some(given) = given else { return Ok(None) };
+    let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+    let found = known.iter().find(|(name, _)| *name == given);
+    let found = found.ok_or_else(|| refused(format!("{what} is `{given}`; it must be {}", names.join(", "))))?;
+    Ok(Some(found.1))
+}
+
 #[pymethods]
 impl Recording {
     /// From arrays (stamps in s; positions, velocities and measurements with a row for each sample), from a data frame whose
-    /// columns have their usual names, or from a file.
+    /// columns have their usual names, or from a file. `joint_names` are those of the robot's joints, base first, as the
+    /// recording calls them; `topic`, `columns`, `angle` ("rad", "deg") and `time` ("s", "ms", "us", "ns") say what a frame or
+    /// a file does not tell.
     #[new]
-    #[pyo3(signature = (t, q=None, dq=None, *, tau=None, current=None, unit=None, name=None))]
+    #[pyo3(signature = (t, q=None, dq=None, *, tau=None, current=None, unit=None, name=None, joint_names=None, topic=None,
+                        columns=None, angle=None, time=None))]
+    #[expect(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
         py: Python<'_>,
         t: &Bound<'_, PyAny>,
@@ -44,13 +119,30 @@ impl Recording {
         current: Option<&Bound<'_, PyAny>>,
         unit: Option<&str>,
         name: Option<String>,
+        joint_names: Option<Vec<String>>,
+        topic: Option<String>,
+        columns: Option<&Bound<'_, PyDict>>,
+        angle: Option<&str>,
+        time: Option<&str>,
     ) -> PyResult<Self> {
         let unit = unit_of(unit)?;
         let Some(q) = q else {
             if dq.is_some() || tau.is_some() || current.is_some() {
                 return Err(PyTypeError::new_err("dq, tau and current need q, the positions"));
             }
-            let options = ReadOptions { unit, needs_measurement: false, ..ReadOptions::default() };
+            let options = ReadOptions {
+                unit,
+                needs_measurement: false,
+                columns: selection(columns)?,
+                recorded: RecordedAs {
+                    angle: choice("angle", angle, &ANGLES)?,
+                    time: choice("time", time, &TIMES)?,
+                    topic,
+                    joint_names,
+                    ..RecordedAs::default()
+                },
+                ..ReadOptions::default()
+            };
             let recording = if frames::is_frame(t)? {
                 frames::read(t, &options, name.as_deref().unwrap_or("frame"))?
             } else if let Ok(path) = t.extract::<PathBuf>() {
@@ -65,6 +157,11 @@ impl Recording {
                 None => recording,
             }));
         };
+        if topic.is_some() || columns.is_some() || angle.is_some() || time.is_some() {
+            return Err(PyTypeError::new_err(
+                "topic, columns, angle and time are of files and frames; arrays are in s and rad",
+            ));
+        }
         let q = Matrix::new("q", q, None)?;
         let (joints, time_s) = (q.joints(), stamps(t, &q)?);
         let mut recording = aurt_recording::Recording::from_arrays(time_s, q.by_joint()).map_err(raised)?;
@@ -86,6 +183,9 @@ impl Recording {
             }
             recording = recording.with_measurement(measured.by_joint(), own).map_err(raised)?;
         }
+        if let Some(names) = joint_names {
+            recording = recording.with_joint_names(names).map_err(raised)?;
+        }
         Ok(Self::of(match name {
             Some(name) => recording.named(name),
             None => recording,
@@ -96,6 +196,12 @@ impl Recording {
     #[getter]
     fn name(&self) -> String {
         self.inner.file.display().to_string()
+    }
+
+    /// Names of the joints, column after column of q; empty where they have none.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.inner.joints.names().to_vec()
     }
 
     /// Number of joints.

@@ -10,13 +10,14 @@ use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use crate::{arrays::vector, error::refused};
 
 /// All keywords, in the order of the documentation.
-const KEYWORDS: [&str; 16] = [
+const KEYWORDS: [&str; 17] = [
     "f_dyn_hz",
     "sample_rate_hz",
     "position_cutoff_hz",
     "parallel_cutoff_hz",
     "rest_velocity_rad_s",
     "trim_rest",
+    "count_ends",
     "max_gap_s",
     "torque_constants_nm_per_a",
     "gains",
@@ -59,6 +60,7 @@ pub fn settings<'py>(
                 calibration.rest_velocity_rad_s = preprocessing.rest_velocity_rad_s;
             }
             "trim_rest" => preprocessing.trim_rest = flag()?,
+            "count_ends" => preprocessing.count_ends = flag()?,
             "max_gap_s" => preprocessing.max_gap_s = some()?,
             "torque_constants_nm_per_a" => instrument.torque_constants_nm_per_a = list()?,
             "gains" => instrument.gains = list()?,

@@ -73,6 +73,7 @@ fn clean(dynamics: &mut ChainDynamics) -> Recording {
         velocity_rad_s: None,
         measurement: Some(torque),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     }
 }

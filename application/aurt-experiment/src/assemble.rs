@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use aurt_rbd::{MdhTable, RobotDescription, SerialChain, base_parameters};
+use aurt_rbd::{MdhTable, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, BaseParameters, JointStack, KnownBodies, RigidBodyRegressor, RobotModel};
 
 use crate::{Error, Experiment};
@@ -57,7 +57,7 @@ impl Experiment {
     /// # Errors
     /// As [`RigidBodyDynamics::from_mdh`].
     pub fn rigid_body_dynamics(&self) -> Result<RigidBodyDynamics, Error> {
-        let rigid_body = self.robot.geometry.rigid_body(self.robot.gravity_m_s2)?;
+        let rigid_body = self.robot.rigid_body()?;
         RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED)
     }
 

@@ -31,6 +31,7 @@ fn injected() -> InjectedWorld {
                 velocity_rad_s: None,
                 measurement: Some(by_joint(&made.measurement, &|j| robot.drives[j].torque_constant_nm_per_a)),
                 unit: MeasurementUnit::NewtonMetre,
+                joints: aurt_recording::RecordedJoints::Unnamed,
                 report: ReadReport::default(),
             };
             RealRecording { name: format!("recording {k}"), recording }

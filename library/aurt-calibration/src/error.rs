@@ -16,8 +16,8 @@ pub enum CalibrationError {
     Recording(#[from] RecordingError),
     /// The recordings hold too few rows for the number of parameters (the paper asks for M > n_p).
     #[error(
-        "{rows} samples per joint are left after filtering and decimation, but the model has {parameters} \
-         parameters and needs more samples than that; record longer, raise `f_dyn_hz` (less decimation) or \
+        "{rows} samples per joint remain after filtering and decimation, but the model has {parameters} \
+         parameters and requires more samples than parameters; record longer, raise `f_dyn_hz` (less decimation) or \
          use a smaller model"
     )]
     TooFewSamples {
@@ -28,7 +28,7 @@ pub enum CalibrationError {
     },
     /// A recording has no measurement although one is needed.
     #[error(
-        "{}: no current or torque columns, but calibration and validation compare with a measurement; \
+        "{}: no current or torque columns, which calibration and validation require; \
          name them `current_0 …` or `torque_0 …`, or map them with `columns = {{ measurement = … }}`",
         file.display()
     )]
@@ -37,7 +37,7 @@ pub enum CalibrationError {
         file: PathBuf,
     },
     /// The robot has another number of joints than a recording.
-    #[error("{}: the recording has {found} joints, the model {expected}", file.display())]
+    #[error("{}: the recording has {found} joints, but the model has {expected}", file.display())]
     Joints {
         /// The recording.
         file: PathBuf,
@@ -59,13 +59,14 @@ pub enum CalibrationError {
     Prior(#[from] crate::consistent::PriorError),
     /// No consistent estimate was found.
     #[error(
-        "no machine was found whose bodies, rotors and friction are physically possible beside these recordings;          `estimator = \"wls\"` shows what least squares makes of them"
+        "no physically consistent bodies, rotors and friction were found for these recordings; `estimator = \"wls\"` \
+         shows the unconstrained estimate"
     )]
     Inconsistent,
     /// A recording that a model was fitted to cannot judge it.
     #[error(
-        "{} holds the same samples as {}, which the model is calibrated on: errors on it would be those of the fit. Hold out \
-         another recording, or give both a `window_s` and let these not overlap",
+        "{} holds the same samples as {}, on which the model is calibrated, so it is not held-out data. Hold out \
+         another recording, or give both a `window_s` that do not overlap",
         validation.display(), calibration.display()
     )]
     Repeated {
@@ -76,8 +77,8 @@ pub enum CalibrationError {
     },
     /// Noise of the positions cannot be told from the motion.
     #[error(
-        "noise of the positions makes up {percent:.0} % of the power of joint {joint}'s accelerations, and what is left determines \
-         no parameters; lower f_dyn, or use `estimator = \"wls\"`"
+        "position noise makes up {percent:.0} % of the power of joint {joint}'s accelerations, and the rest determines no \
+         parameters; use a lower f_dyn, or use `estimator = \"wls\"`"
     )]
     NoisyPositions {
         /// The noisiest joint.
@@ -87,8 +88,8 @@ pub enum CalibrationError {
     },
     /// Too little to hold something out.
     #[error(
-        "`estimator = \"essential\"` holds out blocks of at least 2 s, and the recordings make {found}, of which {needed} are \
-         needed; list more or longer recordings"
+        "`estimator = \"essential\"` holds out blocks of at least 2 s; the recordings give {found}, but {needed} are required; add \
+         more or longer recordings"
     )]
     TooFewBlocks {
         /// Blocks that there are.
@@ -98,8 +99,8 @@ pub enum CalibrationError {
     },
     /// An estimator that looks at the rows again, of recordings that are read in stretches.
     #[error(
-        "`estimator = \"{estimator}\"` needs whole recordings, and these are read in stretches; use `estimator = \"wls\"`, or \
-             raise --stream-above"
+        "`estimator = \"{estimator}\"` requires whole recordings, but these are streamed; use `estimator = \"wls\"`, or raise \
+         --stream-above"
     )]
     NeedsRows {
         /// The estimator.
@@ -107,8 +108,8 @@ pub enum CalibrationError {
     },
     /// Too little of the unchanged machine to tell a change from its usual variation.
     #[error(
-        "the experiment's recordings hold {found} whole windows of the unchanged machine, and {needed} are needed to tell how \
-         much it varies anyway; list more recordings of it, or make windows shorter with --window-s"
+        "the experiment's recordings hold {found} whole windows of the unchanged machine, but {needed} are required to estimate \
+         its normal variation; add recordings, or use shorter windows with --window-s"
     )]
     TooFewWindows {
         /// Windows that there are.
@@ -117,9 +118,9 @@ pub enum CalibrationError {
         needed: usize,
     },
     /// Nothing to calibrate on.
-    #[error("there is no recording to calibrate on; list at least one under `[recordings] calibration`")]
+    #[error("no recording to calibrate on; list at least one under `[recordings] calibration`")]
     NothingToCalibrateOn,
     /// The fit produced a value that is not a number.
-    #[error("the least-squares solution is not finite; the recordings hold values that no robot produces")]
+    #[error("the least-squares solution is not finite; the recordings contain impossible values")]
     NotFinite,
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::calibrated::CalibratedParameter;
+use crate::CalibratedParameter;
 
 /// A standard deviation above this share of the value: the interval then includes zero.
 const LARGE_RELATIVE_STD_DEV_PERCENT: f64 = 50.0;
@@ -44,23 +44,41 @@ pub fn badly_excited(parameters: &[CalibratedParameter]) -> Option<String> {
 pub fn hardly_excited(condition_number: f64) -> Option<String> {
     (condition_number > LARGE_CONDITION_NUMBER).then(|| {
         format!(
-            "the condition number is {condition_number:.0}, above {LARGE_CONDITION_NUMBER}: some combination of parameters is \
+            "the condition number is {condition_number:.0}, above {LARGE_CONDITION_NUMBER}: a combination of parameters is \
              hardly excited"
         )
     })
 }
 
-/// Warnings about parameters that the recordings determine badly or not at all.
-pub(crate) fn warnings(parameters: &[CalibratedParameter], condition_number: f64) -> Vec<String> {
-    let silent: Vec<&str> = parameters.iter().filter(|p| !p.excited).map(|p| p.name.as_str()).collect();
+/// Warnings about parameters that the recordings determine badly or not at all; `inseparable` are those that no motion
+/// would determine, with the combinations that are.
+pub(crate) fn warnings(
+    parameters: &[CalibratedParameter],
+    inseparable: &[(&str, String)],
+    condition_number: f64,
+) -> Vec<String> {
+    let is_inseparable = |name: &str| inseparable.iter().any(|(own, _)| *own == name);
+    let silent: Vec<&str> = parameters
+        .iter()
+        .filter(|p| !p.excited && !is_inseparable(&p.name))
+        .map(|p| p.name.as_str())
+        .collect();
     let out_of_reach = (!silent.is_empty()).then(|| {
         format!(
-            "out of reach of the calibration recordings, and set to zero: {}; the model cannot be trusted for motions that \
-             need them",
+            "not determined by the calibration recordings and set to zero: {}; the model is not valid for motions that need \
+             them",
             silent.join(", ")
         )
     });
-    [out_of_reach, badly_excited(parameters), hardly_excited(condition_number)]
+    let structure = (!inseparable.is_empty()).then(|| {
+        let each: Vec<String> =
+            inseparable.iter().map(|(name, sums)| format!("{name} (determined: {sums})")).collect();
+        format!(
+            "structurally inseparable and set to zero: {}; no motion separates them, and predictions are not affected",
+            each.join("; ")
+        )
+    });
+    [out_of_reach, structure, badly_excited(parameters), hardly_excited(condition_number)]
         .into_iter()
         .flatten()
         .collect()
@@ -100,6 +118,10 @@ mod tests {
         assert_eq!(hardly_excited(99.0), None);
         assert!(hardly_excited(250.4).unwrap().contains("250, above 100"));
         let silent = CalibratedParameter { excited: false, ..parameter("m_5", "kg", 0.0, 0.0) };
-        assert_eq!(warnings(&[silent], 10.0).len(), 1);
+        let said =
+            |inseparable: &[(&str, String)]| warnings(std::slice::from_ref(&silent), inseparable, 10.0);
+        assert!(said(&[]).len() == 1 && said(&[])[0].contains("not valid for motions"));
+        let said = said(&[("m_5", "m_4 + m_5".to_owned())]);
+        assert!(said.len() == 1 && said[0].contains("m_5 (determined: m_4 + m_5); no motion"), "{said:?}");
     }
 }

@@ -7,10 +7,8 @@
 //! the same recordings, the rigid bodies' rows are shared ([`RigidRows`]); parameters in which a model is not linear
 //! are searched ([`calibrate_shapes`]).
 
-mod accumulate;
+mod calibrate;
 mod calibrated;
-mod comparison;
-mod condition;
 mod consistent;
 mod dense;
 mod deviations;
@@ -18,44 +16,37 @@ mod error;
 mod errors_in_positions;
 mod essential;
 mod excitation;
-mod factor;
 mod gains;
+mod linear;
 mod long;
-mod metrics;
+mod options;
 mod physical;
-mod random;
 mod recursive;
 mod robust;
 mod row_cache;
-mod scope;
-mod stream;
-mod student;
+mod rows;
+mod separability;
+mod statistics;
 mod system;
 mod uncertainty;
-mod validate;
+mod validation;
 mod variable_projection;
-mod wls;
 
-pub use accumulate::{accumulate, accumulate_scoped};
-pub use calibrated::{
-    CalibratedParameter, Calibration, CalibrationOptions, Deviations, Estimator, JointRange,
-    LoadTorqueChoice, Rest,
-};
-pub use comparison::{ComparedJoint, Comparison, compare};
-pub use condition::condition_number;
+pub use calibrate::{calibrate, calibrate_scoped, hausman};
+pub use calibrated::Calibration;
 pub use consistent::{
     ConsistentReport, Fit, Moved, PossibleBody, Prior, PriorError, Pull, StandardEstimate, make_consistent,
     possible_body,
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
-pub use errors_in_positions::{Hausman, JointPositionNoise, ParameterBias, PositionBias, hausman};
+pub use errors_in_positions::{Hausman, JointPositionNoise, ParameterBias, PositionBias};
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
-pub use factor::JointFactor;
 pub use gains::{Decided, Gain, Gains, GainsError, GainsOf, KnownLoad, decidable_gains, estimate_gains};
+pub use linear::condition_number;
 pub use long::{calibrate_long, validate_long};
-pub use metrics::{JointMetrics, Metrics};
+pub use options::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
 pub use recursive::{
     Baseline, ChangePoint, Chart, Cusum, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter,
     DriftReference, DriftWindow, LeftOut, MIN_WINDOWS, Tracker, average_run_length, drift_windows,
@@ -63,13 +54,17 @@ pub use recursive::{
 };
 pub use robust::RobustReport;
 pub use row_cache::{FitRows, JudgedRow, RigidRows, calibrate_rows};
-pub use scope::TermScopes;
-pub use stream::{RowBlock, for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile};
-pub use student::{ONE_SIDED_5, in_standard_errors, student, two_sided};
-pub use system::{Solution, System};
-pub use uncertainty::{noise_bandwidth_factor, with_deviation};
-pub use validate::{Prediction, ValidatedRows, Validation, extrapolations, predict, validate};
+pub use rows::{
+    JointRange, NamedRecording, RowBlock, TermScopes, accumulate, accumulate_scoped,
+    for_each_predicted_block, for_each_row_block, for_each_tile, predict_tile,
+};
+pub use statistics::{ONE_SIDED_5, in_standard_errors, student, two_sided};
+pub use system::{Estimate, JointFactor, Solution, System, estimate};
+pub use uncertainty::{CalibratedParameter, noise_bandwidth_factor, with_deviation};
+pub use validation::{
+    ComparedJoint, Comparison, JointMetrics, Metrics, Prediction, ValidatedRows, Validation, compare,
+    extrapolations, predict, validate,
+};
 pub use variable_projection::{
     FittedShape, ShapeOptions, ShapeReport, calibrate_shapes, calibrate_shapes_rows, shapes_of,
 };
-pub use wls::{Estimate, NamedRecording, calibrate, calibrate_scoped, estimate};

@@ -4,13 +4,12 @@ use aurt_recording::{LongPrepared, LongSegment, Stretch};
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel, RobotState, RobotTile};
 
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice,
+    Calibration, CalibrationError, CalibrationOptions, JointMetrics, JointRange, LoadTorqueChoice, RowBlock,
     Validation,
-    accumulate::{Accumulated, Folding, Measured},
-    noise_bandwidth_factor,
-    stream::{FilteredRows, RowBlock, TILE_SAMPLES, predict_tile},
-    validate::{beyond, forget_unread},
-    wls::{FittedTo, Setting, estimate, finished},
+    calibrate::{FittedTo, Setting, finished},
+    estimate, noise_bandwidth_factor, predict_tile,
+    rows::{Accumulated, Folding, Measured, TILE_SAMPLES},
+    validation::{beyond, forget_unread},
 };
 
 /// As [`calibrate`](crate::calibrate), on recordings longer than memory: memory does not depend on their length, and
@@ -53,7 +52,7 @@ pub fn calibrate_long(
     let names = recordings.iter().map(LongPrepared::name).collect();
     let setting = Setting { model, unit, f_dyn_hz, options };
     let bandwidth = noise_bandwidth_factor(first.parallel_filter(), first.decimation());
-    let fitted_to = FittedTo { recordings: None, bandwidth, ranges, names, shift: None };
+    let fitted_to = FittedTo { rows: None, bandwidth, ranges, names, shift: None };
     finished(&setting, &found.system, estimate, &load, fitted_to)
 }
 
@@ -77,8 +76,8 @@ pub fn validate_long(
     let mut predicted = vec![0.0; joints * TILE_SAMPLES];
     for segment in recording.segments() {
         samples += segment.rows();
-        let filter = (recording.parallel_filter(), recording.decimation());
-        let mut rows = FilteredRows::new(filter, joints, segment.rows());
+        let mut rows = recording.bank(segment, joints);
+        let mut delivered = 0;
         let (mut state, mut tile) = (RobotState::default(), RobotTile::default());
         let mut waiting = Waiting::new(joints);
         let mut judge = |block: &RowBlock<'_>, waiting: &Waiting| {
@@ -96,18 +95,21 @@ pub fn validate_long(
         recording.for_each_stretch::<CalibrationError>(segment, |stretch| {
             let motion = stretch.motion.view();
             widen(&mut fastest, |joint| motion.velocity_rad_s(joint));
-            waiting.forget(rows.delivered());
-            waiting.add(stretch, recording.decimation());
+            waiting.forget(delivered);
+            waiting.add(stretch, segment);
             for first in (0..motion.samples()).step_by(TILE_SAMPLES) {
                 let end = (first + TILE_SAMPLES).min(motion.samples());
                 model.evaluate(motion.slice(first..end), &calibration.load, &mut state, &mut tile)?;
                 widen(&mut heaviest, |joint| tile.load_torque(joint));
                 predict_tile(model, &tile, &coefficients, TILE_SAMPLES, &mut predicted);
-                rows.push(&predicted, TILE_SAMPLES, tile.samples(), &mut |block| judge(&block, &waiting));
+                rows.push(&predicted, TILE_SAMPLES, tile.samples(), &mut |block| {
+                    delivered = block.first_row() + block.rows();
+                    judge(&block.into(), &waiting);
+                });
             }
             Ok(())
         })?;
-        rows.finish(&mut |block| judge(&block, &waiting))?;
+        rows.finish(&mut |block| judge(&block.into(), &waiting))?;
     }
     forget_unread(model, &mut heaviest);
     Ok(Validation {
@@ -173,13 +175,13 @@ fn accumulate_segment(
     fastest: &mut [f64],
 ) -> Result<Accumulated, CalibrationError> {
     let acting = vec![true; model.parameters().len()];
-    let filter = (recording.parallel_filter(), recording.decimation());
-    let mut folding = Folding::new(model, filter, segment.rows(), &acting, load, options);
+    let bank = |columns| recording.bank(segment, columns);
+    let mut folding = Folding::new(model, &bank, &acting, load, options);
     let mut waiting = Waiting::new(model.joints());
     recording.for_each_stretch::<CalibrationError>(segment, |stretch| {
         widen(fastest, |joint| stretch.motion.view().velocity_rad_s(joint));
         waiting.forget(folding.delivered());
-        waiting.add(stretch, recording.decimation());
+        waiting.add(stretch, segment);
         waiting.with(|measured| folding.push(stretch.motion.view(), measured))
     })?;
     waiting.with(|measured| folding.finish(measured))
@@ -197,12 +199,12 @@ impl Waiting {
         Self { first_row: 0, measurement: vec![Vec::new(); joints], speed: vec![Vec::new(); joints] }
     }
 
-    fn add(&mut self, stretch: &Stretch, decimation: usize) {
+    fn add(&mut self, stretch: &Stretch, segment: &LongSegment) {
         let motion = stretch.motion.view();
         for (joint, rows) in stretch.measurement.iter().enumerate() {
             self.measurement[joint].extend_from_slice(rows);
             let speeds = motion.velocity_rad_s(joint);
-            let at = |row: usize| (stretch.first_row + row) * decimation - stretch.first_sample;
+            let at = |row: usize| segment.sample(stretch.first_row + row) - stretch.first_sample;
             self.speed[joint].extend((0..rows.len()).map(|row| speeds[at(row)].abs()));
         }
     }

@@ -1,15 +1,15 @@
 //! Weights by row: impacts, knocks and other rows that are none of the model's.
 
-use aurt_recording::Segment;
-use aurt_traits::{LoadTorque, RobotModel};
+use aurt_traits::RobotModel;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CalibrationError, CalibrationOptions, Estimate, JointFactor, NamedRecording, System, TermScopes,
-    deviations::{JointRows, product, root_of_gram, rows_of},
-    wls::weights,
+    CalibrationError, Estimate, JointFactor, System,
+    deviations::{product, root_of_gram},
+    rows::{JointRows, Observed, Piece},
+    system::weights,
 };
 
 /// Median of |e| over the deviation of a normal e.
@@ -63,22 +63,12 @@ impl RobustReport {
         let many = self.rejected.iter().enumerate().filter(|(_, share)| **share > MANY);
         many.map(|(joint, share)| {
             format!(
-                "{:.0} % of the rows of joint {joint} have no weight in the fit: rather than impacts, the model may lack something \
-                 there; compare with `estimator = \"wls\"`",
+                "{:.0} % of the rows of joint {joint} have no weight in the fit: so many rows indicate a missing effect rather \
+                 than impacts; compare with `estimator = \"wls\"`",
                 100.0 * share
             )
         })
     }
-}
-
-/// What rows are of.
-#[derive(Clone, Copy)]
-pub(crate) struct Rows<'a> {
-    pub model: &'a RobotModel,
-    pub recordings: &'a [&'a NamedRecording],
-    pub scopes: &'a TermScopes,
-    pub load: &'a LoadTorque,
-    pub options: &'a CalibrationOptions,
 }
 
 /// An estimate with weights by row.
@@ -100,20 +90,14 @@ pub(crate) struct Reweighted {
 /// # Errors
 /// What models report, and [`CalibrationError::NotFinite`].
 pub(crate) fn reweight(
-    rows: &Rows<'_>,
+    rows: &Observed<'_>,
     system: &System,
     first: &Estimate,
 ) -> Result<Reweighted, CalibrationError> {
-    let Rows { model, recordings, scopes, load, options } = *rows;
+    let model = rows.model;
     let n = first.solution.coefficients.len();
-    let segments: Vec<(&Segment, Vec<bool>)> = recordings
-        .iter()
-        .flat_map(|r| r.data.segments.iter().map(|s| (s, scopes.acting(model, &r.name))))
-        .collect();
-    let rows: Vec<Vec<JointRows>> = segments
-        .par_iter()
-        .map(|(segment, acting)| rows_of(model, segment, acting, load, &first.solution.coefficients, options))
-        .collect::<Result<_, _>>()?;
+    let pieces: Vec<Piece<'_>> = rows.listed().collect();
+    let rows = rows.rows(&pieces, &first.solution.coefficients)?;
     let joints: Vec<Vec<&JointRows>> =
         (0..model.joints()).map(|j| rows.iter().filter_map(|r| r.get(j)).collect()).collect();
 

@@ -1,7 +1,8 @@
 use aurt_recording::ZeroPhase;
 use aurt_traits::{MeasurementUnit, RobotModel};
+use serde::{Deserialize, Serialize};
 
-use crate::{calibrated::CalibratedParameter, system::Solution};
+use crate::Solution;
 
 /// Two-sided 95 % quantile of the normal distribution; rows are counted in thousands, so Student's differs
 /// in the third digit at most.
@@ -41,6 +42,25 @@ fn gain(filter: &ZeroPhase, frequency: f64) -> f64 {
         real * real + imaginary * imaginary
     };
     filter.sections().iter().map(|s| power(s.b) / power([1.0, s.a[0], s.a[1]])).product()
+}
+
+/// A coefficient with what is known of its precision.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedParameter {
+    /// Name, as in the robot model.
+    pub name: String,
+    /// Unit, with A in the place of Nm for a current-measuring robot.
+    pub unit: String,
+    /// Estimate; zero for a parameter that the recordings do not excite.
+    pub value: f64,
+    /// Standard deviation of the estimate; absent if not excited.
+    pub std_dev: Option<f64>,
+    /// |standard deviation / estimate| in percent.
+    pub relative_std_dev_percent: Option<f64>,
+    /// 95 % confidence interval.
+    pub interval_95: Option<[f64; 2]>,
+    /// Whether the recordings determine the parameter at all.
+    pub excited: bool,
 }
 
 /// The coefficients with their precision.

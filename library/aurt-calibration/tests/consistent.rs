@@ -179,7 +179,7 @@ proptest! {
         let report = found.consistent.as_ref().unwrap();
         prop_assert_eq!(inconsistencies(&values(report)), []);
         // Data of no robot at all may take longer than the search lasts; then that is said.
-        let said = found.warnings.iter().any(|w| w.contains("before it had converged"));
+        let said = found.warnings.iter().any(|w| w.contains("did not converge"));
         prop_assert!(report.converged != said, "{} steps", report.steps);
         prop_assert!(found.warnings.iter().all(|w| !w.contains("unphysical")), "{:?}", found.warnings);
     }

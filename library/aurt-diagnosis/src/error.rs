@@ -42,8 +42,8 @@ pub enum DiagnosisError {
     },
     /// What is in question is too short for any judgement.
     #[error(
-        "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed to judge a model by \
-         stretches of time that it was not fitted to; record longer, or raise `f_dyn_hz` if the motion is faster than that"
+        "{recording}: {length_s:.1} s of motion are too short: at least {needed_s:.1} s are needed for \
+         held-out validation; record longer, or raise `f_dyn_hz` if the motion is faster than that"
     )]
     Brief {
         /// The recording, the longest of its kind.
@@ -55,8 +55,8 @@ pub enum DiagnosisError {
     },
     /// The measurement of no joint ever changes.
     #[error(
-        "{recording}: the measurement of every joint is constant (joint 0: {first}); currents or torques that were not \
-         logged say nothing of a model. Check which columns `measurement` names"
+        "{recording}: the measurement of every joint is constant (joint 0: {first}); no current or torque was logged; check \
+         which columns `measurement` names"
     )]
     ConstantMeasurement {
         /// The recording.

@@ -4,10 +4,13 @@
 //!
 //! | room | what it does |
 //! |---|---|
-//! | [`recordings`] | rows of the recordings, their faults, and which of them fit and which judge |
+//! | [`recordings`] | rows of the recordings, and which of them fit and which judge |
+//! | [`vocabulary`] | what an effect consists of: descriptor, parameters, proposals |
+//! | [`effects`] | the physics that can be missing, one effect a file |
+//! | [`faults`] | clipped measurements and bad rows, found in recordings as read |
 //! | [`request`] | what is asked, and the settings that decide |
 //! | [`noise`] | what noise alone leaves |
-//! | [`hypotheses`] | the physics that can be missing, one effect a file |
+//! | [`hypotheses`] | what effects propose, and registered models, as columns |
 //! | [`evidence`] | second moments of all columns; nested fits and cross-validation |
 //! | [`search`] | which hypotheses describe the recordings |
 //! | [`transmission`] | what lies above the filters: elastic gears, backlash |
@@ -20,18 +23,22 @@
 
 pub mod comparison;
 pub mod contact;
+pub mod effects;
 mod error;
 pub mod evidence;
+pub mod faults;
 pub mod hypotheses;
 pub mod improvement;
 pub mod injection;
 pub mod investigation;
 pub mod noise;
+mod parameters;
 pub mod recordings;
 pub mod request;
 pub mod search;
 pub mod transmission;
 pub mod verdict;
+pub mod vocabulary;
 
 pub use comparison::{Method, MethodFinding, MethodVerdict};
 pub use contact::{
@@ -40,18 +47,17 @@ pub use contact::{
 };
 pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
-pub use hypotheses::{Candidate, Group, RegisteredModel, Switch, effects};
+pub use faults::{Fault, RecordingFaults};
+pub use hypotheses::{Candidate, Group, RegisteredModel, Switch};
 pub use improvement::{Improvement, improved_experiment, improvement};
 pub use injection::{Prepared, SeenFault};
 pub use investigation::{BeforeGears, Delay, Indicated, Investigation, Late, investigate};
-pub use recordings::{
-    ConfirmRows, Fault, Fit, FitRows, Instrument, Layout, Partition, RecordingFaults, RecordingRows, Role,
-};
+pub use parameters::{FittedColumn, ParameterValue, Parameters};
+pub use recordings::{ConfirmRows, Fit, FitRows, Instrument, Layout, Partition, RecordingRows, Role};
 pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, find_gears};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, JointSeriesRows, Learnt,
-    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, in_amperes, series,
-    write_verdict,
+    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
 };

@@ -149,6 +149,7 @@ fn recording(robot: &Robot, model: &RobotModel, motion: &Motion, sight: &Sight, 
         velocity_rad_s: None,
         measurement: Some(measurement),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     }
 }
@@ -263,6 +264,7 @@ fn joints_that_stick_at_reversals_leave_what_they_are_said_to_leave() {
             velocity_rad_s: None,
             measurement: Some(series(&measurement)),
             unit: MeasurementUnit::NewtonMetre,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         }
     });

@@ -1,5 +1,9 @@
 //! Names and comments that targets accept.
 
+use std::collections::HashSet;
+
+use aurt_rbd::SerialChain;
+
 use crate::ExportError;
 
 /// Words of C99 and of C++ that cannot name anything, as far as they are lower-case words.
@@ -141,9 +145,80 @@ pub(crate) fn for_comment(text: &str) -> String {
     out
 }
 
+/// The joints' names as `written` makes them safe for a target, no two alike and none in `taken`; `joint_0`, … where the
+/// model has none.
+pub(crate) fn joint_names(
+    chain: &SerialChain,
+    written: impl Fn(&str) -> String,
+    taken: &[String],
+) -> Vec<String> {
+    let mut taken: HashSet<String> = taken.iter().cloned().collect();
+    let names = chain.joint_names();
+    let name = |j: usize| names.get(j).map_or_else(|| format!("joint_{j}"), |name| written(name));
+    (0..chain.joints().len())
+        .map(|j| {
+            let mut unique = name(j);
+            while !taken.insert(unique.clone()) {
+                unique.push_str(&format!("_{j}"));
+            }
+            unique
+        })
+        .collect()
+}
+
+/// Text for an attribute of XML.
+pub(crate) fn attribute(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            // No document may have these.
+            '\u{fffe}' | '\u{ffff}' => out.push('_'),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A string literal of C99 with the bytes of a text: no trigraph, no escape that the next character would lengthen.
+pub(crate) fn c_string(text: &str) -> String {
+    let mut out = String::from("\"");
+    for byte in text.bytes() {
+        match byte {
+            b'"' | b'\\' | b'?' => out.extend(['\\', char::from(byte)]),
+            b' '..=b'~' => out.push(char::from(byte)),
+            other => out.push_str(&format!("\\{other:03o}")),
+        }
+    }
+    out + "\""
+}
+
 #[cfg(test)]
 mod tests {
+    use aurt_rbd::{Joint, Placement};
+
     use super::*;
+
+    #[test]
+    fn names_of_other_people_are_safe_in_every_target() {
+        let names = ["a\"*/\n?\u{e9}", "a<b>&-->", "x::y", "x:_y", "${HOME}\\"].map(str::to_owned);
+        let joints = vec![Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], [0.0; 3])); 5];
+        let chain = SerialChain::new(joints, [0.0; 3]).unwrap();
+        assert_eq!(
+            joint_names(&chain, str::to_owned, &["joint_1".to_owned()])[..2],
+            ["joint_0", "joint_1_1"]
+        );
+        let chain = chain.with_joint_names(names.to_vec()).unwrap();
+        let sdf = joint_names(&chain, |name| attribute(&name.replace("::", ":_")), &[]);
+        assert_eq!(sdf, ["a&quot;*/ ?\u{e9}", "a&lt;b&gt;&amp;--&gt;", "x:_y", "x:_y_3", "${HOME}\\"]);
+        assert_eq!(attribute("\u{ffff}\t"), "_ ");
+        assert_eq!(c_string(&names[0]), r#""a\"*/\012\?\303\251""#);
+        assert_eq!(c_string(&names[4]), r#""${HOME}\\""#);
+    }
 
     #[test]
     fn identifiers_and_comments_are_safe() {

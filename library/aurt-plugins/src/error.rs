@@ -1,13 +1,54 @@
 use std::path::PathBuf;
 
-use aurt_traits::{ModelError, Slot};
+use aurt_traits::{ModelError, Slot, abi};
 use thiserror::Error;
 
-use crate::{
-    Node, Span,
-    dynamic::{LibraryListing, LibraryProblem},
-    place, suggestion,
-};
+use crate::{Node, Span, listing::LibraryListing, place, suggestion};
+
+/// Why a library could not be loaded.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LibraryProblem {
+    /// There is no such file.
+    #[error(
+        "does not exist; build it (`cargo build --release` for a Rust crate) and give the path of the built file"
+    )]
+    Missing,
+    /// A file names it, and nobody has said that its code may run.
+    #[error(
+        "is not trusted, and loading it runs its code with your rights; if you know where it is from, allow it once \
+         (`--plugin` with its path, or `--allow-plugins`) or from now on (`aurt trust` with its path)"
+    )]
+    NotTrusted,
+    /// The system does not load it.
+    #[error("is not a library that this system can load: {0}")]
+    NotALibrary(String),
+    /// It does not export the ABI's entry.
+    #[error(
+        "is a library, but no plugin: it does not export `{entry}`; a Rust crate exports it with \
+         `aurt_traits::export_plugin!()`, a C file defines it",
+        entry = abi::ENTRY
+    )]
+    NotAPlugin,
+    /// It exports a function of that name that does not return a declaration.
+    #[error("exports `{entry}`, but that does not return a plugin's declaration", entry = abi::ENTRY)]
+    NoDeclaration,
+    /// It was built for another version of the ABI.
+    #[error(
+        "was built for version {major}.{minor} of the plugin interface, this program has version \
+         {ours}.{our_minor}; build it again with this program's `aurt-traits` or `aurt_plugin.h`",
+        ours = abi::ABI_MAJOR, our_minor = abi::ABI_MINOR
+    )]
+    OtherVersion {
+        /// Its major version.
+        major: u32,
+        /// Its minor version.
+        minor: u32,
+    },
+    /// Its declaration contradicts the ABI.
+    #[error("has a faulty declaration: {0}")]
+    Faulty(String),
+}
 
 /// Why something about models, libraries or plugins failed.
 #[derive(Debug, Error)]

@@ -3,11 +3,10 @@ use std::{collections::BTreeMap, path::Path, sync::Arc};
 use aurt_traits::{ModelEntry, Slot};
 
 use crate::{
-    Error, Node, Span,
-    build::{self, SlotModel},
-    dynamic::{self, LibraryListing, LibraryModel, LibraryProblem},
-    error::BuildError,
-    inner::Form,
+    Error, Span,
+    dynamic::{self, LibraryModel},
+    error::{BuildError, LibraryProblem},
+    listing::{LibraryListing, ModelListing},
     trust::{Trust, hash_of},
 };
 
@@ -27,73 +26,6 @@ pub(crate) struct Registered {
     pub listing: ModelListing,
     /// The library's model; linked ones are found by `typetag`.
     pub library: Option<Arc<LibraryModel>>,
-}
-
-/// What a listing says of a model.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ModelListing {
-    /// Where the model may be named.
-    pub slot: Slot,
-    /// Its name in experiments.
-    pub name: String,
-    /// One line for listings.
-    pub summary: String,
-    /// The equation, in plain text.
-    pub equation: String,
-    /// When to use the model, and when another.
-    pub use_when: String,
-    /// Where the equation is from.
-    pub source: String,
-    /// A working configuration, as a TOML inline table.
-    pub example: String,
-    /// Who registered it.
-    pub origin: Origin,
-}
-
-/// The crate of the models that come with AURT.
-const BUILTIN: &str = "aurt-friction";
-
-/// Who registered a model.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
-    /// A crate that is part of this program.
-    Crate(&'static str),
-    /// A dynamic library.
-    Library(LibraryListing),
-}
-
-impl Origin {
-    /// Whether the model comes with AURT.
-    #[must_use]
-    pub fn is_builtin(&self) -> bool {
-        *self == Self::Crate(BUILTIN)
-    }
-}
-
-impl std::fmt::Display for Origin {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Crate(name) => write!(f, "crate {name}"),
-            Self::Library(LibraryListing { name, version, path, .. }) => {
-                write!(f, "library {name} {version} ({})", path.display())
-            }
-        }
-    }
-}
-
-impl From<&ModelEntry> for ModelListing {
-    fn from(entry: &ModelEntry) -> Self {
-        Self {
-            slot: entry.slot,
-            name: entry.name.to_owned(),
-            summary: entry.summary.to_owned(),
-            equation: entry.equation.to_owned(),
-            use_when: entry.use_when.to_owned(),
-            source: entry.source.to_owned(),
-            example: entry.example.to_owned(),
-            origin: Origin::Crate(entry.origin),
-        }
-    }
 }
 
 impl Registry {
@@ -231,25 +163,5 @@ impl Registry {
     #[must_use]
     pub fn names(&self, slot: Slot) -> Vec<String> {
         self.models_of(slot).map(|m| m.name.clone()).collect()
-    }
-
-    /// The model that a table `{ model = "…", … }` describes, for the slot of the trait `M`:
-    /// `registry.build::<dyn CoulombModel>(&table)`.
-    ///
-    /// # Errors
-    /// All complaints about the configuration, each with its place in the text.
-    pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
-        build::build(self, table, Form::Written)
-    }
-
-    /// The model that a saved table `{"model": "…", …}` describes.
-    ///
-    /// # Errors
-    /// As [`Self::build`], without places; [`BuildError::LibraryNotLoaded`] for a model of a library that is not there.
-    pub fn build_from_json<M: SlotModel + ?Sized>(
-        &self,
-        table: &serde_json::Value,
-    ) -> Result<Box<M>, Vec<BuildError>> {
-        build::build_saved(self, table)
     }
 }

@@ -117,7 +117,7 @@ impl Trust {
 /// # Errors
 /// [`Error::Library`] if it does not exist or is no regular file, with the system's reason if it cannot be read.
 pub fn hash_of(library: &Path) -> Result<String, Error> {
-    use crate::dynamic::LibraryProblem::{Missing, NotALibrary};
+    use crate::LibraryProblem::{Missing, NotALibrary};
     let fail = |problem| Error::Library { path: library.to_owned(), problem };
     let file = library.canonicalize().map_err(|_| fail(Missing))?;
     if !file.is_file() {

@@ -1,13 +1,14 @@
 use serde::{Deserialize, Serialize};
 
-use crate::kernel::{Place, sine_cosine_of};
-use crate::plausible::{angle_complaint, gravity_complaint, length_complaint};
+use crate::joint::{Joint, JointFrame};
+use crate::kernel::Place;
+use crate::plausible::{angle_complaint, gravity_complaint};
 use crate::{MdhTable, RbdError};
 
 /// A chain of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints.
 ///
 /// Link frame j has its origin on the axis of joint j and its z axis along it. Frame j relative to frame
-/// j − 1 (the base for j = 0) is the joint's constant [`Placement`] followed by
+/// j − 1 (the base for j = 0) is the joint's constant [`Placement`](crate::Placement) followed by
 ///
 /// - Rot_z(sign · q_j + offset) for a revolute joint, q_j in rad;
 /// - Rot_z(offset) Trans_z(sign · q_j) for a prismatic joint, q_j in m.
@@ -21,175 +22,7 @@ pub struct SerialChain {
     frames: Vec<JointFrame>,
     places: Vec<Place>,
     gravity_m_s2: [f64; 3],
-}
-
-/// What a joint does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum JointKind {
-    /// It turns about its z axis; its coordinate is an angle in rad.
-    #[default]
-    Revolute,
-    /// It slides along its z axis; its coordinate is a length in m.
-    Prismatic,
-}
-
-impl JointKind {
-    /// Every kind by the name that tables and files call it.
-    pub const NAMES: [(&'static str, Self); 2] =
-        [("revolute", Self::Revolute), ("prismatic", Self::Prismatic)];
-
-    const fn is_revolute(&self) -> bool {
-        matches!(self, Self::Revolute)
-    }
-}
-
-/// A joint and where it sits on the previous link.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Joint {
-    /// What the joint does. Files leave out `revolute`.
-    #[serde(default, skip_serializing_if = "JointKind::is_revolute")]
-    pub kind: JointKind,
-    /// The constant transformation from the previous link frame to the joint.
-    pub placement: Placement,
-    /// What is added to the joint's angle, in rad; the constant angle of a prismatic joint.
-    #[serde(default)]
-    pub theta_offset_rad: f64,
-    /// Sense of the joint's coordinate, 1 or −1.
-    #[serde(default = "positive")]
-    pub sign: f64,
-}
-
-fn positive() -> f64 {
-    1.0
-}
-
-/// A constant transformation between two frames.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Placement {
-    /// Modified Denavit–Hartenberg: Rot_x(α) Trans_x(a) Trans_z(d).
-    Mdh {
-        /// Twist α in rad.
-        alpha_rad: f64,
-        /// Length a in m.
-        a_m: f64,
-        /// Offset d in m.
-        d_m: f64,
-    },
-    /// A rotation and a translation.
-    Fixed {
-        /// Rotation matrix, row after row; it maps coordinates in the new frame to the old one.
-        rotation: [[f64; 3]; 3],
-        /// Origin of the new frame in the old one, in m.
-        translation_m: [f64; 3],
-    },
-}
-
-/// A [`Placement`] as numbers to calculate with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct JointFrame {
-    /// Maps coordinates in the joint's frame (at joint angle 0; of a prismatic joint at its constant angle) to the
-    /// previous link frame.
-    pub rotation: [[f64; 3]; 3],
-    /// Origin of the joint's frame in the previous link frame, in m.
-    pub translation_m: [f64; 3],
-}
-
-impl Joint {
-    /// A revolute joint at `placement` whose angle is its coordinate.
-    #[must_use]
-    pub const fn revolute(placement: Placement) -> Self {
-        Self { kind: JointKind::Revolute, placement, theta_offset_rad: 0.0, sign: 1.0 }
-    }
-
-    /// A prismatic joint at `placement` that slides by its coordinate.
-    #[must_use]
-    pub const fn prismatic(placement: Placement) -> Self {
-        Self { kind: JointKind::Prismatic, placement, theta_offset_rad: 0.0, sign: 1.0 }
-    }
-
-    /// Where the joint sits, the constant angle of a prismatic joint included.
-    fn frame(&self) -> JointFrame {
-        let frame = self.placement.frame();
-        if self.kind.is_revolute() || self.theta_offset_rad == 0.0 {
-            return frame;
-        }
-        let (sin, cos) = exact_sin_cos(self.theta_offset_rad);
-        JointFrame {
-            rotation: frame.rotation.map(|[x, y, z]| [x * cos + y * sin, y * cos - x * sin, z]),
-            ..frame
-        }
-    }
-}
-
-impl Placement {
-    /// A translation and then a turn by roll, pitch and yaw about fixed axes, Rot_z(yaw) Rot_y(pitch) Rot_x(roll): the
-    /// `origin` of robot description files. Multiples of π/2 give entries that are exactly 0 and ±1.
-    #[must_use]
-    pub fn from_roll_pitch_yaw(translation_m: [f64; 3], roll_pitch_yaw_rad: [f64; 3]) -> Self {
-        let [(sr, cr), (sp, cp), (sy, cy)] = roll_pitch_yaw_rad.map(exact_sin_cos);
-        let rotation = [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ];
-        Self::Fixed { rotation, translation_m }
-    }
-
-    fn frame(&self) -> JointFrame {
-        match *self {
-            Self::Mdh { alpha_rad, a_m, d_m } => {
-                let (sin, cos) = exact_sin_cos(alpha_rad);
-                JointFrame {
-                    rotation: [[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]],
-                    translation_m: [a_m, -d_m * sin, d_m * cos],
-                }
-            }
-            Self::Fixed { rotation, translation_m } => JointFrame { rotation, translation_m },
-        }
-    }
-
-    fn complaint(&self) -> Option<(&'static str, String)> {
-        match *self {
-            Self::Mdh { alpha_rad, a_m, d_m } => [
-                ("alpha", angle_complaint(alpha_rad)),
-                ("a", length_complaint(a_m)),
-                ("d", length_complaint(d_m)),
-            ]
-            .into_iter()
-            .find_map(|(name, complaint)| complaint.map(|reason| (name, reason))),
-            Self::Fixed { rotation: r, translation_m } => {
-                if let Some(reason) = translation_m.iter().find_map(|v| length_complaint(*v)) {
-                    return Some(("translation", reason));
-                }
-                let product = |i: usize, k: usize| -> f64 { (0..3).map(|c| r[i][c] * r[k][c]).sum() };
-                let orthonormal = (0..3)
-                    .all(|i| (0..3).all(|k| (product(i, k) - if i == k { 1.0 } else { 0.0 }).abs() < 1e-9));
-                let determinant = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1])
-                    - r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0])
-                    + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
-                // Written so that a NaN in the matrix is a complaint too.
-                let rotates = orthonormal && determinant > 0.0;
-                (!rotates).then(|| ("rotation", format!("must be orthonormal and right-handed, is {r:?}")))
-            }
-        }
-    }
-}
-
-/// Sine and cosine, exactly 0 and ±1 at multiples of π/2 as far as f64 can hold these: parallel and
-/// perpendicular axes are meant to be exactly that, and the base parameters depend on it.
-fn exact_sin_cos(angle_rad: f64) -> (f64, f64) {
-    let (sin, cos) = sine_cosine_of(angle_rad);
-    let dust = 4.0 * f64::EPSILON * angle_rad.abs().max(1.0);
-    if sin.abs() < dust {
-        (0.0, cos.signum())
-    } else if cos.abs() < dust {
-        (sin.signum(), 0.0)
-    } else {
-        (sin, cos)
-    }
+    joint_names: Vec<String>,
 }
 
 impl SerialChain {
@@ -221,7 +54,7 @@ impl SerialChain {
         let places = (0..joints.len())
             .map(|j| Place::new(joints[j].kind, &frames[j], j.checked_sub(1).map(|before| &joints[before])))
             .collect();
-        Ok(Self { joints, frames, places, gravity_m_s2 })
+        Ok(Self { joints, frames, places, gravity_m_s2, joint_names: Vec::new() })
     }
 
     /// The chain of a table of modified Denavit–Hartenberg parameters.
@@ -230,6 +63,21 @@ impl SerialChain {
     /// As [`Self::new`].
     pub fn from_mdh(table: &MdhTable, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
         Self::new(table.joints(), gravity_m_s2)
+    }
+
+    /// The same chain with names for its joints, base first; an empty list for none.
+    ///
+    /// # Errors
+    /// [`RbdError::Count`] if the number of names is not that of the joints; [`RbdError::JointName`].
+    pub fn with_joint_names(self, joint_names: Vec<String>) -> Result<Self, RbdError> {
+        check_joint_names(&joint_names, self.joints.len())?;
+        Ok(Self { joint_names, ..self })
+    }
+
+    /// The joints' names, base first; empty where they have none.
+    #[must_use]
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
     }
 
     /// The joints, base first.
@@ -261,17 +109,31 @@ impl SerialChain {
     }
 }
 
+/// Whether names can be those of `joints` joints: none at all, or one each, of which no two are alike.
+pub(crate) fn check_joint_names(names: &[String], joints: usize) -> Result<(), RbdError> {
+    if !names.is_empty() && names.len() != joints {
+        return Err(RbdError::Count { what: "joint names", expected: joints, found: names.len() });
+    }
+    let refused = |(joint, name): &(usize, &String)| name.trim().is_empty() || names[..*joint].contains(name);
+    match names.iter().enumerate().find(refused) {
+        Some((joint, name)) => Err(RbdError::JointName { joint, name: name.clone() }),
+        None => Ok(()),
+    }
+}
+
 /// What a saved chain holds.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ChainSpec {
     gravity_m_s2: [f64; 3],
     joints: Vec<Joint>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    joint_names: Vec<String>,
 }
 
 impl From<SerialChain> for ChainSpec {
     fn from(chain: SerialChain) -> Self {
-        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints }
+        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints, joint_names: chain.joint_names }
     }
 }
 
@@ -279,24 +141,16 @@ impl TryFrom<ChainSpec> for SerialChain {
     type Error = RbdError;
 
     fn try_from(spec: ChainSpec) -> Result<Self, RbdError> {
-        Self::new(spec.joints, spec.gravity_m_s2)
+        Self::new(spec.joints, spec.gravity_m_s2)?.with_joint_names(spec.joint_names)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::FRAC_PI_2;
 
     use super::*;
-
-    #[test]
-    fn right_angles_are_exact() {
-        assert_eq!(exact_sin_cos(FRAC_PI_2), (1.0, 0.0));
-        assert_eq!(exact_sin_cos(-FRAC_PI_2), (-1.0, 0.0));
-        assert_eq!(exact_sin_cos(PI), (0.0, -1.0));
-        assert_eq!(exact_sin_cos(-3.0 * FRAC_PI_2), (1.0, 0.0));
-        assert_ne!(exact_sin_cos(FRAC_PI_2 + 1e-9).1, 0.0);
-    }
+    use crate::Placement;
 
     #[test]
     fn a_saved_chain_reads_back_and_is_checked() {
@@ -309,7 +163,14 @@ mod tests {
             Joint { theta_offset_rad: 0.1, sign: -1.0, ..Joint::revolute(placement) },
             Joint::revolute(turned),
         ];
-        let chain = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
+        let names = ["a\"\n*/", "b"].map(str::to_owned).to_vec();
+        let nameless = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
+        assert!(!serde_json::to_string(&nameless).unwrap().contains("joint_names"));
+        let chain = nameless.clone().with_joint_names(names).unwrap();
+        for bad in [vec!["a"], vec!["a", "a"], vec!["a", " "]] {
+            let bad = bad.into_iter().map(str::to_owned).collect();
+            assert!(nameless.clone().with_joint_names(bad).is_err());
+        }
         let boxed: Box<dyn aurt_traits::RigidBodyRegressor> = Box::new(chain.clone());
         let text = serde_json::to_string(&boxed).unwrap();
         assert!(text.contains(r#""kind":"serial_chain""#), "{text}");

@@ -1,6 +1,7 @@
 use aurt_traits::{Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 use serde::{Deserialize, Serialize};
 
+use crate::chain::check_joint_names;
 use crate::{INERTIAL_PARAMETERS, Joint, RbdError, SerialChain};
 
 /// Samples that are evaluated at once, so that the columns of all joints stay in a cache.
@@ -40,6 +41,7 @@ pub struct CoupledChain {
     chain: SerialChain,
     couplings: Vec<Coupling>,
     coordinates: usize,
+    joint_names: Vec<String>,
 }
 
 impl CoupledChain {
@@ -79,7 +81,16 @@ impl CoupledChain {
                 return Err(RbdError::Joint { joint, what, reason });
             }
         }
-        Ok(Self { chain, couplings, coordinates })
+        Ok(Self { chain, couplings, coordinates, joint_names: Vec::new() })
+    }
+
+    /// The same with names for the N joints that move on their own; an empty list for none.
+    ///
+    /// # Errors
+    /// As [`SerialChain::with_joint_names`].
+    pub fn with_joint_names(self, joint_names: Vec<String>) -> Result<Self, RbdError> {
+        check_joint_names(&joint_names, self.coordinates)?;
+        Ok(Self { joint_names, ..self })
     }
 
     /// The chain of all M joints, as if each moved on its own.
@@ -165,6 +176,10 @@ impl RigidBodyRegressor for CoupledChain {
         self.coordinates
     }
 
+    fn joint_names(&self) -> &[String] {
+        &self.joint_names
+    }
+
     fn standard_parameters(&self) -> Vec<Parameter> {
         RigidBodyRegressor::standard_parameters(&self.chain)
     }
@@ -229,6 +244,8 @@ struct CoupledSpec {
     gravity_m_s2: [f64; 3],
     joints: Vec<Joint>,
     couplings: Vec<Coupling>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    joint_names: Vec<String>,
 }
 
 impl From<CoupledChain> for CoupledSpec {
@@ -237,6 +254,7 @@ impl From<CoupledChain> for CoupledSpec {
             gravity_m_s2: SerialChain::gravity_m_s2(&coupled.chain),
             joints: coupled.chain.joints().to_vec(),
             couplings: coupled.couplings,
+            joint_names: coupled.joint_names,
         }
     }
 }
@@ -245,6 +263,7 @@ impl TryFrom<CoupledSpec> for CoupledChain {
     type Error = RbdError;
 
     fn try_from(spec: CoupledSpec) -> Result<Self, RbdError> {
-        Self::new(SerialChain::new(spec.joints, spec.gravity_m_s2)?, spec.couplings)
+        Self::new(SerialChain::new(spec.joints, spec.gravity_m_s2)?, spec.couplings)?
+            .with_joint_names(spec.joint_names)
     }
 }

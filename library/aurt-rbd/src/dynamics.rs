@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-use crate::chain::JointFrame;
+use crate::joint::JointFrame;
 use crate::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
 
 /// A chain with its inertial parameters: inverse and forward dynamics, mass matrix and energy, one sample

@@ -19,6 +19,14 @@ pub enum RbdError {
         /// Why, as the rest of the sentence ("must be 1 or -1, is 0.5").
         reason: String,
     },
+    /// A name that cannot be a joint's.
+    #[error("joint {joint}: its name `{}` is empty or that of a joint before it", name.escape_debug())]
+    JointName {
+        /// The joint, from 0.
+        joint: usize,
+        /// Its name.
+        name: String,
+    },
     /// A chain without joints.
     #[error("a chain needs at least one joint")]
     NoJoints,

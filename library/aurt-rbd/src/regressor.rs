@@ -23,6 +23,10 @@ impl RigidBodyRegressor for SerialChain {
         Self::joints(self).len()
     }
 
+    fn joint_names(&self) -> &[String] {
+        Self::joint_names(self)
+    }
+
     fn standard_parameters(&self) -> Vec<Parameter> {
         (0..Self::joints(self).len())
             .flat_map(|link| NAMES.map(|(name, unit)| Parameter::new(format!("{name}_{link}"), unit)))

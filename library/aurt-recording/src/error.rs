@@ -101,6 +101,27 @@ pub enum RecordingError {
         /// What to do.
         remedy: String,
     },
+    /// Joints of the robot that the recording does not name, or names twice.
+    #[error(
+        "{path}: the recording has the joints {recorded}; wanted are {wanted}, and `{lacking}` is {found} of them; {meant}say which \
+         of the recording's joints are the robot's, in the robot's order: joint_names = […] in an experiment, --joint-names on the \
+         command line",
+        path = path.display(),
+        recorded = recorded.join(", "),
+        wanted = wanted.join(", "),
+        found = if recorded.contains(lacking) { "two" } else { "none" },
+        meant = meant(lacking, recorded)
+    )]
+    JointNames {
+        /// The recording.
+        path: PathBuf,
+        /// The names of its joints.
+        recorded: Vec<String>,
+        /// The names that are looked for: the robot's, or those that were stated.
+        wanted: Vec<String>,
+        /// The first of them that is not there, or there twice.
+        lacking: String,
+    },
     /// The unit of the measurement cannot be told.
     #[error("{path}: {reason}; {remedy}", path = path.display())]
     Unit {
@@ -401,4 +422,12 @@ fn in_folder(folder: &Path, inside: &[String]) -> String {
             format!("name one of the {} recordings in it, e.g. {}", inside.len(), first.display())
         }
     }
+}
+
+/// The name that was probably meant, as the beginning of a sentence.
+fn meant(lacking: &str, recorded: &[String]) -> String {
+    let similar = recorded.iter().map(|name| (strsim::jaro_winkler(lacking, name), name));
+    let meant = similar.filter(|(similarity, _)| (0.75..1.0).contains(similarity));
+    let meant = meant.max_by(|a, b| a.0.total_cmp(&b.0));
+    meant.map(|(_, name)| format!("did you mean `{name}`? ")).unwrap_or_default()
 }

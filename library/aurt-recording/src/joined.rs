@@ -6,7 +6,8 @@ use aurt_traits::MeasurementUnit;
 
 use crate::format::read_recording;
 use crate::{
-    ColumnSelection, Quantity, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError, TimeUnit,
+    ColumnSelection, Quantity, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError, RobotJoints,
+    TimeUnit,
 };
 
 /// Stamps this much of a period apart are of one moment: text rounds them, and two drives of one bus are not nearer.
@@ -51,7 +52,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     for (place, other) in options.recorded.joined.iter().enumerate() {
         let still_missing = options.needs_measurement && whole.measurement.is_none() && place + 1 == last;
         let part = ReadOptions {
-            joints: Some(whole.joints()),
+            joints: Some(RobotJoints { count: whole.joints(), names: whole.joints.names().to_vec() }),
             columns: other.columns.clone(),
             unit: other.unit.or(options.unit),
             recorded: alone(&other.recorded),
@@ -204,6 +205,7 @@ fn assembled(
         position_rad: of_whole(&whole.position_rad),
         velocity_rad_s: velocity,
         unit: if measured.is_some() { whole.unit } else { part.unit },
+        joints: whole.joints.clone(),
         measurement: measured.or_else(|| part.measurement.as_ref().map(of_part)),
         report,
     }

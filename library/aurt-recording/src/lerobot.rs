@@ -13,7 +13,8 @@ use serde_json::Value;
 use crate::csv::{ColumnRef, ColumnsRef};
 use crate::format::{RecordingInput, unreadable};
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, foreign};
+use crate::robot_joints::places;
+use crate::{ReadOptions, RecordedJoints, Recording, RecordingError, RecordingFormat, foreign};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
@@ -129,7 +130,7 @@ impl DataSet {
         piece_rows: usize,
         visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
     ) -> Result<Recording, RecordingError> {
-        let (options, remarks) = self.selected(options)?;
+        let (options, remarks, joints) = self.selected(options)?;
         let mut all: Option<Recording> = None;
         let mut clock = Clock::default();
         for file in &self.files {
@@ -138,6 +139,7 @@ impl DataSet {
             clock.begins_anew();
             let mut recording = Parquet.read(input, &options, piece_rows, &mut |piece| {
                 let mut piece = piece.clone();
+                piece.joints.clone_from(&joints);
                 clock.place(&mut piece.time_s);
                 visit(&piece)
             })?;
@@ -155,6 +157,7 @@ impl DataSet {
             return Err(self.refused("it has no files", "download it anew"));
         };
         all.file = self.folder.clone();
+        all.joints = joints;
         all.report.format = self.name();
         all.report.remarks.splice(0..0, remarks);
         all.report.remarks.extend(self.other_rate(&clock));
@@ -185,13 +188,17 @@ impl DataSet {
     }
 
     /// The options with the columns of the robot's joints, and what is to be said of them.
-    fn selected(&self, options: &ReadOptions) -> Result<(ReadOptions, Vec<String>), RecordingError> {
+    fn selected(
+        &self,
+        options: &ReadOptions,
+    ) -> Result<(ReadOptions, Vec<String>, RecordedJoints), RecordingError> {
         let mut options = options.clone();
         if !self.info.features.contains_key("timestamp") && options.columns.time.is_none() {
             options.recorded.rate_hz.get_or_insert(self.info.fps);
         }
         if options.columns.position.is_some() {
-            return Ok((options, Vec::new()));
+            let joints = options.joints_read(&[]);
+            return Ok((options, Vec::new(), joints));
         }
         let Some(state) = self.info.features.get(STATE).filter(|f| f.width() > 0) else {
             let known: Vec<&str> = self.info.features.keys().map(String::as_str).collect();
@@ -229,7 +236,9 @@ impl DataSet {
                 options.unit.get_or_insert(unit);
             }
         }
-        Ok((options, remarks))
+        let found: Vec<String> = listed.iter().map(|name| plain(name).to_owned()).collect();
+        let joints = options.joints_read(&found);
+        Ok((options, remarks, joints))
     }
 
     /// For each of the robot's joints its place in a frame.
@@ -241,24 +250,24 @@ impl DataSet {
     ) -> Result<Vec<usize>, RecordingError> {
         let remedy = "name the robot's joints as the data set does, in the robot's order: joint_names = […]";
         let listed = || if names.is_empty() { "without names".to_owned() } else { names.join(", ") };
-        let Some(wanted) = options.recorded.joint_names.as_ref().filter(|_| !names.is_empty()) else {
-            return match options.joints.filter(|n| *n != width) {
+        let wanted = options.joint_names();
+        if wanted.is_empty() || names.is_empty() {
+            return match options.joint_count().filter(|n| *n != width) {
                 None => Ok((0..width).collect()),
                 Some(robot) => Err(self.refused(
                     &format!("`{STATE}` has {width} numbers, the robot has {robot} joints: {}", listed()),
                     if names.is_empty() { "select the columns with `columns`" } else { remedy },
                 )),
             };
-        };
-        wanted
-            .iter()
-            .map(|joint| {
-                let exact = names.iter().position(|name| name == joint);
-                exact.or_else(|| names.iter().position(|name| plain(name) == plain(joint))).ok_or_else(|| {
-                    self.refused(&format!("`{STATE}` has no joint `{joint}`; it has {}", listed()), remedy)
-                })
-            })
-            .collect()
+        }
+        let plainly = |names: &[String]| names.iter().map(|name| plain(name).to_owned()).collect::<Vec<_>>();
+        let found = places(wanted, names).or_else(|_| places(&plainly(wanted), &plainly(names)));
+        found.map_err(|lacking| RecordingError::JointNames {
+            path: self.folder.clone(),
+            recorded: names.to_vec(),
+            wanted: wanted.to_vec(),
+            lacking,
+        })
     }
 
     fn refused(&self, reason: &str, remedy: &str) -> RecordingError {

@@ -6,7 +6,7 @@ use std::{
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use crate::RecordingError;
+use crate::{RecordedJoints, RecordingError};
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
 /// leave gaps, but they never go backwards.
@@ -26,6 +26,8 @@ pub struct Recording {
     pub measurement: Option<Vec<Vec<f64>>>,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
+    /// Which joints these are.
+    pub joints: RecordedJoints,
     /// What was found and done while reading.
     pub report: ReadReport,
 }
@@ -123,6 +125,7 @@ impl Recording {
             velocity_rad_s: None,
             measurement: None,
             unit: MeasurementUnit::default(),
+            joints: RecordedJoints::Unnamed,
             report,
         };
         recording.validate()?;
@@ -219,6 +222,7 @@ impl Recording {
             velocity_rad_s: self.velocity_rad_s.as_ref().map(cut),
             measurement: self.measurement.as_ref().map(cut),
             unit: self.unit,
+            joints: self.joints.clone(),
             report: self.report.clone(),
         }
     }

@@ -65,9 +65,13 @@ fn motion_and_measurement_equal_those_of_the_original_tool() {
             velocity_rad_s: None,
             measurement: Some(raw.clone()),
             unit: MeasurementUnit::Ampere,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         };
-        let options = PreprocessOptions::new(case["f_dyn_hz"].as_f64().unwrap());
+        let options = PreprocessOptions {
+            count_ends: true,
+            ..PreprocessOptions::new(case["f_dyn_hz"].as_f64().unwrap())
+        };
         let done = preprocess(&recording, &options).unwrap();
         let segment: &Segment = &done.segments[0];
         assert!(!done.report.resampled);

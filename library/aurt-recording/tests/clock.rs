@@ -27,6 +27,7 @@ fn sampled(time_s: Vec<f64>) -> Recording {
         velocity_rad_s: None,
         measurement: Some(of(|v| v.1)),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
         time_s,
     }
@@ -43,25 +44,21 @@ fn refused(recording: &Recording, options: &PreprocessOptions) -> RecordingError
     }
 }
 
-/// Compares a segment with the truth, away from its ends.
+/// Compares a segment with the truth, up to its ends.
 fn close_to_truth(done: &Preprocessed, tolerance: f64) {
     for segment in &done.segments {
         let motion = segment.motion.view();
-        let edge = motion.samples() / 5;
         for joint in 0..2 {
             let raw = &segment.raw_measurement.as_ref().unwrap()[joint];
-            for k in edge..motion.samples() - edge {
+            for k in 0..motion.samples() {
                 let t = motion.time_s()[k];
                 let (position, measured) = truth(joint, t);
                 assert!((motion.position_rad(joint)[k] - position).abs() < tolerance, "position at {t}");
                 assert!((raw[k] - measured).abs() < tolerance, "measurement at {t}");
             }
             for (row, y) in segment.measurement.as_ref().unwrap()[joint].iter().enumerate() {
-                let k = row * segment.decimation;
-                if (edge..motion.samples() - edge).contains(&k) {
-                    let (_, measured) = truth(joint, motion.time_s()[k]);
-                    assert!((y - measured).abs() < tolerance, "row {row}");
-                }
+                let (_, measured) = truth(joint, motion.time_s()[segment.sample(row)]);
+                assert!((y - measured).abs() < tolerance, "row {row}");
             }
         }
     }
@@ -261,8 +258,10 @@ fn recordings_that_cannot_be_used() {
         let error = refused(&sampled(uniform(samples, 100.0)), &options);
         assert!(matches!(error, RecordingError::TooShort { .. }), "{samples}: {error}");
     }
-    // Trimmed data lose another two samples.
-    assert!(preprocess(&sampled(uniform(25, 100.0)), &options).is_ok());
+    // Trimmed data lose another two samples, and filters remember 0.84 s at either end.
+    let whole = PreprocessOptions { count_ends: true, ..options.clone() };
+    assert!(preprocess(&sampled(uniform(25, 100.0)), &whole).is_ok());
+    assert!(matches!(refused(&sampled(uniform(165, 100.0)), &options), RecordingError::TooShort { .. }));
 
     let mut still = sampled(uniform(2000, 100.0));
     still.position_rad.iter_mut().flatten().for_each(|q| *q = 1.0);

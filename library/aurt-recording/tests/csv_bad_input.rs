@@ -121,7 +121,7 @@ fn numbering_and_counts() {
         assert!(matches!(error, RecordingError::Columns { line: 1, .. }), "{error}");
         assert!(error.to_string().contains(part), "{error}");
     }
-    let options = ReadOptions { joints: Some(3), ..ReadOptions::default() };
+    let options = ReadOptions { joints: Some(3.into()), ..ReadOptions::default() };
     let error = read_bytes(b"t,q_0,q_1,tau_0,tau_1\n0,1,2,3,4\n", &options).unwrap_err();
     assert!(error.to_string().contains("3 joints"), "{error}");
 }

@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "the helpers of these tests may fail like the tests themselves")]
 
 use aurt_recording::{
-    ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, Recording, RecordingError, read_recording,
+    ColumnRef, ColumnSelection, ColumnsRef, ReadOptions, Recording, RecordingError, RobotJoints,
+    read_recording,
 };
 use aurt_traits::MeasurementUnit::{Ampere, NewtonMetre};
 
@@ -226,4 +227,27 @@ fn windows_count_from_the_first_stamp() {
         let error = recording.window(bad).unwrap_err();
         assert!(matches!(error, RecordingError::Window { .. }), "{error}");
     }
+}
+
+#[test]
+fn columns_are_found_by_the_names_of_the_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("named.csv");
+    let names = ["shoulder", "elbow"].map(str::to_owned).to_vec();
+    for header in [
+        "time,elbow.position,shoulder.position,elbow.effort [Nm],shoulder.effort [Nm]",
+        "time,/joint_states/elbow/position,/joint_states/shoulder/position,effort/elbow,effort/shoulder",
+        "time,Elbow_position,Shoulder_position,effort_elbow,effort_shoulder",
+    ] {
+        std::fs::write(&path, format!("{header}\n0,1,2,3,4\n0.1,1,2,3,4\n")).unwrap();
+        let joints = Some(RobotJoints { count: 2, names: names.clone() });
+        let read = read_recording(&path, &ReadOptions { joints, ..ReadOptions::default() }).unwrap();
+        assert_eq!(read.position_rad, [[2.0; 2], [1.0; 2]], "{header}");
+        assert_eq!(read.measurement.unwrap(), [[4.0; 2], [3.0; 2]], "{header}");
+        assert_eq!(read.unit, NewtonMetre);
+    }
+    // A joint with two columns is not to be told by its name.
+    std::fs::write(&path, "time,a.position,b/a.position,effort_0\n0,1,2,3\n").unwrap();
+    let joints = Some(RobotJoints { count: 1, names: vec!["a".to_owned()] });
+    assert!(read_recording(&path, &ReadOptions { joints, ..ReadOptions::default() }).is_err());
 }

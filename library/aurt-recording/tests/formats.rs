@@ -36,7 +36,7 @@ fn folder() -> PathBuf {
 }
 
 fn options(name: &str) -> ReadOptions {
-    let mut options = ReadOptions { joints: Some(6), unit: Some(Ampere), ..ReadOptions::default() };
+    let mut options = ReadOptions { joints: Some(6.into()), unit: Some(Ampere), ..ReadOptions::default() };
     if name.ends_with("npy") {
         let range = |first, last| Some(ColumnsRef::Range { first, last });
         let time = Some(ColumnRef::Index(0));
@@ -168,7 +168,7 @@ fn topics_and_joints_that_are_not_there_are_told_with_those_that_are() {
     assert!(text.contains("did you mean `elbow`"), "{text}");
     let text = error("zstd.mcap", |o| {
         o.recorded.joint_names = None;
-        o.joints = Some(7);
+        o.joints = Some(7.into());
     });
     assert!(text.contains("joint_names"), "{text}");
 }

@@ -62,7 +62,7 @@ fn with(other: &Path, change: impl FnOnce(&mut JoinedFile)) -> ReadOptions {
     };
     change(&mut joined);
     let recorded = RecordedAs { joined: vec![joined], ..RecordedAs::default() };
-    ReadOptions { joints: Some(JOINTS), recorded, ..ReadOptions::default() }
+    ReadOptions { joints: Some(JOINTS.into()), recorded, ..ReadOptions::default() }
 }
 
 /// All series of a recording: stamps, positions, measurements.
@@ -83,8 +83,8 @@ fn a_recording_split_in_two_is_the_same_bit_for_bit() {
     let whole = write(folder.path(), "a.csv", &times, &seconds, &[("q", &position), ("current", &current)]);
     let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
     let i = write(folder.path(), "i.csv", &times, &seconds, &[("current", &current)]);
-    let one =
-        read_recording(&whole, &ReadOptions { joints: Some(JOINTS), ..ReadOptions::default() }).unwrap();
+    let one = read_recording(&whole, &ReadOptions { joints: Some(JOINTS.into()), ..ReadOptions::default() })
+        .unwrap();
     let two = read_recording(&q, &with(&i, |_| ())).unwrap();
     assert!(numbers(&one) == numbers(&two), "{}", remarks(&two));
     assert_eq!(one.unit, two.unit);

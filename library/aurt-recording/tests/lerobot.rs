@@ -99,7 +99,7 @@ fn what_is_wrong_is_said_with_its_cure() {
     };
     let unknown = error(&|_| (), &options(Some(&["wrist"])));
     assert!(unknown.contains("has no joint `wrist`; it has shoulder_pan.pos, elbow.pos"), "{unknown}");
-    let more = ReadOptions { joints: Some(6), ..options(None) };
+    let more = ReadOptions { joints: Some(6.into()), ..options(None) };
     let count = error(&|_| (), &more);
     assert!(count.contains("has 2 numbers, the robot has 6 joints: shoulder_pan.pos, elbow.pos"), "{count}");
     let nameless = error(&|info| info["features"]["observation.state"]["names"] = Value::Null, &more);

@@ -137,6 +137,7 @@ fn recording(samples: usize) -> Recording {
             series(&|k, _| (k % 11) as f64),
         ]),
         unit: aurt_traits::MeasurementUnit::Ampere,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: aurt_recording::ReadReport::default(),
         time_s,
     }

@@ -17,12 +17,16 @@ fn folder() -> Option<PathBuf> {
     folder
 }
 
+fn as_in_the_paper() -> PreprocessOptions {
+    PreprocessOptions { count_ends: true, ..PreprocessOptions::new(10.0) }
+}
+
 #[test]
 fn the_original_tool_s_sample_counts() {
     let Some(folder) = folder() else { return };
     let folder = folder.join("ur10e_500hz");
     let recording = read_recording(&folder.join("calibration.csv"), &ReadOptions::default()).unwrap();
-    let done = preprocess(&recording, &PreprocessOptions::new(10.0)).unwrap();
+    let done = preprocess(&recording, &as_in_the_paper()).unwrap();
     for note in done.report.notes() {
         println!("{note}");
     }
@@ -35,7 +39,7 @@ fn the_original_tool_s_sample_counts() {
 
     for file in ["validation_8harm.csv", "validation_point_to_point.csv"] {
         let recording = read_recording(&folder.join(file), &ReadOptions::default()).unwrap();
-        let options = PreprocessOptions { trim_rest: false, ..PreprocessOptions::new(10.0) };
+        let options = PreprocessOptions { trim_rest: false, ..as_in_the_paper() };
         let done = preprocess(&recording, &options).unwrap();
         let segment = &done.segments[0];
         assert_eq!(segment.motion.samples(), recording.samples() - 2);

@@ -65,7 +65,7 @@ impl RobotDescription for DescribedRobot {
             let (joints, own) = (self.joints.len(), self.joint_names.len());
             return Err(RbdError::Coupled { joints, followers: joints - own });
         }
-        SerialChain::new(self.joints.clone(), gravity_m_s2)
+        SerialChain::new(self.joints.clone(), gravity_m_s2)?.with_joint_names(self.joint_names.clone())
     }
 
     fn rigid_body(&self, gravity_m_s2: [f64; 3]) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
@@ -73,7 +73,8 @@ impl RobotDescription for DescribedRobot {
             return Ok(Arc::new(self.chain(gravity_m_s2)?));
         }
         let chain = SerialChain::new(self.joints.clone(), gravity_m_s2)?;
-        Ok(Arc::new(CoupledChain::new(chain, self.couplings.clone())?))
+        let coupled = CoupledChain::new(chain, self.couplings.clone())?;
+        Ok(Arc::new(coupled.with_joint_names(self.joint_names.clone())?))
     }
 
     fn notes(&self) -> Vec<String> {

@@ -16,6 +16,11 @@ pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
     /// Number of joints N.
     fn joints(&self) -> usize;
 
+    /// The names of the N joints, by which recordings, models and exports match them; empty where they have none.
+    fn joint_names(&self) -> &[String] {
+        &[]
+    }
+
     /// The P standard parameters, e.g. `XX_0` in `kg m^2`.
     fn standard_parameters(&self) -> Vec<Parameter>;
 

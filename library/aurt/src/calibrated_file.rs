@@ -4,9 +4,10 @@ use std::path::Path;
 
 use aurt_calibration::Calibration;
 use aurt_experiment::{
-    Registry,
+    Experiment, Registry,
     model_file::{read_json, robot_model_from_json, robot_model_to_json},
 };
+use aurt_recording::RobotJoints;
 use aurt_traits::{LoadTorque, RobotModel};
 use serde_json::{Value, json};
 
@@ -96,6 +97,32 @@ impl CalibratedModel {
         )?;
         check(&model, &calibration).map_err(|reason| refuse(reason, "calibrate again"))?;
         Ok(Self { model, calibration, preprocessing, instrument, origins })
+    }
+}
+
+impl CalibratedModel {
+    /// Whether the model is of the robot of an experiment, as far as joints and their names tell.
+    ///
+    /// # Errors
+    /// [`Failure::Argument`] if it is not.
+    pub fn check_robot_of(&self, experiment: &Experiment) -> Result<(), Failure> {
+        let (ours, theirs) = (RobotJoints::of(&**self.model.rigid_body()), experiment.robot.robot_joints());
+        let named = !ours.names.is_empty() && !theirs.names.is_empty();
+        let reason = if ours.count != theirs.count {
+            format!("the model has {} joints, the experiment {}", ours.count, theirs.count)
+        } else if named && ours.names != theirs.names {
+            let listed = |joints: &RobotJoints| joints.names.join(", ");
+            format!("the model's joints are {}, the experiment's {}", listed(&ours), listed(&theirs))
+        } else {
+            return Ok(());
+        };
+        Err(Failure::Argument {
+            option: "--model",
+            reason,
+            remedy: "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
+                     the model under [robot]: joint_names = […]"
+                .into(),
+        })
     }
 }
 

@@ -47,7 +47,7 @@ pub struct Settings {
 pub struct Calibrator {
     model: RobotModel,
     settings: Settings,
-    recordings: Vec<Assigned>,
+    recordings: Vec<(Recording, Role)>,
 }
 
 impl Calibrator {
@@ -66,21 +66,21 @@ impl Calibrator {
     /// Adds a recording that the model is fitted to.
     #[must_use]
     pub fn calibration(mut self, recording: &Recording) -> Self {
-        self.recordings.push(Assigned { loaded: Loaded::from(recording.clone()), role: Role::Calibration });
+        self.recordings.push((recording.clone(), Role::Calibration));
         self
     }
 
     /// Adds a recording that is held out, for judging the model.
     #[must_use]
     pub fn validation(mut self, recording: &Recording) -> Self {
-        self.recordings.push(Assigned { loaded: Loaded::from(recording.clone()), role: Role::Validation });
+        self.recordings.push((recording.clone(), Role::Validation));
         self
     }
 
     /// Fits the model and judges it on every recording.
     ///
     /// # Errors
-    /// What makes a recording unfit or the fit impossible.
+    /// What makes a recording unfit or the fit impossible; joints that are not the robot's.
     pub fn calibrate(self) -> Result<Outcome, Failure> {
         self.run(Detail::Errors, &Progress::silent())
     }
@@ -102,7 +102,11 @@ impl Calibrator {
             options: self.settings.calibration,
             scopes: TermScopes::default(),
         };
-        job.fit(&self.recordings, detail, progress)
+        let joints = job.pipeline().joints;
+        let recordings = self.recordings.iter();
+        let assigned =
+            recordings.map(|(r, role)| Ok(Assigned { loaded: Loaded::of(r, &joints)?, role: *role }));
+        job.fit(&assigned.collect::<Result<Vec<_>, Failure>>()?, detail, progress)
     }
 }
 
@@ -128,8 +132,8 @@ impl CalibratedModel {
     /// # Errors
     /// What makes the recording unfit.
     pub fn predict(&self, recording: &Recording) -> Result<Vec<Prediction>, Failure> {
-        let loaded = Loaded::from(recording.clone());
-        let prepared = self.pipeline().preprocess(&loaded, Purpose::Prediction)?;
+        let pipeline = self.pipeline();
+        let prepared = pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, Purpose::Prediction)?;
         Ok(predict(&self.model, &self.calibration, &prepared)?)
     }
 

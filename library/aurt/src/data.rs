@@ -9,7 +9,7 @@ use aurt_experiment::{
 };
 use aurt_recording::{
     ColumnSelection, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
-    preprocess, read_recording,
+    RobotJoints, RobotRecording, preprocess, read_recording,
 };
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
@@ -91,26 +91,14 @@ impl From<&RecordingSource> for Source {
     }
 }
 
-impl From<Recording> for Loaded {
-    /// A recording in memory, under the name that it has.
-    fn from(recording: Recording) -> Self {
-        let (file, label) = (recording.file.clone(), recording.file.display().to_string());
-        let recorded = RecordedAs::default();
-        Self {
-            source: Source { file, label, window_s: None, unit: None, columns: None, recorded },
-            recording,
-        }
-    }
-}
-
 impl Source {
-    /// How it is read, for a robot with that many joints or, without, with as many as it has positions.
-    pub fn read_options(&self, joints: Option<usize>, purpose: Purpose) -> ReadOptions {
+    /// How it is read, for the joints of a robot or, without, for as many as it has positions.
+    pub fn read_options(&self, joints: Option<&RobotJoints>, purpose: Purpose) -> ReadOptions {
         ReadOptions {
             columns: self.columns.as_ref().map(selection).unwrap_or_default(),
             unit: self.unit,
             recorded: self.recorded.clone(),
-            joints,
+            joints: joints.cloned(),
             needs_measurement: purpose != Purpose::Prediction,
             ..ReadOptions::default()
         }
@@ -129,10 +117,10 @@ pub enum Purpose {
 }
 
 /// How files become what models see.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Pipeline<'a> {
-    /// Number of joints of the robot.
-    pub joints: usize,
+    /// The joints of the robot.
+    pub joints: RobotJoints,
     /// How recordings are preprocessed.
     pub preprocessing: &'a Preprocessing,
     /// What is undone in their measurements.
@@ -144,18 +132,33 @@ pub struct Pipeline<'a> {
 pub struct Loaded {
     /// Where it is from.
     pub source: Source,
-    /// The whole of it.
-    pub recording: Recording,
+    /// The whole of it, with the joints of the robot in their order.
+    pub recording: RobotRecording,
 }
 
 impl Loaded {
-    /// Reads a recording of a robot with that many joints, or, without, with as many as it has positions.
+    /// Reads a recording of a robot's joints, or, without, of as many as it has positions.
     ///
     /// # Errors
-    /// What is wrong with the file, and where.
-    pub fn read(source: Source, joints: Option<usize>, purpose: Purpose) -> Result<Self, Failure> {
+    /// What is wrong with the file, and where; joints that are not the robot's.
+    pub fn read(source: Source, joints: Option<&RobotJoints>, purpose: Purpose) -> Result<Self, Failure> {
         let recording = read_recording(&source.file, &source.read_options(joints, purpose))?;
-        Ok(Self { source, recording })
+        let own = || RobotJoints { count: recording.joints(), names: recording.joints.names().to_vec() };
+        let joints = joints.cloned().unwrap_or_else(own);
+        Ok(Self { source, recording: recording.of_robot(&joints)? })
+    }
+
+    /// A recording in memory of a robot's joints, under the name that it has.
+    ///
+    /// # Errors
+    /// Joints that are not the robot's.
+    pub fn of(recording: &Recording, joints: &RobotJoints) -> Result<Self, Failure> {
+        let (file, label) = (recording.file.clone(), recording.file.display().to_string());
+        let recorded = RecordedAs::default();
+        Ok(Self {
+            source: Source { file, label, window_s: None, unit: None, columns: None, recorded },
+            recording: recording.clone().of_robot(joints)?,
+        })
     }
 
     /// The time of every row of the file, in s. Rows that were dropped as corrupt have none that can be trusted;
@@ -211,7 +214,7 @@ impl Pipeline<'_> {
     /// # Errors
     /// What is wrong with the file, and where.
     pub fn read(&self, source: Source, purpose: Purpose) -> Result<Loaded, Failure> {
-        Loaded::read(source, Some(self.joints), purpose)
+        Loaded::read(source, Some(&self.joints), purpose)
     }
 
     /// The unit of what a recording measured once the instrument is undone; none if it measured nothing.
@@ -249,6 +252,7 @@ impl Pipeline<'_> {
     pub fn options(&self, unit: MeasurementUnit, purpose: Purpose) -> PreprocessOptions {
         PreprocessOptions {
             trim_rest: self.preprocessing.trim_rest && purpose == Purpose::Calibration,
+            whole_motion: purpose == Purpose::Prediction,
             gains: self.instrument.factors(unit),
             offsets: self.instrument.offsets.clone(),
             delay_s: self.instrument.delay_s.clone(),

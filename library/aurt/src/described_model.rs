@@ -65,7 +65,9 @@ impl GivenModel {
                 remedy: "leave out --base and --tip".into(),
             });
         }
-        Ok(Self { calibrated: CalibratedModel::read(path, registry)?, notes: Vec::new() })
+        let calibrated = CalibratedModel::read(path, registry)?;
+        calibrated.check_robot_of(experiment)?;
+        Ok(Self { calibrated, notes: Vec::new() })
     }
 }
 

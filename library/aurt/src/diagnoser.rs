@@ -6,7 +6,7 @@ use aurt_diagnosis::{
     investigate, series, write_verdict,
 };
 use aurt_experiment::Registry;
-use aurt_recording::Recording;
+use aurt_recording::{Recording, RobotJoints};
 use aurt_report::Page;
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ use crate::{
     failure::Failure,
     fitting::{Assigned, Detail, Job},
     progress::Progress,
-    rendering::style::Style,
+    rendering::{joints::with_names, style::Style},
     reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{metrics, verdict::Shown},
 };
@@ -92,7 +92,7 @@ impl Diagnoser {
             progress.step("calibrating the improved model");
             let model = self.improved(&improvement, registry)?;
             let asked = Asked::of(question);
-            let document = json!(verdict);
+            let document = with_names(json!(verdict), self.model.rigid_body().joint_names());
             let held_out = verdict.held_out.recordings.clone();
             let added: Vec<String> =
                 improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect();
@@ -124,9 +124,10 @@ impl Diagnoser {
         let registry = Registry::linked()?;
         let Settings { preprocessing, instrument, calibration } = &self.settings;
         check_joints("the model".as_ref(), self.model.joints())?;
-        let pipeline = Pipeline { joints: self.model.joints(), preprocessing, instrument };
-        let loaded: Vec<(Loaded, Role)> =
-            self.recordings.iter().map(|(r, role)| (Loaded::from(r.clone()), *role)).collect();
+        let joints = RobotJoints::of(&**self.model.rigid_body());
+        let pipeline = Pipeline { joints, preprocessing, instrument };
+        let loaded = self.recordings.iter().map(|(r, role)| Ok((Loaded::of(r, &pipeline.joints)?, *role)));
+        let loaded: Vec<(Loaded, Role)> = loaded.collect::<Result<_, Failure>>()?;
         let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
         let recordings: Vec<QuestionedRecording> =
             questioned_recordings(loaded, &pipeline, &mut std::iter::empty(), self.questioned())?;
@@ -178,8 +179,11 @@ impl Diagnoser {
             .recordings
             .iter()
             .filter(|(_, role)| fitted(*role))
-            .map(|(r, _)| Assigned { loaded: Loaded::from(r.clone()), role: metrics::Role::Calibration })
-            .collect();
+            .map(|(r, _)| {
+                let loaded = Loaded::of(r, &job.pipeline().joints)?;
+                Ok(Assigned { loaded, role: metrics::Role::Calibration })
+            })
+            .collect::<Result<_, Failure>>()?;
         Ok(job.fit(&assigned, Detail::Errors, &Progress::silent())?.calibrated)
     }
 }

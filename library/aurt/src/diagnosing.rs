@@ -22,7 +22,7 @@ use crate::{
     failure::Failure,
     fitting::{calibration_options, fit_experiment},
     progress::Progress,
-    rendering::style::Style,
+    rendering::{joints::with_names, style::Style},
     reports::diagnosis::{Diagnosed, arm, words::Asked},
     results::{diagnosed_series::DiagnosedSeries, verdict::Shown},
     simulated,
@@ -142,8 +142,11 @@ pub fn diagnose_experiment(
     };
     check_joints(&experiment.path, structure.joints())?;
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: structure.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let most_rows = options.most_rows.unwrap_or(MOST_ROWS);
     let (recordings, unit) = read(experiment, &pipeline, most_rows, |what| progress.step(what))?;
     if let Some(given) = options.frozen.as_ref().map(|f| f.calibration.unit).filter(|given| *given != unit) {
@@ -172,7 +175,7 @@ pub fn diagnose_experiment(
     }
     let asked = Asked::of(&question);
     let held_out = with_windows(&verdict.held_out.recordings, &experiment.recordings.validation);
-    let document = json!(verdict);
+    let document = with_names(json!(verdict), structure.rigid_body().joint_names());
     let comparison = options.compare.then(|| {
         let answer = |method: Method| json!(method.answer(&question, &investigation));
         let methods = Method::ALL.into_iter().map(|method| (method.name().to_owned(), answer(method)));
@@ -222,6 +225,7 @@ pub fn diagnose_experiment(
             rows,
             first_s: recording.raw.time_s.first().copied().unwrap_or(0.0),
             origin_s: recording.raw.report.origin_s,
+            joint_names: recording.raw.joints.names().to_vec(),
             unit,
         };
         series(&question, &investigation).into_iter().zip(&recordings).map(of_rows).collect()
@@ -267,10 +271,10 @@ fn read(
         let source = Source::from(source);
         // A prediction has a value for each row, and a part that the experiment chose is wanted as it is.
         let stretches = if simulated.is_empty() && source.window_s.is_none() {
-            let options = source.read_options(Some(pipeline.joints), Purpose::Validation);
+            let options = source.read_options(Some(&pipeline.joints), Purpose::Validation);
             Stretches::read(&source.file, &options, most_rows)?
         } else {
-            Stretches::whole(pipeline.read(source.clone(), Purpose::Validation)?.recording)
+            Stretches::whole(pipeline.read(source.clone(), Purpose::Validation)?.recording.into())
         };
         rows.push(stretches.rows());
         read.push((source, stretches, role));
@@ -281,8 +285,11 @@ fn read(
     }
     let loaded: Vec<(Loaded, Role)> = read
         .into_iter()
-        .map(|(source, kept, role)| (Loaded { source, recording: kept.into_recording() }, role))
-        .collect();
+        .map(|(source, kept, role)| {
+            let recording = kept.into_recording().of_robot(&pipeline.joints)?;
+            Ok((Loaded { source, recording }, role))
+        })
+        .collect::<Result<_, Failure>>()?;
     let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
     Ok((
         questioned_recordings(loaded, pipeline, &mut predictions.map(|p| p.file.as_path()), questioned)?,
@@ -315,12 +322,12 @@ pub(crate) fn questioned_recordings(
     let mut recordings = Vec::new();
     for (loaded, role) in loaded {
         let simulated = match if role == questioned { predictions.next() } else { None } {
-            Some(source) => Some(simulated::read(source, pipeline.joints, &loaded.recording.time_s)?),
+            Some(source) => Some(simulated::read(source, pipeline.joints.count, &loaded.recording.time_s)?),
             None => None,
         };
         let raw = match loaded.source.window_s.filter(|_| simulated.is_none()) {
             Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone(),
+            None => loaded.recording.clone().into(),
         };
         // A target in which the arm stands has no motion to be trimmed to; it can show a contact all the same.
         let trimmed = pipeline.preprocess(&loaded, Purpose::Calibration);

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use aurt_experiment::{Experiment, Registry};
 use aurt_files::escaped;
-use aurt_rbd::{MdhRows, MdhTable};
-use aurt_robots::known_robot;
+use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
+use aurt_recording::RobotJoints;
+use aurt_robots::{DescribedRobot, known_robot};
 use aurt_traits::MeasurementUnit;
 use toml_edit::Value;
 
@@ -32,7 +33,9 @@ pub struct Known {
     pub robot: String,
     /// Which joint the rows of a table lead to, if that is known.
     pub mdh_rows: Option<MdhRows>,
-    /// Tip of a robot description.
+    /// The link of a robot description that its chain starts from.
+    pub base: Option<String>,
+    /// The link that its chain ends at.
     pub tip: Option<String>,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
@@ -56,7 +59,7 @@ pub struct Draft {
 /// A robot as `[robot]` gives it.
 struct Arm {
     line: String,
-    joints: usize,
+    joints: RobotJoints,
     is_table: bool,
 }
 
@@ -75,7 +78,7 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let mut guesses = Vec::new();
     let mut looked: Vec<Looked> = Vec::new();
     for source in &known.recordings {
-        let one = look(source, arm.joints)?;
+        let one = look(source, &arm.joints)?;
         if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
             guesses.push(format!(
                 "{} holds the samples of {} and is left out",
@@ -89,7 +92,8 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let roles = split(&looked, &mut guesses);
     let rate_hz = looked.iter().map(|l| l.inspected.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
     let f_dyn_hz = suitable_f_dyn_hz(looked.iter().flat_map(|l| &l.inspected.joints), rate_hz);
-    let text = text(known, &arm, &looked, &roles, f_dyn_hz, path);
+    let keys = bag_keys(known, &arm, &looked, &mut guesses);
+    let text = text(known, &arm, &keys, &looked, &roles, f_dyn_hz, path);
     let experiment = Experiment::parse(&text, path, registry).map_err(Failure::Experiment)?;
     let measured = looked.iter().all(|l| l.inspected.loaded.recording.measurement.is_some());
     if !measured {
@@ -114,7 +118,7 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     let robot = known.robot.as_str();
     if let Some(named) = known_robot(robot) {
         let line = format!("name = {}\n", quoted(named.name));
-        return Ok(Arm { line, joints: named.joints(), is_table: false });
+        return Ok(Arm { line, joints: of(&named.description()), is_table: false });
     }
     let file = Path::new(robot);
     if !file.is_file() {
@@ -131,18 +135,24 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
         let described =
-            aurt_robots::read(file, None, known.tip.as_deref()).map_err(|errors| Failure::Argument {
-                option: "--robot",
-                reason: errors.to_string(),
-                remedy: "choose the end of the chain with `--tip`, or correct the file".into(),
+            aurt_robots::read(file, known.base.as_deref(), known.tip.as_deref()).map_err(|errors| {
+                Failure::Argument {
+                    option: "--robot",
+                    reason: errors.to_string(),
+                    remedy: "choose the ends of the chain with `--base` and `--tip`, or correct the file"
+                        .into(),
+                }
             })?;
-        let tip = format!("tip = {}\n", quoted(&described.tip));
+        let mut ends = format!("tip = {}\n", quoted(&described.tip));
+        if known.base.is_some() {
+            ends.insert_str(0, &format!("base = {}\n", quoted(&described.base)));
+        }
         let is_mjcf =
             aurt_files::read_text(file, aurt_robots::MOST_BYTES).is_ok_and(|t| aurt_robots::is_mjcf(&t));
         let key = if is_mjcf { "mjcf" } else { "urdf" };
         return Ok(Arm {
-            line: format!("{key} = {written}\n{tip}"),
-            joints: described.joint_names.len(),
+            line: format!("{key} = {written}\n{ends}"),
+            joints: of(&described),
             is_table: false,
         });
     }
@@ -157,11 +167,44 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
         ),
     };
     let line = format!("mdh = {written}\nmdh_rows = \"{name}\"{comment}\n");
-    Ok(Arm { line, joints: table.rows.len(), is_table: true })
+    Ok(Arm { line, joints: table.rows.len().into(), is_table: true })
+}
+
+fn of(described: &DescribedRobot) -> RobotJoints {
+    RobotJoints { count: described.joints(), names: described.joint_names.clone() }
+}
+
+/// `topic` and `joint_names`, as they were given; the names that the recordings have, where the robot has none.
+fn bag_keys(known: &Known, arm: &Arm, looked: &[Looked], guesses: &mut Vec<String>) -> String {
+    let given = known.recordings.first().map(|source| &source.recorded);
+    let mut keys = String::new();
+    if let Some(topic) = given.and_then(|g| g.topic.as_ref()) {
+        keys.push_str(&format!("topic = {}\n", quoted(topic)));
+    }
+    let stated = given.and_then(|g| g.joint_names.as_deref());
+    let first = looked.first().map_or(&[][..], |l| l.inspected.loaded.recording.joints.names());
+    let names = stated.unwrap_or(if arm.joints.names.is_empty() { first } else { &[] });
+    if !names.is_empty() {
+        let listed: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+        if stated.is_none() {
+            keys.push_str(
+                "# Guessed: the order of the recording is that of the robot's joints, base first.\n",
+            );
+            guesses.push(format!(
+                "the robot has no names for its joints: those of the recordings are taken in this order, base first: {}; if it is \
+                 another, correct joint_names",
+                names.join(", ")
+            ));
+        }
+        keys.push_str(&format!("joint_names = [{}]\n", listed.join(", ")));
+    } else if !first.is_empty() {
+        guesses.push(format!("the robot's joints, base first: {}", first.join(", ")));
+    }
+    keys
 }
 
 /// Reads a recording; where it has currents and torques, the currents.
-fn look(source: &Source, joints: usize) -> Result<Looked, Failure> {
+fn look(source: &Source, joints: &RobotJoints) -> Result<Looked, Failure> {
     let read = |unit| {
         let source = Source { unit, ..source.clone() };
         Loaded::read(source, Some(joints), Purpose::Calibration)
@@ -211,6 +254,7 @@ fn split(looked: &[Looked], guesses: &mut Vec<String>) -> Vec<Role> {
 fn text(
     known: &Known,
     arm: &Arm,
+    bag_keys: &str,
     looked: &[Looked],
     roles: &[Role],
     f_dyn_hz: Option<f64>,
@@ -241,6 +285,7 @@ fn text(
          [joint_dynamics]\ncoulomb = { model = \"none\" }\nhysteresis = { model = \"sign\" }\n\
          viscous = { model = \"polynomial\", powers = [1] }\n\n[recordings]\n",
     );
+    text.push_str(bag_keys);
     for role in [Role::Calibration, Role::Validation] {
         let entries = entries(looked, roles, role, path);
         if !entries.is_empty() {

@@ -6,6 +6,7 @@ use aurt_calibration::{
     validate,
 };
 use aurt_experiment::{Experiment, experiment};
+use aurt_recording::RobotJoints;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
@@ -114,7 +115,7 @@ impl Job {
     /// How recordings are read and preprocessed.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
-            joints: self.model.joints(),
+            joints: RobotJoints::of(&**self.model.rigid_body()),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
         }
@@ -305,7 +306,7 @@ impl CalibratedModel {
     /// How this model reads recordings.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
-            joints: self.model.joints(),
+            joints: RobotJoints::of(&**self.model.rigid_body()),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
         }

@@ -37,8 +37,11 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         ));
     }
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let parts = &experiment.recordings;
     let mut sources: Vec<&RecordingSource> = Vec::new();
     for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
@@ -56,7 +59,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         let options = pipeline.options(loaded.recording.unit, Purpose::Calibration);
         let whole = match loaded.source.window_s {
             Some(window) => loaded.recording.window(window)?,
-            None => loaded.recording.clone(),
+            None => loaded.recording.clone().into(),
         };
         let name = match loaded.source.window_s {
             Some([from, to]) => format!("{} from {from} to {to} s", loaded.source.label),

@@ -56,7 +56,8 @@ impl CalibratedModel {
             Drive::Motion { .. } => Purpose::Prediction,
             Drive::Measurement => Purpose::Validation,
         };
-        let prepared = self.pipeline().preprocess(&Loaded::from(recording.clone()), purpose)?;
+        let pipeline = self.pipeline();
+        let prepared = pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, purpose)?;
         let unfit = |reason: &str| Failure::ModelFile {
             path: recording.file.clone(),
             reason: reason.into(),

@@ -148,7 +148,7 @@ impl Job {
         let mut first: Option<(MeasurementUnit, &Path)> = None;
         for (source, role) in assigned {
             progress.step(format!("reading {} in stretches", source.label));
-            let options = source.read_options(Some(self.model.joints()), role.purpose());
+            let options = source.read_options(Some(&pipeline.joints), role.purpose());
             let long = LongRecording::read(&source.file, &options)?;
             let unit = self.instrument.unit(long.unit());
             match first {

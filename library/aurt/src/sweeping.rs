@@ -35,8 +35,11 @@ impl Loader for ExperimentLoader {
 
 fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Failure> {
     let (preprocessing, instrument) = (experiment.preprocess.clone(), Instrument::of(experiment));
-    let pipeline =
-        Pipeline { joints: experiment.joints(), preprocessing: &preprocessing, instrument: &instrument };
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
     let read = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Failure> {
         sources.iter().map(|source| pipeline.read(Source::from(source), purpose)).collect()
     };

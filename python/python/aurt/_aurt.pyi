@@ -119,6 +119,11 @@ class Recording:
         current: None = None,
         unit: Literal["Nm", "A"] | None = None,
         name: str | None = None,
+        joint_names: Sequence[str] | None = None,
+        topic: str | None = None,
+        columns: dict[str, Any] | None = None,
+        angle: Literal["rad", "deg"] | None = None,
+        time: Literal["s", "ms", "us", "ns"] | None = None,
     ) -> Recording: ...
     @overload
     def __new__(
@@ -131,7 +136,10 @@ class Recording:
         current: ArrayLike | None = None,
         unit: Literal["Nm", "A"] | None = None,
         name: str | None = None,
+        joint_names: Sequence[str] | None = None,
     ) -> Recording: ...
+    @property
+    def joint_names(self) -> list[str]: ...
     @property
     def name(self) -> str: ...
     @property
@@ -263,6 +271,7 @@ def calibrate(
     parallel_cutoff_hz: float | None = None,
     rest_velocity_rad_s: float = 0.03,
     trim_rest: bool = True,
+    count_ends: bool = False,
     max_gap_s: float | None = None,
     torque_constants_nm_per_a: ArrayLike | None = None,
     gains: ArrayLike | None = None,
@@ -290,6 +299,7 @@ def diagnose(
     parallel_cutoff_hz: float | None = None,
     rest_velocity_rad_s: float = 0.03,
     trim_rest: bool = True,
+    count_ends: bool = False,
     max_gap_s: float | None = None,
     torque_constants_nm_per_a: ArrayLike | None = None,
     gains: ArrayLike | None = None,

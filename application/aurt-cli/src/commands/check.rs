@@ -7,6 +7,7 @@ use std::{
 
 use aurt_experiment::{BASE_PARAMETER_SEED, Experiment, RigidBodyDynamics};
 use aurt_rbd::{MdhTable, RobotDescription};
+use aurt_recording::RobotJoints;
 use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
 use clap::Args;
 use serde_json::{Value, json};
@@ -100,22 +101,22 @@ impl Check {
         let fixed = checked_setup::place(self.fixed.as_deref(), experiment.as_ref())?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
         let rigid_body = match (&experiment, &table) {
-            (Some(e), _) => Some(e.robot.geometry.rigid_body(e.robot.gravity_m_s2).map_err(Failure::from)?),
+            (Some(e), _) => Some(e.robot.rigid_body().map_err(Failure::from)?),
             (None, Some(table)) => Some(table.rigid_body(self.gravity.0)?),
             (None, None) => None,
         };
-        let mut joints = rigid_body.as_ref().map(|body| body.joints());
+        let mut joints = rigid_body.as_ref().map(|body| RobotJoints::of(&**body));
         let mut assigned = Vec::new();
         for (source, role) in self.sources(experiment.as_ref()) {
-            let loaded = Loaded::read(source, joints, Purpose::Prediction)?;
-            joints = joints.or(Some(loaded.recording.joints()));
+            let loaded = Loaded::read(source, joints.as_ref(), Purpose::Prediction)?;
+            joints = joints.or_else(|| Some(loaded.recording.robot_joints()));
             assigned.push(Assigned { loaded, role });
         }
         let of_experiment = experiment.as_ref().map(|e| e.preprocess.f_dyn_hz);
         let f_dyn_hz = self.f_dyn_hz.or(of_experiment).unwrap_or_else(|| highest_f_dyn_hz(&assigned));
         let preprocessing = preprocessing(f_dyn_hz);
         let pipeline = Pipeline {
-            joints: joints.unwrap_or(0),
+            joints: joints.unwrap_or_default(),
             preprocessing: &preprocessing,
             instrument: &Instrument::default(),
         };

@@ -1,12 +1,12 @@
 //! `aurt compile-rbd`: from modified Denavit–Hartenberg parameters to rigid-body dynamics (paper, section II-A).
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
 use aurt_experiment::{
     BASE_PARAMETER_SEED, RigidBodyDynamics,
     model_file::{read_base_parameters, rigid_body_to_json},
 };
-use aurt_rbd::{MdhRows, MdhTable};
+use aurt_rbd::{MdhRows, MdhTable, SerialChain};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -35,6 +35,9 @@ pub struct CompileRbd {
     /// Which joint a row's alpha and a lead to
     #[arg(long, value_enum, default_value_t)]
     mdh_rows: Rows,
+    /// Names of the joints, base first, by which recordings are matched
+    #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',')]
+    joint_names: Vec<String>,
     /// File for the rigid-body dynamics
     #[arg(long, value_name = "JSON")]
     out: PathBuf,
@@ -64,7 +67,9 @@ impl CompileRbd {
     pub fn run(&self) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.mdh])?;
         let table = MdhTable::from_path(&self.mdh, self.mdh_rows.into())?;
-        let dynamics = RigidBodyDynamics::from_mdh(&table, self.gravity.0, BASE_PARAMETER_SEED)?;
+        let chain =
+            SerialChain::from_mdh(&table, self.gravity.0)?.with_joint_names(self.joint_names.clone())?;
+        let dynamics = RigidBodyDynamics::new(Arc::new(chain), BASE_PARAMETER_SEED)?;
         out.write(&file_contents(rigid_body_to_json(&dynamics)?))?;
 
         let joints = dynamics.rigid_body.joints();

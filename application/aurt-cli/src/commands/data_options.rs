@@ -4,6 +4,7 @@ use std::path::Path;
 
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest};
 use aurt_experiment::experiment::{ColumnName, JointColumns, RecordingColumns};
+use aurt_recording::RecordedAs;
 use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
@@ -30,6 +31,31 @@ pub struct ReadingOptions {
             for example '{ time = 0, position = [1, 6], measurement = [13, 18] }'"
     )]
     columns: Option<RecordingColumns>,
+    #[command(flatten)]
+    joints: JointOptions,
+}
+
+/// Which joints of a recording are the robot's.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading recordings")]
+pub struct JointOptions {
+    /// Topic of a bag, where it has several of joint states
+    #[arg(long)]
+    topic: Option<String>,
+    /// The recording's names for the robot's joints, base first, where they are not the robot's own
+    #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',')]
+    joint_names: Option<Vec<String>>,
+}
+
+impl JointOptions {
+    /// As recordings are read.
+    pub fn recorded(&self) -> RecordedAs {
+        RecordedAs {
+            topic: self.topic.clone(),
+            joint_names: self.joint_names.clone(),
+            ..RecordedAs::default()
+        }
+    }
 }
 
 /// A unit of measurement.
@@ -55,7 +81,7 @@ impl ReadingOptions {
                 Unit::NewtonMetre => MeasurementUnit::NewtonMetre,
             }),
             columns: self.columns.clone(),
-            recorded: aurt_recording::RecordedAs::default(),
+            recorded: self.joints.recorded(),
         }
     }
 }

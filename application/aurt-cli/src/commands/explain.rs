@@ -38,11 +38,10 @@ impl Explain {
         let mut text = Vec::new();
         let mut explained = Vec::new();
         if let Some(effect) = effects::find(&wanted) {
-            let page = effects::explain(effect);
+            let page = effect.explanation();
             text.push(page_text(session.terminal, &page));
-            explained.push(
-                json!({ "kind": "effect", "name": effect.id(), "title": effect.title(), "text": page }),
-            );
+            explained
+                .push(json!({ "kind": "effect", "name": effect.id, "title": effect.title, "text": page }));
         }
         for model in session.registry.named(&wanted) {
             let description = describe(&session.registry, model)?;
@@ -65,7 +64,7 @@ impl Explain {
 
 fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
     let models = session.registry.models().map(|m| m.name.as_str());
-    let effects = effects::all().into_iter().map(|e| e.id());
+    let effects = effects::ALL.into_iter().map(|e| e.id);
     let known = models.chain(effects).chain(terms().into_iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
     Failure::Argument {
@@ -77,7 +76,7 @@ fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
 
 /// What can be explained.
 fn listing(session: &Session<'_>) -> Report {
-    let effects: Vec<&str> = effects::all().into_iter().map(|e| e.id()).collect();
+    let effects: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
     models.dedup();
     let terms: Vec<&str> = terms().into_iter().map(|t| t.name).collect();

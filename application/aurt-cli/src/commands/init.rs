@@ -37,7 +37,10 @@ pub struct Init {
     /// Which joint the alpha and a of a table's row lead to
     #[arg(long, value_enum)]
     mdh_rows: Option<Rows>,
-    /// Link at which the chain of a .urdf ends
+    /// Link from which the chain of a robot description starts
+    #[arg(long, value_name = "LINK")]
+    base: Option<String>,
+    /// Link at which it ends
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
     /// Gravitational acceleration in the base frame, m/s²
@@ -68,6 +71,7 @@ impl Init {
         let known = Known {
             robot: self.robot()?,
             mdh_rows: self.mdh_rows.map(Into::into),
+            base: self.base.clone(),
             tip: self.tip.clone(),
             gravity_m_s2: self.gravity()?.map(|Gravity(g)| g),
             torque_constants_nm_per_a: self.torque_constants.as_ref().map(|Constants(k)| k.clone()),

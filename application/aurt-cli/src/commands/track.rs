@@ -9,7 +9,7 @@ use aurt_experiment::Experiment;
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions};
+use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
     arguments::parse_positive,
     calibrated_file::CalibratedModel,
@@ -58,6 +58,8 @@ pub struct Track {
     #[arg(long, value_name = "S", default_value = "20", value_parser = parse_positive)]
     load_half_life_s: f64,
     #[command(flatten)]
+    joints: JointOptions,
+    #[command(flatten)]
     plots: PlotOptions,
 }
 
@@ -80,15 +82,8 @@ impl Track {
         let recordings = recordings_of(&self.recordings)?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let calibrated = CalibratedModel::read(&self.model, registry)?;
-        let (joints, expected) = (calibrated.model.joints(), experiment.joints());
-        if joints != expected {
-            return Err(Failure::Argument {
-                option: "--model",
-                reason: format!("{} has {joints} joints, the experiment {expected}", self.model.display()),
-                remedy: "name the model that `aurt run` made of this experiment".into(),
-            });
-        }
         let options = TrackOptions {
+            recorded: self.joints.recorded(),
             window_s: self.window_s,
             false_alarm_h: self.false_alarm_h,
             half_life_s: [self.friction_half_life_s, self.gain_half_life_s, self.load_half_life_s],

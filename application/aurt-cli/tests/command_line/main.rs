@@ -20,6 +20,7 @@ mod learnt;
 mod long_recordings;
 mod machine_output;
 mod model_schema;
+mod names;
 mod outputs;
 mod plugins;
 mod programs;

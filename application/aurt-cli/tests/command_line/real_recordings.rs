@@ -15,7 +15,7 @@ fn as_in_the_paper(data: &std::path::Path, coulomb: &str, powers: &str) -> Strin
          [recordings]\ncalibration = ['{data}/ur10e_500hz/calibration.csv']\n\
          validation = ['{data}/ur10e_500hz/validation_8harm.csv', \
          '{data}/ur10e_500hz/validation_point_to_point.csv']\n\
-         [preprocess]\nf_dyn_hz = 10.0\n\
+         [preprocess]\nf_dyn_hz = 10.0\ncount_ends = true\n\
          [calibration]\nestimator = 'wls'\nload_torque = 'literal'\n"
     )
 }

@@ -45,6 +45,15 @@ impl Geometry {
         }
     }
 
+    /// The joints' names, where a description states them.
+    #[must_use]
+    pub fn joint_names(&self) -> &[String] {
+        match self {
+            Self::Mdh { .. } => &[],
+            Self::Urdf { robot, .. } | Self::Known(robot) => &robot.joint_names,
+        }
+    }
+
     /// Number of links: one of each joint, those that follow others too.
     #[must_use]
     pub fn links(&self) -> usize {

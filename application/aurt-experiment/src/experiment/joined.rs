@@ -1,8 +1,8 @@
 use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
 
 use super::{
-    recorded_as,
-    recordings::{UNITS, column, joint_columns},
+    columns::{column, joint_columns},
+    recorded_as::{self, UNITS},
     section::Section,
 };
 use crate::{Node, NodeKind, suggestion::likely};

@@ -5,6 +5,7 @@
 //! leave comments and order alone.
 
 mod calibration;
+mod columns;
 mod errors;
 mod geometry;
 mod instrument;
@@ -27,11 +28,12 @@ use toml::de::DeTable;
 
 pub use self::{
     calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
+    columns::{ColumnName, JointColumns, RecordingColumns},
     errors::{ExperimentErrors, Problem},
     geometry::Geometry,
     instrument::Instrument,
     joint_dynamics::{JointDynamics, JointOverride},
-    recordings::{ColumnName, JointColumns, RecordingColumns, RecordingSource, Recordings},
+    recordings::{RecordingSource, Recordings},
     robot::Robot,
 };
 use self::{
@@ -144,7 +146,7 @@ fn read_sections(
     read_schema(&mut top);
     let libraries = read_libraries(&mut top, registry);
     top.require("robot", "[robot] with `mdh` (or `urdf`, `mjcf`, `name`) and `gravity_m_s2`");
-    let (robot, joints) = top.section("robot").map_or((None, None), Robot::read);
+    let (mut robot, joints) = top.section("robot").map_or((None, None), Robot::read);
     let links = robot.as_ref().map_or(0, |robot| robot.geometry.links());
     let sizes = joints.map(|joints| (joints, links.max(joints)));
     let dynamics = top.section("joint_dynamics");
@@ -152,9 +154,12 @@ fn read_sections(
     let (arm_terms, arm_term_recordings) = read_arm_terms(&mut top, registry).into_iter().unzip();
     let instrument = top.section("instrument").map(Instrument::read).unwrap_or_default();
     top.require("recordings", "[recordings] with `calibration`");
-    let mut recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
-    if let Some(robot) = &robot {
-        recordings.name_joints(robot);
+    let recordings = top.section("recordings").map(Recordings::read).unwrap_or_default();
+    // What names the joints in the recordings names those of a robot that has no names.
+    let stated = recordings.calibration.first().and_then(|source| source.recorded.joint_names.as_ref());
+    if let Some((robot, names)) = robot.as_mut().zip(stated).filter(|(robot, _)| robot.joint_names.is_empty())
+    {
+        robot.joint_names.clone_from(names);
     }
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
     let calibration = top

@@ -14,6 +14,7 @@ pub(super) fn read(mut section: Section<'_, '_>) -> PreprocessOptions {
             .not_negative("rest_velocity_rad_s")
             .unwrap_or(default.rest_velocity_rad_s),
         trim_rest: section.boolean("trim_rest").unwrap_or(default.trim_rest),
+        count_ends: section.boolean("count_ends").unwrap_or(default.count_ends),
         max_gap_s: section.positive("max_gap_s"),
         ..default
     };

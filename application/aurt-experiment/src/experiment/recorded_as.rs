@@ -1,7 +1,12 @@
 use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
+use aurt_traits::MeasurementUnit;
 
 use super::{joint_count::JointCheck, section::Section};
 use crate::{Node, NodeKind};
+
+/// Units of measurements.
+pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
+    [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 
 const ANGLE: [(&str, AngleUnit); 2] = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
 const TIME: [(&str, TimeUnit); 4] = [
@@ -66,7 +71,8 @@ fn per_joint(section: &mut Section<'_, '_>, key: &'static str) -> Option<Vec<f64
     Some(values)
 }
 
-fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
+/// `joint_names`: one for each joint, none of them empty or there twice.
+pub(super) fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
     let key = "joint_names";
     let NodeKind::Array(items) = &node.kind else {
         let found = format!("expects a list of names, found {}", node.kind_name());
@@ -75,6 +81,13 @@ fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
     };
     let names: Vec<Option<&str>> = items.iter().map(|item| section.text_of(key, item)).collect();
     let names: Vec<String> = names.into_iter().map(|n| n.map(str::to_owned)).collect::<Option<_>>()?;
+    let bad = (0..names.len()).find(|k| names[*k].trim().is_empty() || names[..*k].contains(&names[*k]));
+    if let Some(bad) = bad {
+        let message = format!("names two joints \"{}\"", names[bad].escape_debug());
+        let empty = "has an empty name";
+        section.complain(key, node, if names[bad].trim().is_empty() { empty } else { &message }, None);
+        return None;
+    }
     section.reader.check_joints(JointCheck::Length {
         key: key.to_owned(),
         found: names.len(),

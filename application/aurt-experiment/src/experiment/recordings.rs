@@ -1,22 +1,15 @@
 use std::path::PathBuf;
 
-use aurt_recording::{ColumnRef, ColumnsRef, RecordedAs};
+use aurt_recording::RecordedAs;
 use aurt_traits::MeasurementUnit;
 
 use super::{
-    errors::Complaint,
-    geometry::Geometry,
+    columns::{RecordingColumns, columns},
     joined,
-    joint_count::JointCheck,
-    recorded_as,
-    robot::Robot,
+    recorded_as::{self, UNITS},
     section::{Reader, Section},
 };
 use crate::{Node, NodeKind};
-
-/// Units of measurements.
-pub(super) const UNITS: [(&str, MeasurementUnit); 2] =
-    [("A", MeasurementUnit::Ampere), ("Nm", MeasurementUnit::NewtonMetre)];
 
 /// `[recordings]`: what was recorded, by what it is for.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -57,71 +50,6 @@ impl RecordingSource {
     }
 }
 
-/// `columns`: a mapping of a file's columns.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RecordingColumns {
-    /// `time`; not needed beside `rate_hz`.
-    pub time: Option<ColumnName>,
-    /// `position`, one per joint.
-    pub position: JointColumns,
-    /// `velocity`, one per joint; optional.
-    pub velocity: Option<JointColumns>,
-    /// `measurement`, one per joint; optional, predictions do without.
-    pub measurement: Option<JointColumns>,
-}
-
-/// A column of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ColumnName {
-    /// By its place, from 0.
-    Index(usize),
-    /// By its name in the header.
-    Name(String),
-}
-
-/// The columns of a quantity that each joint has.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum JointColumns {
-    /// `[first, last]`: consecutive columns, both included, from 0.
-    Range {
-        /// Column of joint 0.
-        first: usize,
-        /// Column of the last joint.
-        last: usize,
-    },
-    /// Names in the header, joint after joint.
-    Names(Vec<String>),
-}
-
-impl From<&ColumnName> for ColumnRef {
-    fn from(column: &ColumnName) -> Self {
-        match column {
-            ColumnName::Index(index) => Self::Index(*index),
-            ColumnName::Name(name) => Self::Name(name.clone()),
-        }
-    }
-}
-
-impl From<&JointColumns> for ColumnsRef {
-    fn from(columns: &JointColumns) -> Self {
-        match columns {
-            JointColumns::Range { first, last } => Self::Range { first: *first, last: *last },
-            JointColumns::Names(names) => Self::List(names.iter().cloned().map(ColumnRef::Name).collect()),
-        }
-    }
-}
-
-impl JointColumns {
-    /// Number of columns.
-    #[must_use]
-    pub const fn count(&self) -> usize {
-        match self {
-            Self::Range { first, last } => *last + 1 - *first,
-            Self::Names(names) => names.len(),
-        }
-    }
-}
-
 impl Recordings {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
         let general = recorded_as::read(&mut section);
@@ -138,21 +66,6 @@ impl Recordings {
             (optional("validation"), optional("target"), optional("simulated"));
         section.finish();
         Self { calibration, validation, target, simulated }
-    }
-}
-
-impl Recordings {
-    /// Lets formats that name joints find those of a robot that names them, unless the experiment does.
-    pub(super) fn name_joints(&mut self, robot: &Robot) {
-        // Robots known by name have numbers for joints.
-        let Geometry::Urdf { robot, .. } = &robot.geometry else { return };
-        let all = [&mut self.calibration, &mut self.validation, &mut self.target, &mut self.simulated];
-        for source in all.into_iter().flatten() {
-            source.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
-            for other in &mut source.recorded.joined {
-                other.recorded.joint_names.get_or_insert_with(|| robot.joint_names.clone());
-            }
-        }
     }
 }
 
@@ -219,63 +132,4 @@ fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> O
         return None;
     }
     Some(RecordingSource { file: file?, written, window_s, unit, columns, recorded })
-}
-
-fn columns(mut table: Section<'_, '_>, has_clock: bool) -> Option<RecordingColumns> {
-    let time = if has_clock { table.require("time", "time = 0") } else { table.take("time") };
-    let time = time.map(|n| column(&table, "time", n));
-
-    let position =
-        table.require("position", "position = [1, 6]").and_then(|n| joint_columns(&table, "position", n));
-    let velocity = table.take("velocity").and_then(|n| joint_columns(&table, "velocity", n));
-    let measurement = table.take("measurement").and_then(|n| joint_columns(&table, "measurement", n));
-    table.finish();
-    let time = match time {
-        Some(column) => Some(column?),
-        None if has_clock => return None,
-        None => None,
-    };
-    Some(RecordingColumns { time, position: position?, velocity, measurement })
-}
-
-pub(super) fn column(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<ColumnName> {
-    match node.as_str() {
-        Some(name) => Some(ColumnName::Name(name.to_owned())),
-        None => table.index_of(key, node, "columns").map(ColumnName::Index),
-    }
-}
-
-pub(super) fn joint_columns(table: &Section<'_, '_>, key: &str, node: &Node) -> Option<JointColumns> {
-    let NodeKind::Array(items) = &node.kind else {
-        let message = format!("expects [first, last] or one name per joint, found {}", node.kind_name());
-        table.complain(key, node, &message, None);
-        return None;
-    };
-    let columns = if !items.is_empty() && items.iter().all(|i| i.as_str().is_some()) {
-        JointColumns::Names(items.iter().filter_map(Node::as_str).map(str::to_owned).collect())
-    } else {
-        let indices = table.indices_of(key, node, "columns")?;
-        let [first, last] = indices[..] else {
-            let message = format!(
-                "expects the first and the last column, [first, last], found {} numbers",
-                indices.len()
-            );
-            table.complain(key, node, &message, Some("or one name per joint".to_owned()));
-            return None;
-        };
-        if first > last {
-            table.reader.complain(Complaint::new(
-                node.span.clone(),
-                format!("`{key}`: the first column, {first}, comes after the last, {last}"),
-            ));
-            return None;
-        }
-        JointColumns::Range { first, last }
-    };
-    table.reader.check_joints(JointCheck::Length {
-        key: key.to_owned(),
-        found: columns.count(),
-        span: node.span.clone(),
-    });
-    Some(columns)
 }

@@ -1,7 +1,11 @@
-use aurt_rbd::{MdhRows, MdhTable, RobotDescription, gravity_complaint};
-use aurt_robots::known_robot;
+use std::sync::Arc;
 
-use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, section::Section};
+use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint};
+use aurt_recording::RobotJoints;
+use aurt_robots::{DescribedRobot, known_robot};
+use aurt_traits::RigidBodyRegressor;
+
+use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, recorded_as, section::Section};
 use crate::Node;
 
 /// `[robot]`: the arm itself.
@@ -14,6 +18,9 @@ pub struct Robot {
     /// `torque_constants_nm_per_a`: torque per current of each joint's drive. With them currents become torques
     /// and the model is in Nm; without, it is in the unit of the measurement.
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
+    /// `joint_names`: the joints by name, base first; by default those of the description, else those that `[recordings]`
+    /// states. Empty where nothing names them.
+    pub joint_names: Vec<String>,
 }
 
 impl Robot {
@@ -21,6 +28,29 @@ impl Robot {
     #[must_use]
     pub fn joints(&self) -> usize {
         self.geometry.joints()
+    }
+
+    /// The rigid bodies, with the names of their joints.
+    ///
+    /// # Errors
+    /// What makes the geometry no chain, and names that cannot be those of its joints.
+    pub fn rigid_body(&self) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
+        match &self.geometry {
+            Geometry::Mdh { table, .. } => {
+                let chain = table.chain(self.gravity_m_s2)?;
+                Ok(Arc::new(chain.with_joint_names(self.joint_names.clone())?))
+            }
+            Geometry::Urdf { robot, .. } | Geometry::Known(robot) => {
+                let named = DescribedRobot { joint_names: self.joint_names.clone(), ..(**robot).clone() };
+                named.rigid_body(self.gravity_m_s2)
+            }
+        }
+    }
+
+    /// The joints that recordings of it have.
+    #[must_use]
+    pub fn robot_joints(&self) -> RobotJoints {
+        RobotJoints { count: self.joints(), names: self.joint_names.clone() }
     }
 
     /// Reads `[robot]`; the number of joints is known even if other keys are wrong.
@@ -50,9 +80,11 @@ impl Robot {
             });
             Some(constants)
         });
+        let stated = section.take("joint_names").and_then(|node| recorded_as::names(&section, node));
         section.finish();
         let joints = geometry.as_ref().map(RobotDescription::joints);
         let robot = geometry.zip(gravity_m_s2).map(|(geometry, gravity_m_s2)| Self {
+            joint_names: stated.unwrap_or_else(|| geometry.joint_names().to_vec()),
             geometry,
             gravity_m_s2,
             torque_constants_nm_per_a,

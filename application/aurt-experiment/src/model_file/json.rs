@@ -5,7 +5,10 @@ use std::{collections::HashMap, path::Path};
 use aurt_output::write_file;
 use serde_json::{Map, Value, value::RawValue};
 
-use super::SCHEMA;
+use super::{
+    SCHEMA,
+    step::{Step, in_words},
+};
 use crate::Error;
 
 /// A value of a model file and the way to it.
@@ -13,15 +16,6 @@ use crate::Error;
 pub(super) struct At<'v> {
     pub value: &'v Value,
     steps: Vec<Step>,
-}
-
-/// One step from a value to one inside it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Step {
-    /// Into an object.
-    Key(String),
-    /// Into a list.
-    Item(usize),
 }
 
 impl<'v> At<'v> {
@@ -155,19 +149,6 @@ impl Error {
             help,
         }
     }
-}
-
-/// The way to a value in words: `joint_dynamics[2].coulomb: `.
-pub(crate) fn in_words(steps: &[Step]) -> String {
-    let mut words = String::new();
-    for step in steps {
-        match step {
-            Step::Key(key) if words.is_empty() => words.push_str(key),
-            Step::Key(key) => words.extend([".", key]),
-            Step::Item(i) => words.push_str(&format!("[{i}]")),
-        }
-    }
-    if words.is_empty() { words } else { format!("`{words}` ") }
 }
 
 /// The byte offset in `text` of the value that the steps lead to, as far as they lead.

@@ -9,15 +9,17 @@ mod base_parameters;
 mod json;
 mod rigid_body;
 mod robot;
+mod step;
 
 pub use self::{
     base_parameters::{BaseParameterReading, read_base_parameters},
-    json::{Step, read_json, write_json},
+    json::{read_json, write_json},
     rigid_body::{read_rigid_body, rigid_body_from_json, rigid_body_to_json, write_rigid_body},
     robot::{read_robot_model, robot_model_from_json, robot_model_to_json, write_robot_model},
+    step::Step,
 };
 
-pub(crate) use self::json::in_words;
+pub(crate) use self::step::in_words;
 
 /// Version of the model files that this program writes and reads.
 pub const SCHEMA: u64 = 1;

@@ -38,6 +38,7 @@ pub fn processed_motion(
         velocity_rad_s: None,
         measurement: Some(by_joint(&recording.measurement)),
         unit: recording.unit,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     };
     let mut options = PreprocessOptions::new(f_dyn_hz);
@@ -122,24 +123,14 @@ impl ProcessedFit {
         let failed = |error: aurt_recording::RecordingError| SimulationError::Preprocessing {
             reason: error.to_string(),
         };
-        let kept = segment.rows();
-        let thinned = |column: Vec<f64>| -> Vec<f64> {
-            column.into_iter().step_by(segment.decimation).take(kept).collect()
-        };
         let rows = self
             .columns
             .evaluate(segment.motion.view())
             .into_iter()
-            .map(|row| Ok(segment.parallel_filter.filter_all(&row)?.into_iter().map(thinned).collect()))
+            .map(|row| segment.filtered(&row))
             .collect::<Result<Vec<Vec<Vec<f64>>>, _>>()
             .map_err(failed)?;
-        let measured = segment
-            .measurement
-            .iter()
-            .flatten()
-            .map(|series| series.iter().copied().take(kept).collect())
-            .collect();
-        Ok(Filtered { rows, measured })
+        Ok(Filtered { rows, measured: segment.measurement.clone().unwrap_or_default() })
     }
 
     fn left_over(&self, filtered: &Filtered, joint: usize) -> Vec<f64> {

@@ -89,6 +89,7 @@ pub fn recording(joints: usize, samples: usize) -> Recording {
         velocity_rad_s: None,
         measurement: Some(series(1)),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
         time_s,
     }

@@ -184,6 +184,7 @@ impl KnownRobot {
             velocity_rad_s: None,
             measurement: Some(torque),
             unit: MeasurementUnit::NewtonMetre,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         }
     }

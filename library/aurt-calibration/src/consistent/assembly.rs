@@ -7,13 +7,34 @@ use super::{
     inside::inside,
     prior::{ball, standard},
     program::{BodyMap, Positive, Program, Pull},
-    pseudo_inertia::{Standard, standard_of},
 };
 use crate::{
-    CalibrationError, CalibrationOptions, JointRange,
-    physical::{braking_rows, carried},
+    CalibrationError, CalibrationOptions, JointRange, System,
+    linear::solve_upper,
+    physical::{Standard, braking_rows, carried, standard_of},
     system::Triangle,
 };
+
+/// What a consistent estimate starts from.
+#[derive(Debug, Clone, Copy)]
+pub struct Fit<'a> {
+    /// The model.
+    pub model: &'a RobotModel,
+    /// The rows of all recordings.
+    pub system: &'a System,
+    /// 1/σ_j.
+    pub weights: &'a [f64],
+    /// The weighted least-squares coefficients.
+    pub coefficients: &'a [f64],
+    /// Their covariance, column-major.
+    pub covariance: &'a [f64],
+    /// By how much the rows' noise exceeds that of independent rows of deviation σ_j.
+    pub scale: f64,
+    /// What calibration covered.
+    pub ranges: &'a [JointRange],
+    /// The calibration's settings.
+    pub options: &'a CalibrationOptions,
+}
 
 /// A program with what its variables y = (v, ξ) mean.
 ///
@@ -37,11 +58,8 @@ pub(super) struct Assembly {
 /// What a program is made from.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
-    pub model: &'a RobotModel,
+    pub fit: &'a Fit<'a>,
     pub triangle: &'a Triangle,
-    pub scale: f64,
-    pub ranges: &'a [JointRange],
-    pub options: &'a CalibrationOptions,
     /// The links' pseudo-inertias in the prior.
     pub prior: &'a [Matrix4<f64>],
     pub pull: Pull,
@@ -50,7 +68,8 @@ pub(super) struct Ground<'a> {
 
 impl Assembly {
     pub(super) fn new(ground: Ground<'_>) -> Result<Self, CalibrationError> {
-        let Ground { model, triangle, scale, ranges, options, prior, pull, pull_weight } = ground;
+        let Ground { fit, triangle, prior, pull, pull_weight } = ground;
+        let Fit { model, scale, ranges, options, .. } = *fit;
         let n = model.parameters().len();
         let base = model.base();
         let m = triangle.kept.len();
@@ -66,9 +85,8 @@ impl Assembly {
         let variables = free + m;
 
         // ζ_kept = R⁻¹ (ξ + z − B u).
-        let solve = |matrix: &DMatrix<f64>| {
-            triangle.upper.solve_upper_triangular(matrix).ok_or(CalibrationError::NotFinite)
-        };
+        let solve =
+            |matrix: &DMatrix<f64>| solve_upper(&triangle.upper, matrix).ok_or(CalibrationError::NotFinite);
         let inverse = solve(&DMatrix::identity(m, m))?;
         let beyond = solve(&triangle.beyond)?;
         let fitted = solve(&DMatrix::from_column_slice(m, 1, triangle.right.as_slice()))?;

@@ -2,10 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix};
 
-use super::{
-    program::{BodyMap, Program, Pull},
-    pseudo_inertia::{Standard, pseudo_inertia, standard_of},
-};
+use super::program::{BodyMap, Program, Pull};
+use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Extra loss up to which the body may differ from the nearest possible one, in squared standard deviations.
 const TOLERANCE: f64 = 1e-3;

@@ -14,50 +14,28 @@
 mod assembly;
 mod body;
 mod inside;
+mod newton;
 mod prior;
 mod program;
-mod pseudo_inertia;
 mod report;
 
-use aurt_traits::RobotModel;
 use nalgebra::{DMatrix, DVector};
 
+pub use assembly::Fit;
 pub use body::{PossibleBody, possible_body};
 pub use prior::{Prior, PriorError};
 pub use program::Pull;
-pub(crate) use pseudo_inertia::pseudo_inertia;
 pub use report::{ConsistentReport, Moved, StandardEstimate};
 
 use self::{
     assembly::{Assembly, Ground},
     prior::guessed,
 };
-use crate::{CalibrationError, CalibrationOptions, JointRange, System};
+use crate::CalibrationError;
 
 /// χ² up to which estimates may differ from the best that a machine can have. Base parameters then are within
 /// √0.001 = 0.03 standard deviations of where the data put them, all together, where a machine can be there.
 const LOSS: f64 = 1e-3;
-
-/// What a consistent estimate starts from.
-#[derive(Debug, Clone, Copy)]
-pub struct Fit<'a> {
-    /// The model.
-    pub model: &'a RobotModel,
-    /// The rows of all recordings.
-    pub system: &'a System,
-    /// 1/σ_j.
-    pub weights: &'a [f64],
-    /// The weighted least-squares coefficients.
-    pub coefficients: &'a [f64],
-    /// Their covariance, column-major.
-    pub covariance: &'a [f64],
-    /// By how much the rows' noise exceeds that of independent rows of deviation σ_j.
-    pub scale: f64,
-    /// What calibration covered.
-    pub ranges: &'a [JointRange],
-    /// The calibration's settings.
-    pub options: &'a CalibrationOptions,
-}
 
 /// The coefficients of a machine that can exist, next to a weighted least-squares fit.
 ///
@@ -72,11 +50,8 @@ pub fn make_consistent(
     let bodies = known
         .unwrap_or_else(|| vec![guessed(fit.model, fit.coefficients); fit.model.rigid_body().bodies().len()]);
     let assembly = Assembly::new(Ground {
-        model: fit.model,
+        fit,
         triangle: &triangle,
-        scale: fit.scale,
-        ranges: fit.ranges,
-        options: fit.options,
         prior: &bodies,
         pull: prior.map_or_else(Pull::default, |p| p.pull),
         pull_weight: prior.map_or(0.0, |p| p.weight),

@@ -4,10 +4,8 @@ use aurt_traits::{MeasurementUnit, RobotModel};
 use nalgebra::Matrix4;
 use thiserror::Error;
 
-use super::{
-    program::Pull,
-    pseudo_inertia::{Standard, pseudo_inertia, standard_of},
-};
+use super::program::Pull;
+use crate::physical::{Standard, pseudo_inertia, standard_of};
 
 /// Standard parameters that are known before, from CAD or a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +26,7 @@ pub struct Prior {
 pub enum PriorError {
     /// Another number of parameters than the robot has.
     #[error(
-        "the prior has {found} standard parameters, and the robot {expected}; give ten for each link, from 0"
+        "the prior has {found} standard parameters, but the robot has {expected}; provide ten for each link, from link 0"
     )]
     Count {
         /// Those of the robot.
@@ -38,8 +36,8 @@ pub enum PriorError {
     },
     /// No body can have the parameters of a link.
     #[error(
-        "the prior of link {link} is of no body: its pseudo-inertia is not positive definite. Mass and principal moments \
-         about the centre of mass have to be positive, and no moment may exceed the sum of the others; inertia counts about \
+        "the prior of link {link} is physically impossible: its pseudo-inertia is not positive definite. Mass and principal \
+         moments about the centre of mass must be positive, and no moment may exceed the sum of the others; inertia is about \
          the origin of the link's frame, XY, XZ and YZ as −∫xy dm"
     )]
     Impossible {
@@ -48,12 +46,11 @@ pub enum PriorError {
     },
     /// A model in amperes.
     #[error(
-        "the prior is in kg, m and kg m^2, and the model in A, whose parameters are these over torque constants; write \
-         `torque_constants_nm_per_a` into `[robot]`"
+        "the prior is in kg, m and kg m^2, but the model is in A; set `torque_constants_nm_per_a` in `[robot]`"
     )]
     Unit,
     /// A weight that is negative or not a number.
-    #[error("the prior's weight is {weight}; it has to be zero or positive")]
+    #[error("the prior's weight is {weight}, but must not be negative")]
     Weight {
         /// The weight.
         weight: f64,

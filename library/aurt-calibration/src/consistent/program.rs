@@ -1,20 +1,18 @@
-//! The convex program behind consistent estimates, and Newton's method along its central path.
+//! The convex program behind consistent estimates, and its central path.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, SMatrix};
+use nalgebra::{DMatrix, DVector, Matrix4};
 
-use super::pseudo_inertia::{Standard, adjoint, metric, pseudo_inertia};
+use crate::physical::{Standard, pseudo_inertia};
 
 /// A point is centred when Newton's decrement, squared and over the weight of the barrier, is below this on the way,
 /// and below the second at the end.
 const CENTRED: [f64; 2] = [0.3, 1e-6];
 /// The barrier's weight falls by this factor from centre to centre.
 const FALL: f64 = 0.1;
-/// Share of the way to the nearest bound that a step along the path may take.
-const KEPT_AWAY: f64 = 0.7;
 /// Newton steps after which a search is given up.
 const MOST_STEPS: usize = 600;
 /// Share of the loss itself below which a distance from the optimum is rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// How what the data leave open is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -76,7 +74,7 @@ pub(crate) struct Reached {
     pub at: DVector<f64>,
     /// ½ ‖ξ‖²/s.
     pub loss: f64,
-    /// The optimum's loss is at most so much below.
+    /// The optimum's loss is at most so much below, whether or not the search converged.
     pub within: f64,
     pub steps: usize,
     pub converged: bool,
@@ -85,23 +83,17 @@ pub(crate) struct Reached {
     pub weight: f64,
 }
 
-/// Gradient and second derivative's root of the barrier.
-struct Local {
-    gradient: DVector<f64>,
-    root: DMatrix<f64>,
-}
-
 impl Program {
-    fn variables(&self) -> usize {
+    pub(super) fn variables(&self) -> usize {
         self.free + self.seen
     }
 
-    fn loss(&self, y: &DVector<f64>) -> f64 {
+    pub(super) fn loss(&self, y: &DVector<f64>) -> f64 {
         0.5 * y.rows(self.free, self.seen).norm_squared() / self.scale
     }
 
     /// By how much the pull outweighs the barrier of what is positive.
-    fn emphasis(&self, weight: f64) -> f64 {
+    pub(super) fn emphasis(&self, weight: f64) -> f64 {
         (self.pull_weight / weight).max(1.0)
     }
 
@@ -111,94 +103,46 @@ impl Program {
     }
 
     /// Whether all bodies can exist and everything else is positive.
-    fn is_inside(&self, y: &DVector<f64>) -> bool {
+    pub(super) fn is_inside(&self, y: &DVector<f64>) -> bool {
         self.standard(y).iter().all(|s| pseudo_inertia(&s.data.0[0]).cholesky().is_some())
             && self.positive.iter().all(|p| p.at + p.of.dot(y) > 0.0)
-    }
-
-    fn local(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64) -> Option<Local> {
-        let more = self.emphasis(weight);
-        let n = self.variables();
-        let per_body = if self.pull == Pull::Euclidean { 20 } else { 10 };
-        let mut gradient = DVector::zeros(n);
-        let mut root = DMatrix::zeros(per_body * self.bodies.len() + self.positive.len(), n);
-        let mut row = 0;
-        let mut add = |root: &mut DMatrix<f64>, g: &SMatrix<f64, 10, 10>, of: &DMatrix<f64>| {
-            let mut rows = root.rows_mut(row, 10);
-            rows.gemm(1.0, g, of, 0.0);
-            row += 10;
-        };
-        for ((body, standard), prior) in self.bodies.iter().zip(self.standard(y)).zip(inverse) {
-            let p = pseudo_inertia(&standard.data.0[0]);
-            // B = L⁻¹ of P = L Lᵀ, so that BᵀB = P⁻¹ also where P is nearly singular.
-            let b = p.cholesky()?.l().solve_lower_triangular(&Matrix4::identity())?;
-            let own = b.transpose() * b;
-            let force = match self.pull {
-                Pull::Entropic => prior - own,
-                Pull::Euclidean => prior * p * prior - own,
-            };
-            gradient.gemv_tr(more, &body.of, &adjoint(&force), 1.0);
-            add(&mut root, &(metric(&b) * more.sqrt()), &body.of);
-            if self.pull == Pull::Euclidean {
-                add(&mut root, &(metric(&prior.cholesky()?.l().transpose()) * more.sqrt()), &body.of);
-            }
-        }
-        let first = per_body * self.bodies.len();
-        for (k, p) in self.positive.iter().enumerate() {
-            let amount = p.at + p.of.dot(y);
-            if amount <= 0.0 {
-                return None;
-            }
-            gradient.axpy(-1.0 / amount, &p.of, 1.0);
-            root.row_mut(first + k).copy_from(&(p.of.transpose() / amount));
-        }
-        Some(Local { gradient, root })
     }
 
     /// Follows the central path from a point inside until the loss (with the pull, where that has a weight of its own) is
     /// within `tolerance` of the least that is possible, or no longer falls but by rounding; nothing if the point is not
     /// inside.
     ///
-    /// The bound: F is convex, and at the centre of weight μ its gradient is −μ times the barrier's. With a pull
-    /// towards P₀, F(y) − F(y*) ≤ μ (ν + Σ tr P₀⁻¹P*) with ν = 4 for a body and 1 for what is positive; P* is taken
-    /// for P. Where the pull is Euclidean, ‖P₀⁻¹P − 1‖² adds to the trace.
     pub(crate) fn solve(&self, start: DVector<f64>, tolerance: f64) -> Option<Reached> {
+        self.solve_in(start, tolerance, MOST_STEPS)
+    }
+
+    fn solve_in(&self, start: DVector<f64>, tolerance: f64, most_steps: usize) -> Option<Reached> {
         let inverse: Vec<Matrix4<f64>> =
             self.bodies.iter().map(|b| b.prior.try_inverse()).collect::<Option<_>>()?;
         let mut y = start;
-        let corners = (4 * self.bodies.len() + self.positive.len()).max(1) as f64;
-        let mut weight = (self.loss(&y) / corners).max(tolerance / corners);
+        let mut weight = (self.loss(&y) / self.corners()).max(tolerance / self.corners());
         let mut steps = 0;
+        // No loss is below this: it is a sum of squares, and centres raise it.
+        let mut least: f64 = 0.0;
         let mut before: Option<Reached> = None;
         loop {
             // Where rounding ends the path, the last centre is a machine all the same.
             let Some(mut local) = self.local(&y, &inverse, weight) else { return before };
-            let reach = corners
-                + self
-                    .standard(&y)
-                    .iter()
-                    .zip(&inverse)
-                    .map(|(s, prior)| {
-                        let p = pseudo_inertia(&s.data.0[0]);
-                        match self.pull {
-                            Pull::Entropic => prior.dot(&p),
-                            Pull::Euclidean => {
-                                (prior * p - Matrix4::identity()).norm_squared() + prior.dot(&p)
-                            }
-                        }
-                    })
-                    .sum::<f64>();
-            let within = weight * reach;
-            let last = within <= tolerance.max(ROUNDING * self.loss(&y));
-            let centred =
-                self.centre(&mut y, &mut local, &inverse, weight, CENTRED[usize::from(last)], &mut steps);
-            if last || steps >= MOST_STEPS {
-                let loss = self.loss(&y);
-                let converged = last && centred;
-                return Some(Reached { at: y, loss, within, steps, converged, weight });
-            }
+            let expected = weight * self.reach(&y, &inverse);
+            let last = expected <= tolerance.max(ROUNDING * self.loss(&y));
+            let enough = CENTRED[usize::from(last)];
+            let centred = self.centre(&mut y, &mut local, &inverse, weight, enough, (&mut steps, most_steps));
             let loss = self.loss(&y);
-            before = Some(Reached { at: y.clone(), loss, within, steps, converged: false, weight });
+            if let Some(gap) = centred.and_then(|decrement| self.gap(&y, &inverse, weight, decrement)) {
+                least = least.max(loss - gap);
+            }
+            let within = (loss - least).max(0.0);
+            let converged = last && centred.is_some();
+            let reached = Reached { at: y.clone(), loss, within, steps, converged, weight };
+            if last || steps >= most_steps {
+                return Some(reached);
+            }
+            before = Some(reached);
             let next = weight * FALL;
             y = self.predicted(&y, &local, weight, next).unwrap_or(y);
             steps += 1;
@@ -206,179 +150,51 @@ impl Program {
         }
     }
 
-    /// Where the central path leads, to first order, at a smaller weight: H dy = −∇φ dμ with H at the weight before. Near
-    /// a bound a distance is proportional to the weight, and this step reaches it, where Newton's from there would overshoot.
-    fn predicted(&self, y: &DVector<f64>, local: &Local, weight: f64, next: f64) -> Option<DVector<f64>> {
-        let direction = self.direction(local, &(&local.gradient * (next - weight)), weight)?;
-        let nearest = self.shrinking(y, &direction)?.iter().fold(0.0_f64, |a, v| a.min(*v));
-        // What is too near a bound afterwards takes many steps to come away from it.
-        let length = if nearest < 0.0 { (-KEPT_AWAY / nearest).min(1.0) } else { 1.0 };
-        let there = y + length * direction;
-        self.is_inside(&there).then_some(there)
+    /// ν, the parameter of the barrier: 4 for a body and 1 for what is positive.
+    fn corners(&self) -> f64 {
+        (4 * self.bodies.len() + self.positive.len()).max(1) as f64
     }
 
-    /// The relative rates at which what has to be positive changes along a direction: eigenvalues of L⁻¹ dP L⁻ᵀ for
-    /// P = L Lᵀ, four for each body, and dp/p.
-    fn shrinking(&self, y: &DVector<f64>, direction: &DVector<f64>) -> Option<Vec<f64>> {
-        let mut rates = Vec::with_capacity(4 * self.bodies.len() + self.positive.len());
-        for (body, standard) in self.bodies.iter().zip(self.standard(y)) {
-            let step =
-                pseudo_inertia(&Standard::from_iterator((&body.of * direction).iter().copied()).data.0[0]);
-            let l = pseudo_inertia(&standard.data.0[0]).cholesky()?.l();
-            let half = l.solve_lower_triangular(&step)?;
-            let whole = l.solve_lower_triangular(&half.transpose())?;
-            if !whole.iter().all(|v| v.is_finite()) {
-                return None;
+    /// ν + Σ tr P₀⁻¹P; where the pull is Euclidean, ‖P₀⁻¹P − 1‖² adds to the trace.
+    fn reach(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>]) -> f64 {
+        let of_body = |(standard, prior): (&Standard, &Matrix4<f64>)| {
+            let p = pseudo_inertia(&standard.data.0[0]);
+            match self.pull {
+                Pull::Entropic => prior.dot(&p),
+                Pull::Euclidean => (prior * p - Matrix4::identity()).norm_squared() + prior.dot(&p),
             }
-            rates.extend(whole.symmetric_eigenvalues().iter().copied());
-        }
-        rates.extend(self.positive.iter().map(|p| p.of.dot(direction) / (p.at + p.of.dot(y))));
-        Some(rates)
-    }
-
-    /// Newton steps at one weight of the barrier.
-    fn centre(
-        &self,
-        y: &mut DVector<f64>,
-        local: &mut Local,
-        inverse: &[Matrix4<f64>],
-        weight: f64,
-        enough: f64,
-        steps: &mut usize,
-    ) -> bool {
-        while *steps < MOST_STEPS {
-            let mut gradient = &local.gradient * weight;
-            let mut seen = gradient.rows_mut(self.free, self.seen);
-            seen.axpy(1.0 / self.scale, &y.rows(self.free, self.seen), 1.0);
-            let Some(direction) = self.direction(local, &gradient, weight) else { return false };
-            let decrement = -gradient.dot(&direction);
-            if decrement <= enough * weight {
-                return true;
-            }
-            // What is left to gain is rounding.
-            if decrement <= ROUNDING.powi(2) * self.loss(y) {
-                return true;
-            }
-            let Some(length) = self.length(y, &direction, inverse, weight, -decrement) else { return false };
-            y.axpy(length, &direction, 1.0);
-            *steps += 1;
-            match self.local(y, inverse, weight) {
-                Some(found) => *local = found,
-                None => return false,
-            }
-        }
-        false
-    }
-
-    /// How far to go along a direction in which the objective begins with the slope given: to where it is least. With the
-    /// eigenvalues λ of L⁻¹ dP L⁻ᵀ, P = L Lᵀ, −log det(P + t dP) is −Σ log(1 + t λ), and the rest a parabola; so the slope is
-    /// known everywhere, and its zero is bracketed.
-    fn length(
-        &self,
-        y: &DVector<f64>,
-        direction: &DVector<f64>,
-        inverse: &[Matrix4<f64>],
-        weight: f64,
-        slope: f64,
-    ) -> Option<f64> {
-        let more = self.emphasis(weight);
-        let seen = direction.rows(self.free, self.seen);
-        let mut curvature = seen.norm_squared() / self.scale;
-        if self.pull == Pull::Euclidean {
-            for (body, prior) in self.bodies.iter().zip(inverse) {
-                let step = Standard::from_iterator((&body.of * direction).iter().copied());
-                let away = prior * pseudo_inertia(&step.data.0[0]);
-                curvature += weight * more * away.transpose().dot(&away);
-            }
-        }
-        let bodies = 4 * self.bodies.len();
-        let weight_of = |k: usize| if k < bodies { weight * more } else { weight };
-        let logarithms: Vec<(f64, f64)> =
-            self.shrinking(y, direction)?.into_iter().enumerate().map(|(k, v)| (weight_of(k), v)).collect();
-        // The slope at t less that at 0: ct + Σ w λ² t / (1 + t λ).
-        let slope_at = |t: f64| {
-            let bent: f64 = logarithms.iter().map(|(w, v)| w * v * v * t / (1.0 + t * v)).sum();
-            slope + curvature * t + bent
         };
-        let least = logarithms.iter().fold(0.0_f64, |a, (_, v)| a.min(*v));
-        let (mut low, mut high) = (0.0, if least < 0.0 { -KEPT_AWAY / least } else { f64::INFINITY });
-        if high.is_finite() && slope_at(high) < 0.0 {
-            return Some(high);
-        }
-        if high.is_infinite() {
-            high = 1.0;
-            while slope_at(high) < 0.0 && high < 1e12 {
-                low = high;
-                high *= 2.0;
-            }
-        }
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            *(if slope_at(middle) < 0.0 { &mut low } else { &mut high }) = middle;
-        }
-        (low > 0.0).then_some(low)
+        self.corners() + self.standard(y).iter().zip(inverse).map(of_body).sum::<f64>()
     }
 
-    /// −H⁻¹ g, from H = diag(0, 1/s) + μ RᵀR with its diagonal scaled to one.
-    fn direction(&self, local: &Local, gradient: &DVector<f64>, weight: f64) -> Option<DVector<f64>> {
-        let n = self.variables();
-        let mut hessian = local.root.tr_mul(&local.root) * weight;
-        for k in self.free..n {
-            hessian[(k, k)] += 1.0 / self.scale;
-        }
-        let scale = hessian.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 1.0 });
-        for c in 0..n {
-            for r in 0..n {
-                hessian[(r, c)] *= scale[r] * scale[c];
-            }
-        }
-        let factor = factorised(hessian)?;
-        let right = -gradient.component_mul(&scale);
-        Some(factor.solve(&right).component_mul(&scale))
-    }
-}
-
-/// The Cholesky factor; of a matrix that is singular to rounding, that of one nearby.
-fn factorised(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-    let mut ridge = 0.0;
-    loop {
-        let mut attempt = matrix.clone();
-        (0..attempt.nrows()).for_each(|k| attempt[(k, k)] += ridge);
-        if let Some(found) = attempt.cholesky() {
-            return Some(found);
-        }
-        if ridge > 1e-6 || !matrix.iter().all(|v| v.is_finite()) {
-            return None;
-        }
-        ridge = if ridge == 0.0 { 1e-15 } else { 10.0 * ridge };
+    /// How far the least F can be below that of a point near the centre of weight μ, by Newton's decrement there, squared.
+    ///
+    /// F is convex, and at the centre its gradient is −μ times the barrier's, so that with a pull towards P₀
+    /// F(y) − F(y*) ≤ μ (ν + Σ tr P₀⁻¹(P* − P) − tr P⁻¹P*). Of this ν + Σ tr P₀⁻¹P is kept, which is no less unless
+    /// tr P₀⁻¹P* exceeds twice tr P₀⁻¹P. A decrement λ = β √μ adds μ (β + √ν) β / (1 − β) (Nesterov, *Lectures on Convex
+    /// Optimization*, 2018, theorem 5.3.10); for β ≥ 1 nothing is known.
+    fn gap(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64, decrement: f64) -> Option<f64> {
+        let (reach, beta) = (self.reach(y, inverse), (decrement.max(0.0) / weight).sqrt());
+        (beta < 1.0).then(|| weight * (reach + (beta + reach.sqrt()) * beta / (1.0 - beta)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers between −1 and 1, the same every time.
-    fn numbers(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        move || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::{physical::adjoint, statistics::Random};
 
     /// Bodies whose estimates are anything, with something positive beside them, and a point inside.
     fn any(seed: u64, bodies: usize) -> (Program, DVector<f64>) {
-        let mut next = numbers(seed);
+        let mut random = Random::new(seed);
+        let mut next = || 2.0 * random.uniform() - 1.0;
         let n = 10 * bodies + 2;
         let spread = DMatrix::from_fn(n, n, |r, c| if r == c { 1.0 } else { 0.2 * next() } * 0.3);
         let centre = DVector::from_fn(n, |_, _| next());
         // Inside: balls, and numbers that are one.
         let mut inside = DVector::from_element(n, 1.0);
         let ball = Matrix4::from_diagonal(&nalgebra::Vector4::new(0.1, 0.1, 0.1, 1.0));
-        let own = super::super::pseudo_inertia::standard_of(&ball);
+        let own = crate::physical::standard_of(&ball);
         (0..bodies).for_each(|b| inside.rows_mut(10 * b, 10).copy_from(&own));
         let start = spread.clone().lu().solve(&(&inside - &centre)).unwrap();
         let program = Program {
@@ -431,6 +247,27 @@ mod tests {
                 "{seed}: {gap:e} of {}",
                 reached.loss
             );
+        }
+    }
+
+    /// Wherever a search is stopped, the loss that it states as within reach is.
+    #[test]
+    fn the_bound_of_a_search_that_was_stopped_is_true() {
+        for seed in 1..=40 {
+            let (program, start) = any(seed, 3);
+            let least = program.solve(start.clone(), 1e-6).unwrap().loss;
+            let mut stopped = 0;
+            for most_steps in 1..=60 {
+                let reached = program.solve_in(start.clone(), 1e-6, most_steps).unwrap();
+                let above = reached.loss - least;
+                assert!(
+                    above <= reached.within + 1e-6,
+                    "{seed}, {most_steps} steps: {above:e} above, {:e} stated",
+                    reached.within
+                );
+                stopped += usize::from(!reached.converged);
+            }
+            assert!(stopped > 5, "{seed}: {stopped}");
         }
     }
 

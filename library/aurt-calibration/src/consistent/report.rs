@@ -1,8 +1,11 @@
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-use super::{Fit, assembly::Assembly, program::Reached, pseudo_inertia::pseudo_inertia};
-use crate::uncertainty::with_deviation;
+use super::{
+    assembly::{Assembly, Fit},
+    program::Reached,
+};
+use crate::{physical::pseudo_inertia, with_deviation};
 
 /// Estimates that differ from least squares by more than this share of their standard deviation have moved.
 const NOTABLE: f64 = 0.5;
@@ -143,9 +146,9 @@ impl ConsistentReport {
                 })
                 .collect();
             warnings.push(format!(
-                "no machine explains these recordings as well as least squares does: χ² grows by {:.0} with {} coefficients, \
-                 more than noise does. Furthest from least squares: {}. Something is missing in the model or wrong in the \
-                 recordings: `aurt diagnose` looks for it",
+                "no physically consistent parameters fit these recordings as well as least squares: χ² grows by {:.0} with {} \
+                 coefficients, more than noise explains. Largest differences: {}. The model lacks an effect, or the recordings \
+                 have an error: run `aurt diagnose`",
                 self.loss,
                 self.determined,
                 furthest.join(", ")
@@ -154,15 +157,15 @@ impl ConsistentReport {
         if !self.undecided.is_empty() {
             let joints: Vec<String> = self.undecided.iter().map(ToString::to_string).collect();
             warnings.push(format!(
-                "the friction model of joint {} cannot brake at all speeds and loads of the calibration, whatever its \
-                 coefficients; they are as least squares has them",
+                "the friction model of joint {} cannot dissipate at all speeds and loads of the calibration with any \
+                 coefficients; its coefficients are those of least squares",
                 joints.join(", ")
             ));
         }
         if !self.converged {
             warnings.push(format!(
-                "the search for a consistent estimate ended after {} steps before it had converged; χ² is {:.3e}, and may be \
-                 {:.1e} above the least",
+                "the search for a consistent estimate did not converge in {} steps; χ² is {:.3e}, at most {:.1e} above the \
+                 minimum",
                 self.steps, self.loss, self.within
             ));
         }

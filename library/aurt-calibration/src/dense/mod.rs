@@ -16,7 +16,7 @@ mod reflect;
 pub(crate) use columns::LANES;
 pub(crate) use fold::fold_rows;
 pub(crate) use project::project_out;
-pub(crate) use reflect::triangularise_below;
+pub(crate) use reflect::{dot, triangularise_below};
 
 pub use gram::add_gram;
 pub use products::products_of_columns;

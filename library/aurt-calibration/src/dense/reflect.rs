@@ -4,7 +4,6 @@ use super::{
     columns::{LANES, mul_add, total},
     dispatched,
 };
-use crate::factor;
 
 /// A column whose part independent of the columns before it is smaller than this share of its length is taken as
 /// dependent.
@@ -40,8 +39,8 @@ fn triangularise_body<
         }
         let (left, right) = matrix.split_at_mut((c + 1) * rows);
         let column = &mut left[c * rows..c * rows + height];
-        let length = dot::<FUSED>(column, column).sqrt();
-        let rest = dot::<FUSED>(&column[next..], &column[next..]).sqrt();
+        let length = product::<FUSED>(column, column).sqrt();
+        let rest = product::<FUSED>(&column[next..], &column[next..]).sqrt();
         if rest <= DEPENDENCE_TOLERANCE * length.max(f64::MIN_POSITIVE) {
             continue;
         }
@@ -56,7 +55,7 @@ fn triangularise_body<
         for other in right.chunks_exact_mut(rows) {
             let other = &mut other[next..height];
             let Some((top, below)) = other.split_first_mut() else { continue };
-            let projection = tau * (*top + dot::<FUSED>(below, reflector));
+            let projection = tau * (*top + product::<FUSED>(below, reflector));
             *top -= projection;
             add_multiple::<FUSED>(-projection, reflector, below);
         }
@@ -67,11 +66,25 @@ fn triangularise_body<
     }
 }
 
+/// Scalar product in eight interleaved partial sums, so that it vectorises and rounds less.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut partial = [0.0_f64; 8];
+    let (a_blocks, a_rest) = a.as_chunks::<8>();
+    let (b_blocks, b_rest) = b.as_chunks::<8>();
+    for (x, y) in a_blocks.iter().zip(b_blocks) {
+        for lane in 0..8 {
+            partial[lane] += x[lane] * y[lane];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    partial.iter().sum::<f64>() + rest
+}
+
 /// Scalar product. The baseline keeps the order of sums that its bits are known by.
 #[inline(always)]
-fn dot<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
+fn product<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
     if !FUSED {
-        return factor::dot(a, b);
+        return dot(a, b);
     }
     let mut partial = [0.0_f64; LANES];
     let (a_blocks, a_rest) = a.as_chunks::<LANES>();

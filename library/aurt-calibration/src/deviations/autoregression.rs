@@ -103,17 +103,11 @@ const FADED: usize = 12;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::Random;
 
-    /// Independent standard normal numbers, the same every time.
     fn normal(seed: u64, n: usize) -> Vec<f64> {
-        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-        let mut uniform = || {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..n).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+        let mut random = Random::new(seed);
+        (0..n).map(|_| random.normal()).collect()
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! Instruments: the regressor of the same motion behind a lower filter, which noise of the positions hardly passes.
 
 use aurt_recording::{Segment, ZeroPhase};
-use aurt_traits::{LoadTorque, Motion, RobotModel};
+use aurt_traits::Motion;
 
-use super::{
-    rows::{JointRows, rows_of},
-    sandwich::Piece,
+use crate::{
+    CalibrationError,
+    rows::{JointRows, Observed, Piece},
 };
-use crate::{CalibrationError, CalibrationOptions};
 
 /// Order of the filter, one way.
 const ORDER: usize = 4;
@@ -20,18 +19,16 @@ const SHARE: f64 = 0.5;
 /// # Errors
 /// What the filter and models report.
 pub(crate) fn put_instruments(
-    model: &RobotModel,
+    observed: &Observed<'_>,
     piece: &Piece<'_>,
-    load: &LoadTorque,
-    options: &CalibrationOptions,
     rows: &mut [JointRows],
 ) -> Result<(), CalibrationError> {
     if rows.is_empty() {
         return Ok(());
     }
     let segment = smooth(piece.segment)?;
-    let none = vec![0.0; model.parameters().len()];
-    let instruments = rows_of(model, &segment, &piece.acting, load, &none, options)?;
+    let none = vec![0.0; observed.model.parameters().len()];
+    let instruments = observed.rows_of(&segment, &piece.acting, &none)?;
     for (rows, instruments) in rows.iter_mut().zip(instruments) {
         rows.columns = instruments.columns;
         for column in &mut rows.columns {

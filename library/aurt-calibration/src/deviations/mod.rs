@@ -16,10 +16,8 @@
 mod autoregression;
 mod clusters;
 mod instruments;
-mod rows;
 mod sandwich;
 
 pub(crate) use autoregression::Autocovariance;
 pub(crate) use instruments::put_instruments;
-pub(crate) use rows::{JointRows, rows_of};
-pub(crate) use sandwich::{Lift, Observed, pieces, product, root_of_gram, sandwich};
+pub(crate) use sandwich::{Lift, Sandwich, product, root_of_gram};

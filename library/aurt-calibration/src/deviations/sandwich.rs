@@ -1,7 +1,5 @@
 use std::ops::Range;
 
-use aurt_recording::Segment;
-use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -9,30 +7,31 @@ use super::{
     autoregression::{Autocovariance, Autoregression},
     clusters::factors,
     instruments::put_instruments,
-    rows::{JointRows, rows_of},
 };
-use crate::{CalibrationError, CalibrationOptions, JointFactor, NamedRecording, TermScopes, robust::Loss};
+use crate::{
+    CalibrationError, JointFactor,
+    rows::{JointRows, Observed, Piece},
+};
 
 /// Recordings are cut into stretches until there are about this many clusters.
 const CLUSTERS: usize = 8;
 /// No stretch is shorter than this many rows.
 const SHORTEST: usize = 40;
 
-/// What was fitted to what.
+/// The weight of a joint's row by its residual.
+pub(crate) type RowWeight<'a> = &'a (dyn Fn(usize, f64) -> f64 + Sync);
+
+/// A fit whose covariance is sought.
 #[derive(Clone, Copy)]
-pub(crate) struct Observed<'a> {
-    pub model: &'a RobotModel,
-    pub recordings: &'a [&'a NamedRecording],
-    pub scopes: &'a TermScopes,
-    pub load: &'a LoadTorque,
-    pub options: &'a CalibrationOptions,
+pub(crate) struct Sandwich<'a> {
+    pub rows: Observed<'a>,
     pub coefficients: &'a [f64],
     /// The fit's weights, 1/σ_j.
     pub weights: &'a [f64],
     /// (WᵀΩ⁻¹W)⁻¹ with these weights, column-major.
     pub bread: &'a [f64],
-    /// σ_j beyond a multiple of which residuals count less, for estimates with weights by row.
-    pub sigma: Option<&'a [f64]>,
+    /// For estimates with weights by row.
+    pub row_weight: Option<RowWeight<'a>>,
     /// Whether residuals were multiplied by instruments rather than by the regressor.
     pub instruments: bool,
     /// What was fitted, where that is not the coefficients themselves; `bread` is over this then.
@@ -47,7 +46,7 @@ pub(crate) struct Lift {
     pub groups: Vec<Range<usize>>,
 }
 
-impl Observed<'_> {
+impl Sandwich<'_> {
     /// What turns with the fitted quantities instead of the coefficients.
     fn lifted(&self, joint: usize, of_coefficients: DMatrix<f64>) -> DMatrix<f64> {
         match self.lift {
@@ -57,87 +56,111 @@ impl Observed<'_> {
     }
 
     fn groups(&self) -> Vec<Range<usize>> {
-        let of_model = || self.model.groups().iter().map(|(_, range)| range.clone()).collect();
+        let of_model = || self.rows.model.groups().iter().map(|(_, range)| range.clone()).collect();
         self.lift.map_or_else(of_model, |lift| lift.groups.clone())
     }
-}
 
-/// A segment with how often it is listed.
-pub(crate) struct Piece<'a> {
-    pub segment: &'a Segment,
-    pub acting: Vec<bool>,
-    pub times: f64,
-}
-
-/// The covariance of the coefficients, column-major.
-///
-/// # Errors
-/// What models report.
-pub(crate) fn sandwich(observed: &Observed<'_>) -> Result<Vec<f64>, CalibrationError> {
-    let Observed { model, load, options, coefficients, weights, bread, .. } = *observed;
-    let n = coefficients.len();
-    let pieces = pieces(model, observed.recordings, observed.scopes);
-    let mut rows: Vec<Vec<JointRows>> = pieces
-        .par_iter()
-        .map(|p| rows_of(model, p.segment, &p.acting, load, coefficients, options))
-        .collect::<Result<_, _>>()?;
-    if observed.instruments {
-        for (piece, rows) in pieces.iter().zip(&mut rows) {
-            put_instruments(model, piece, load, options, rows)?;
-        }
-    }
-    for (joint, sigma) in observed.sigma.iter().flat_map(|s| s.iter().enumerate()) {
-        for residual in rows.iter_mut().filter_map(|r| r.get_mut(joint)).flat_map(|r| &mut r.residual) {
-            *residual *= Loss::Tukey.weight(*residual / sigma);
-        }
-    }
-    let size = observed.lift.and_then(|lift| lift.transposed.first()).map_or(n, DMatrix::nrows);
-    let bread = DMatrix::from_column_slice(size, size, bread);
-
-    let parts: Vec<DMatrix<f64>> = (0..model.joints())
-        .into_par_iter()
-        .map(|joint| {
-            let (mut memory, mut shown) = (Autocovariance::default(), 0.0);
-            for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
-                memory.add(&rows[joint].residual, rows[joint].counted);
-                shown += piece.times * rows[joint].residual.iter().map(|e| e * e).sum::<f64>();
+    /// The covariance of the coefficients, column-major.
+    ///
+    /// # Errors
+    /// What models report.
+    pub(crate) fn covariance(&self) -> Result<Vec<f64>, CalibrationError> {
+        let Self { rows: observed, coefficients, weights, bread, .. } = *self;
+        let model = observed.model;
+        let n = coefficients.len();
+        let pieces = observed.pieces();
+        let mut rows = observed.rows(&pieces, coefficients)?;
+        if self.instruments {
+            for (piece, rows) in pieces.iter().zip(&mut rows) {
+                put_instruments(&observed, piece, rows)?;
             }
-            let noise = memory.fit();
-            let columns = model.row_columns(joint);
-            let mut factor = JointFactor::new(columns.to_vec());
-            for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
-                fold(&mut factor, &rows[joint], &noise, piece.times);
+        }
+        if let Some(weight) = self.row_weight {
+            for (joint, row) in rows.iter_mut().flat_map(|joints| joints.iter_mut().enumerate()) {
+                row.residual.iter_mut().for_each(|e| *e *= weight(joint, *e));
             }
-            // Rows of A⁻¹ S Cᵀ: what each unit of independent noise moves.
-            let middle = observed.lifted(joint, root_of_gram(&factor, n));
-            let pulled = product(&bread, &middle);
-            // The fit took up part of the noise, and the residual shows the rest.
-            let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
-                * weights[joint].powi(2)
-                * noise.innovation;
-            let moved = pulled * (weights[joint].powi(2) * noise.innovation.sqrt());
-            let share = if shown > 0.0 { taken / (shown + taken) } else { 0.0 };
-            let covariance = product(&moved, &moved.transpose());
-            covariance / (1.0 - share.clamp(0.0, 0.9))
-        })
-        .collect();
-    let mut covariance = parts.into_iter().fold(DMatrix::zeros(size, size), |sum, part| sum + part);
+        }
+        let size = self.lift.and_then(|lift| lift.transposed.first()).map_or(n, DMatrix::nrows);
+        let bread = DMatrix::from_column_slice(size, size, bread);
 
-    let steps = steps(observed, &pieces, &rows, &bread);
-    let groups = observed.groups();
-    let mut deviation = DVector::from_element(size, 1.0);
-    for (group, factor) in groups.iter().zip(factors(&steps, &covariance, &groups)) {
-        group.clone().for_each(|k| deviation[k] = factor.sqrt());
-    }
-    for c in 0..size {
-        for r in 0..size {
-            covariance[(r, c)] *= deviation[r] * deviation[c];
+        let parts: Vec<DMatrix<f64>> = (0..model.joints())
+            .into_par_iter()
+            .map(|joint| {
+                let (mut memory, mut shown) = (Autocovariance::default(), 0.0);
+                for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
+                    memory.add(&rows[joint].residual, rows[joint].counted);
+                    shown += piece.times * rows[joint].residual.iter().map(|e| e * e).sum::<f64>();
+                }
+                let noise = memory.fit();
+                let columns = model.row_columns(joint);
+                let mut factor = JointFactor::new(columns.to_vec());
+                for (piece, rows) in pieces.iter().zip(&rows).filter(|(_, r)| !r.is_empty()) {
+                    fold(&mut factor, &rows[joint], &noise, piece.times);
+                }
+                // Rows of A⁻¹ S Cᵀ: what each unit of independent noise moves.
+                let middle = self.lifted(joint, root_of_gram(&factor, n));
+                let pulled = product(&bread, &middle);
+                // The fit took up part of the noise, and the residual shows the rest.
+                let taken: f64 = middle.iter().zip(pulled.iter()).map(|(m, p)| m * p).sum::<f64>()
+                    * weights[joint].powi(2)
+                    * noise.innovation;
+                let moved = pulled * (weights[joint].powi(2) * noise.innovation.sqrt());
+                let share = if shown > 0.0 { taken / (shown + taken) } else { 0.0 };
+                let covariance = product(&moved, &moved.transpose());
+                covariance / (1.0 - share.clamp(0.0, 0.9))
+            })
+            .collect();
+        let mut covariance = parts.into_iter().fold(DMatrix::zeros(size, size), |sum, part| sum + part);
+
+        let steps = self.steps(&pieces, &rows, &bread);
+        let groups = self.groups();
+        let mut deviation = DVector::from_element(size, 1.0);
+        for (group, factor) in groups.iter().zip(factors(&steps, &covariance, &groups)) {
+            group.clone().for_each(|k| deviation[k] = factor.sqrt());
+        }
+        for c in 0..size {
+            for r in 0..size {
+                covariance[(r, c)] *= deviation[r] * deviation[c];
+            }
+        }
+        if covariance.iter().all(|v| v.is_finite()) {
+            Ok(covariance.as_slice().to_vec())
+        } else {
+            Err(CalibrationError::NotFinite)
         }
     }
-    if covariance.iter().all(|v| v.is_finite()) {
-        Ok(covariance.as_slice().to_vec())
-    } else {
-        Err(CalibrationError::NotFinite)
+
+    /// A⁻¹ g of each cluster: recordings, cut into stretches where they are few.
+    fn steps(
+        &self,
+        pieces: &[Piece<'_>],
+        rows: &[Vec<JointRows>],
+        bread: &DMatrix<f64>,
+    ) -> Vec<DVector<f64>> {
+        let n = self.coefficients.len();
+        let total: usize = rows.iter().filter_map(|r| r.first()).map(|r| r.residual.len()).sum();
+        let length = total.div_ceil(CLUSTERS).max(SHORTEST);
+        let mut steps = Vec::new();
+        for (piece, rows) in pieces.iter().zip(rows).filter(|(_, r)| !r.is_empty()) {
+            let count = rows[0].residual.len();
+            let parts = (count as f64 / length as f64).round().max(1.0) as usize;
+            for part in 0..parts {
+                let range = part * count / parts..(part + 1) * count / parts;
+                let mut total = DVector::zeros(bread.nrows());
+                for (joint, rows) in rows.iter().enumerate() {
+                    let mut score = DMatrix::zeros(n, 1);
+                    let weight = piece.times * self.weights[joint].powi(2);
+                    let left = &rows.residual[range.clone()];
+                    for (column, values) in self.rows.model.row_columns(joint).iter().zip(&rows.columns) {
+                        let product: f64 = values[range.clone()].iter().zip(left).map(|(w, e)| w * e).sum();
+                        score[*column] += weight * product;
+                    }
+                    total += self.lifted(joint, score).column(0);
+                }
+                steps.push(bread * total);
+            }
+        }
+        steps
     }
 }
 
@@ -164,31 +187,6 @@ pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     result
 }
 
-/// The segments, each once, with how often it is listed.
-pub(crate) fn pieces<'a>(
-    model: &RobotModel,
-    recordings: &[&'a NamedRecording],
-    scopes: &TermScopes,
-) -> Vec<Piece<'a>> {
-    let mut once: Vec<(&NamedRecording, f64)> = Vec::new();
-    for recording in recordings {
-        match once.iter_mut().find(|(known, _)| known.is_copy_of(recording)) {
-            Some((_, times)) => *times += 1.0,
-            None => once.push((recording, 1.0)),
-        }
-    }
-    once.into_iter()
-        .flat_map(|(recording, times)| {
-            let acting = scopes.acting(model, &recording.name);
-            recording.data.segments.iter().map(move |segment| Piece {
-                segment,
-                acting: acting.clone(),
-                times,
-            })
-        })
-        .collect()
-}
-
 /// Takes in coloured rows.
 fn fold(factor: &mut JointFactor, rows: &JointRows, noise: &Autoregression, times: f64) {
     let length = rows.residual.len() + noise.longer();
@@ -200,37 +198,4 @@ fn fold(factor: &mut JointFactor, rows: &JointRows, noise: &Autoregression, time
         }
     }
     factor.push(|k| &coloured[k], &vec![0.0; length], |_| true);
-}
-
-/// A⁻¹ g of each cluster: recordings, cut into stretches where they are few.
-fn steps(
-    observed: &Observed<'_>,
-    pieces: &[Piece<'_>],
-    rows: &[Vec<JointRows>],
-    bread: &DMatrix<f64>,
-) -> Vec<DVector<f64>> {
-    let n = observed.coefficients.len();
-    let total: usize = rows.iter().filter_map(|r| r.first()).map(|r| r.residual.len()).sum();
-    let length = total.div_ceil(CLUSTERS).max(SHORTEST);
-    let mut steps = Vec::new();
-    for (piece, rows) in pieces.iter().zip(rows).filter(|(_, r)| !r.is_empty()) {
-        let count = rows[0].residual.len();
-        let parts = (count as f64 / length as f64).round().max(1.0) as usize;
-        for part in 0..parts {
-            let range = part * count / parts..(part + 1) * count / parts;
-            let mut total = DVector::zeros(bread.nrows());
-            for (joint, rows) in rows.iter().enumerate() {
-                let mut score = DMatrix::zeros(n, 1);
-                let weight = piece.times * observed.weights[joint].powi(2);
-                let left = &rows.residual[range.clone()];
-                for (column, values) in observed.model.row_columns(joint).iter().zip(&rows.columns) {
-                    let product: f64 = values[range.clone()].iter().zip(left).map(|(w, e)| w * e).sum();
-                    score[*column] += weight * product;
-                }
-                total += observed.lifted(joint, score).column(0);
-            }
-            steps.push(bread * total);
-        }
-    }
-    steps
 }

@@ -11,17 +11,24 @@
 //! Z̃ nearly vanishes where positions are exact, and any trifle of the model would be significant: differences of a tenth of a
 //! deviation of ζ̂ are allowed for, Cov g + 0.01 · ZᵀΩ⁻¹W Cov ζ̂ WᵀΩ⁻¹Z. Only instruments of the rigid bodies are tested, since
 //! friction turns with the sign of the velocity: there noise is no small error of the regressor, and ζ̂_IV is biased too.
+//!
+//! The test also rejects where the model lacks a torque, since W and Z then leave different shares of it in ζ̂ and ζ̂_IV. Noise
+//! predicts size and direction of the difference: with the shift s of ζ̂ that the noise drawn once more shows ([`Shift`]) it is
+//! E g = −ZᵀΩ⁻¹W s, and the draws' scatter S about s, which the noise in the recording has too, adds (1 + 1/draws) times
+//! ZᵀΩ⁻¹W S WᵀΩ⁻¹Z to Cov g. If g + ZᵀΩ⁻¹W s is still significant, noise is not the only reason.
 
-use aurt_traits::{LoadTorque, RobotModel};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::{normal::inverse_over, shift::Shift};
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, NamedRecording, TermScopes,
-    deviations::{Autocovariance, JointRows, pieces, put_instruments, rows_of},
-    student::chi_squared_above,
-    wls::weights,
+    CalibrationError,
+    dense::dot,
+    deviations::{Autocovariance, put_instruments},
+    linear,
+    rows::{JointRows, Observed},
+    statistics::chi_squared_above,
 };
 
 /// Below this share of the greatest variance a combination of instruments tells nothing.
@@ -40,6 +47,10 @@ pub struct Hausman {
     pub freedom: usize,
     /// The probability of a larger statistic where positions are exact.
     pub probability: f64,
+    /// The same of what remains when the shift that the measured noise of the positions predicts is subtracted; absent
+    /// where no noise was drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_noise: Option<f64>,
 }
 
 /// Coefficients and their covariance, column-major.
@@ -51,37 +62,18 @@ impl Hausman {
     pub fn is_biased(&self) -> bool {
         self.probability < SIGNIFICANT
     }
-}
 
-/// The test for a calibration by weighted least squares on `recordings`; `None` where no instrument differs from the regressor.
-///
-/// # Errors
-/// What models report, and [`CalibrationError::Recording`] if a segment is too short for the filter of the instruments.
-pub fn hausman(
-    model: &RobotModel,
-    recordings: &[&NamedRecording],
-    scopes: &TermScopes,
-    calibration: &Calibration,
-) -> Result<Option<Hausman>, CalibrationError> {
-    Tested {
-        model,
-        recordings,
-        scopes,
-        load: &calibration.load,
-        options: &calibration.options,
-        coefficients: &calibration.coefficients(),
-        weights: &weights(&calibration.sigma),
+    /// Whether the measured noise of the positions cannot be the only reason for the difference: the same test, of what that
+    /// noise does not predict. The model then lacks something that differs between the two filters.
+    #[must_use]
+    pub fn is_beyond_noise(&self) -> bool {
+        self.is_biased() && self.beyond_noise.is_some_and(|probability| probability < SIGNIFICANT)
     }
-    .test()
 }
 
 /// A fit to be tested.
 pub(crate) struct Tested<'a> {
-    pub model: &'a RobotModel,
-    pub recordings: &'a [&'a NamedRecording],
-    pub scopes: &'a TermScopes,
-    pub load: &'a LoadTorque,
-    pub options: &'a CalibrationOptions,
+    pub rows: Observed<'a>,
     pub coefficients: &'a [f64],
     /// 1/σ_j.
     pub weights: &'a [f64],
@@ -95,14 +87,18 @@ struct Pair {
 }
 
 impl Tested<'_> {
-    pub(crate) fn test(&self) -> Result<Option<Hausman>, CalibrationError> {
-        let Self { model, load, options, weights, .. } = *self;
+    /// The test; `shift` is what noise of the positions is taken to have done to the coefficients.
+    ///
+    /// # Errors
+    /// What models report, and [`CalibrationError::Recording`] if a segment is too short for the filter of the instruments.
+    pub(crate) fn test(&self, shift: &Shift) -> Result<Option<Hausman>, CalibrationError> {
+        let Self { rows: Observed { model, .. }, weights, .. } = *self;
         let n = self.coefficients.len();
-        let joints = self.pairs(load, options)?;
+        let joints = self.pairs()?;
         let products = self.products(&joints);
         let [plain, crossed] = sum(&products, n);
         let kept: Vec<usize> = (0..n).filter(|k| plain[(*k, *k)] > 0.0).collect();
-        let Some(inverse) = inverse(&plain, &kept) else { return Ok(None) };
+        let Some(inverse) = inverse_over(&plain, &kept) else { return Ok(None) };
         let taken = &inverse * &crossed;
         let tested: Vec<usize> = kept.iter().copied().filter(|k| *k < model.base().len()).collect();
 
@@ -147,19 +143,33 @@ impl Tested<'_> {
         let (score, variance) = parts
             .into_iter()
             .fold((DVector::zeros(n), DMatrix::zeros(n, n)), |(g, v), (a, b)| (g + a, v + b));
-        Ok(statistic(&score, &variance, &tested))
+        let Some(Statistic { value, freedom, probability }) = statistic(&score, &variance, &tested) else {
+            return Ok(None);
+        };
+        let predicted = |shift: &[f64]| crossed.tr_mul(&DVector::from_column_slice(shift));
+        let draws = shift.draws().count() as f64;
+        let beyond_noise = (draws > 1.0).then(|| {
+            let mean = predicted(shift.coefficients());
+            let mut with_noise = variance;
+            for draw in shift.draws() {
+                let away = predicted(draw) - &mean;
+                with_noise += &away * away.transpose() * ((1.0 + 1.0 / draws) / (draws - 1.0));
+            }
+            statistic(&(score + mean), &with_noise, &tested).map(|rest| rest.probability)
+        });
+        Ok(Some(Hausman { statistic: value, freedom, probability, beyond_noise: beyond_noise.flatten() }))
     }
 
     /// ζ̂_IV and (ZᵀΩ⁻¹W)⁻¹, column-major.
     pub(crate) fn instrumental(&self) -> Result<Option<Estimated>, CalibrationError> {
         let n = self.coefficients.len();
-        let joints = self.pairs(self.load, self.options)?;
+        let joints = self.pairs()?;
         let [plain, crossed] = sum(&self.products(&joints), n);
         let kept: Vec<usize> = (0..n).filter(|k| plain[(*k, *k)] > 0.0).collect();
         let mut score = DVector::zeros(n);
         for (j, pairs) in joints.iter().enumerate() {
             for pair in pairs {
-                for (z, c) in pair.instruments.iter().zip(self.model.row_columns(j)) {
+                for (z, c) in pair.instruments.iter().zip(self.rows.model.row_columns(j)) {
                     score[*c] += self.weights[j].powi(2) * pair.times * dot(z, &pair.plain.residual);
                 }
             }
@@ -167,7 +177,7 @@ impl Tested<'_> {
         let reduced = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
             crossed[(kept[b], kept[a])] / (plain[(kept[a], kept[a])] * plain[(kept[b], kept[b])]).sqrt()
         });
-        let Some(inverse) = reduced.try_inverse() else { return Ok(None) };
+        let Some(inverse) = linear::inverse(&reduced) else { return Ok(None) };
         let mut bread = DMatrix::zeros(n, n);
         for (a, first) in kept.iter().enumerate() {
             for (b, second) in kept.iter().enumerate() {
@@ -184,7 +194,7 @@ impl Tested<'_> {
     fn products(&self, joints: &[Vec<Pair>]) -> Vec<[DMatrix<f64>; 2]> {
         let n = self.coefficients.len();
         let of = |j: usize| {
-            let columns = self.model.row_columns(j);
+            let columns = self.rows.model.row_columns(j);
             let [mut plain, mut crossed] = [(); 2].map(|()| DMatrix::zeros(n, n));
             for pair in &joints[j] {
                 for (a, first) in pair.plain.columns.iter().zip(columns) {
@@ -199,19 +209,15 @@ impl Tested<'_> {
         (0..joints.len()).into_par_iter().map(of).collect()
     }
 
-    fn pairs(
-        &self,
-        load: &LoadTorque,
-        options: &CalibrationOptions,
-    ) -> Result<Vec<Vec<Pair>>, CalibrationError> {
-        let mut joints: Vec<Vec<Pair>> = (0..self.model.joints()).map(|_| Vec::new()).collect();
-        for piece in pieces(self.model, self.recordings, self.scopes) {
-            let rows = rows_of(self.model, piece.segment, &piece.acting, load, self.coefficients, options)?;
+    fn pairs(&self) -> Result<Vec<Vec<Pair>>, CalibrationError> {
+        let mut joints: Vec<Vec<Pair>> = (0..self.rows.model.joints()).map(|_| Vec::new()).collect();
+        for piece in self.rows.pieces() {
+            let rows = self.rows.rows_of(piece.segment, &piece.acting, self.coefficients)?;
             let mut other: Vec<JointRows> = rows
                 .iter()
                 .map(|r| JointRows { columns: Vec::new(), residual: r.residual.clone(), counted: r.counted })
                 .collect();
-            put_instruments(self.model, &piece, load, options, &mut other)?;
+            put_instruments(&self.rows, &piece, &mut other)?;
             for ((plain, other), into) in rows.into_iter().zip(other).zip(&mut joints) {
                 into.push(Pair { plain, instruments: other.columns, times: piece.times });
             }
@@ -234,39 +240,26 @@ impl Pair {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
 fn sum(products: &[[DMatrix<f64>; 2]], n: usize) -> [DMatrix<f64>; 2] {
     [0, 1].map(|k| products.iter().fold(DMatrix::zeros(n, n), |sum, p| sum + &p[k]))
 }
 
-/// The inverse over the columns that are kept, zero elsewhere.
-fn inverse(matrix: &DMatrix<f64>, kept: &[usize]) -> Option<DMatrix<f64>> {
-    let scale: Vec<f64> = kept.iter().map(|k| matrix[(*k, *k)].sqrt()).collect();
-    let at = |a: usize, b: usize| matrix[(kept[a], kept[b])] / (scale[a] * scale[b]);
-    let inverse = DMatrix::from_fn(kept.len(), kept.len(), at).cholesky()?.inverse();
-    let mut full = DMatrix::zeros(matrix.nrows(), matrix.ncols());
-    for (a, first) in kept.iter().enumerate() {
-        for (b, second) in kept.iter().enumerate() {
-            full[(*first, *second)] = inverse[(a, b)] / (scale[a] * scale[b]);
-        }
-    }
-    Some(full)
+/// gᵀ V⁺ g, its degrees of freedom, and the probability of a larger one.
+struct Statistic {
+    value: f64,
+    freedom: usize,
+    probability: f64,
 }
 
-/// gᵀ V⁺ g.
-fn statistic(score: &DVector<f64>, variance: &DMatrix<f64>, kept: &[usize]) -> Option<Hausman> {
+fn statistic(score: &DVector<f64>, variance: &DMatrix<f64>, kept: &[usize]) -> Option<Statistic> {
     let kept: Vec<usize> = kept.iter().copied().filter(|k| variance[(*k, *k)] > 0.0).collect();
     let scale: Vec<f64> = kept.iter().map(|k| variance[(*k, *k)].sqrt()).collect();
     let at = |a: usize, b: usize| variance[(kept[a], kept[b])] / (scale[a] * scale[b]);
-    let eigen = DMatrix::from_fn(kept.len(), kept.len(), at).symmetric_eigen();
-    let score = DVector::from_fn(kept.len(), |a, _| score[kept[a]] / scale[a]);
-    let along = eigen.eigenvectors.transpose() * score;
-    let greatest = eigen.eigenvalues.max();
-    let told = eigen.eigenvalues.iter().zip(along.iter()).filter(|(v, _)| **v > NEGLIGIBLE * greatest);
-    let (statistic, freedom) = told.fold((0.0, 0), |(sum, count), (v, g)| (sum + g * g / v, count + 1));
-    let probability = chi_squared_above(statistic, freedom as f64);
-    (freedom > 0 && probability.is_finite()).then_some(Hausman { statistic, freedom, probability })
+    let (values, vectors) = linear::symmetric_eigen(&DMatrix::from_fn(kept.len(), kept.len(), at))?;
+    let along = vectors.tr_mul(&DVector::from_fn(kept.len(), |a, _| score[kept[a]] / scale[a]));
+    let greatest = values.max();
+    let told = values.iter().zip(along.iter()).filter(|(v, _)| **v > NEGLIGIBLE * greatest);
+    let (value, freedom) = told.fold((0.0, 0), |(sum, count), (v, g)| (sum + g * g / v, count + 1));
+    let probability = chi_squared_above(value, freedom as f64);
+    (freedom > 0 && probability.is_finite()).then_some(Statistic { value, freedom, probability })
 }

@@ -3,7 +3,7 @@
 use aurt_recording::{PositionNoise, Segment, ZeroPhase, acceleration_gain};
 use aurt_traits::Motion;
 
-use crate::{CalibrationError, random::Random};
+use crate::{CalibrationError, statistics::Random};
 
 /// Points of the integral over frequency.
 const POINTS: usize = 512;
@@ -99,6 +99,7 @@ mod tests {
             rate_hz,
             decimation: 1,
             parallel_filter: filter.clone(),
+            kept_rows: 0..4000,
         };
         (segment, filter)
     }

@@ -10,16 +10,14 @@
 mod blocks;
 mod report;
 
-use aurt_recording::Segment;
-use aurt_traits::{LoadTorque, RobotModel};
 use rayon::prelude::*;
 
-pub(crate) use blocks::Listed;
+pub(crate) use blocks::Full;
 pub use report::{EssentialReport, EssentialStep};
 
 use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, System,
-    student::{ONE_SIDED_5, student},
+    CalibrationError, JointFactor, System,
+    statistics::{ONE_SIDED_5, student},
 };
 use blocks::blocks_of;
 
@@ -30,17 +28,6 @@ const BLOCKS: usize = 12;
 const FEWEST_BLOCKS: usize = 6;
 /// Elimination is shown until the error has grown this much over the best.
 const SHOWN_GROWTH: f64 = 0.5;
-
-/// What parameters are eliminated from.
-pub(crate) struct Full<'a> {
-    pub model: &'a RobotModel,
-    pub options: &'a CalibrationOptions,
-    pub load: &'a LoadTorque,
-    /// The rows of all recordings.
-    pub system: &'a System,
-    /// 1/σ_j.
-    pub weights: &'a [f64],
-}
 
 /// Rows that are predicted, and those that the prediction is fitted to.
 struct Fold {
@@ -53,16 +40,13 @@ struct Fold {
 ///
 /// # Errors
 /// [`CalibrationError::TooFewBlocks`], and what models report.
-pub(crate) fn eliminate(
-    full: &Full<'_>,
-    listed: &[Listed<'_>],
-) -> Result<(Vec<bool>, EssentialReport), CalibrationError> {
-    let blocks = blocks_of(full, listed, BLOCKS)?;
+pub(crate) fn eliminate(full: &Full<'_>) -> Result<(Vec<bool>, EssentialReport), CalibrationError> {
+    let blocks = blocks_of(full, BLOCKS)?;
     if blocks.len() < FEWEST_BLOCKS {
         return Err(CalibrationError::TooFewBlocks { found: blocks.len(), needed: FEWEST_BLOCKS });
     }
     let folds = folds(&blocks)?;
-    let parameters = full.model.parameters();
+    let parameters = full.rows.model.parameters();
     let excited = full.system.solve(full.weights, |_| true)?.excited;
     let mut active = excited.clone();
     let mut best = errors(full, &folds, &active)?;
@@ -163,9 +147,4 @@ fn compare(found: &[f64], best: &[f64]) -> (f64, f64) {
     let count = differences.len() as f64;
     let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
     (mean, (squares / (count - 1.0) / count).sqrt())
-}
-
-/// Rows per joint of some segments.
-fn rows<'s>(segments: impl IntoIterator<Item = &'s Segment>) -> usize {
-    segments.into_iter().map(Segment::rows).sum()
 }

@@ -4,13 +4,14 @@ use aurt_traits::LoadTorque;
 use nalgebra::DMatrix;
 
 use super::{
-    GainsOf, bandwidth,
     problem::{Point, Problem, Seen},
+    recorded::GainsOf,
 };
 use crate::{
     CalibrationError, NamedRecording,
-    deviations::{Lift, Observed, sandwich},
-    wls::weights,
+    deviations::{Lift, Sandwich},
+    rows::Observed,
+    system::weights,
 };
 
 /// The covariance of log g_j, of noise with the memory that residuals have, at least that of white noise.
@@ -52,19 +53,18 @@ pub(super) fn covariance(
         .collect();
     groups.push(n..n + joints);
     let lift = Lift { transposed, groups };
-    let found = sandwich(&Observed {
-        model: of.model,
-        recordings: &torques,
-        scopes: of.scopes,
-        load,
-        options: of.options,
+    let rows =
+        Observed { model: of.model, recordings: &torques, scopes: of.scopes, load, options: of.options };
+    let found = Sandwich {
+        rows,
         coefficients: &point.coefficients,
         weights: &per_torque,
         bread: seen.inverse.as_slice(),
-        sigma: None,
+        row_weight: None,
         instruments: false,
         lift: Some(&lift),
-    })?;
+    }
+    .covariance()?;
     let found = DMatrix::from_column_slice(n + joints, n + joints, &found);
     let found = found.view((n, n), (joints, joints)).into_owned();
     let least = white(of, problem, seen);
@@ -78,7 +78,7 @@ pub(super) fn covariance(
 /// The covariance of log g_j if the noise of the measurement is white.
 pub(super) fn white(of: &GainsOf<'_>, problem: &Problem, seen: &Seen) -> DMatrix<f64> {
     let (n, joints) = (problem.free.len(), of.model.joints());
-    bandwidth(of) * seen.inverse.view((n, n), (joints, joints)).into_owned()
+    of.bandwidth() * seen.inverse.view((n, n), (joints, joints)).into_owned()
 }
 
 fn as_torques(recording: &NamedRecording, inverse: &[f64]) -> NamedRecording {

@@ -15,18 +15,18 @@
 
 mod covariance;
 mod problem;
+mod recorded;
 
-use aurt_recording::ZeroPhase;
 use aurt_traits::{LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
-    CalibrationError, CalibrationOptions, JointFactor, NamedRecording, System, TermScopes, accumulate_scoped,
-    physical::carried, uncertainty::noise_bandwidth_factor, wls::check,
+    CalibrationError, JointFactor, NamedRecording, System, accumulate_scoped, physical::carried, rows::check,
 };
 use covariance::{covariance, white};
 use problem::{Point, Problem, Seen};
+pub use recorded::{GainsOf, KnownLoad};
 
 /// Passes, each with the load torque of the last.
 const PASSES: usize = 8;
@@ -36,32 +36,6 @@ const SETTLED: f64 = 1e-6;
 const HARDLY: f64 = 0.1;
 /// A sign is told if the ratio is so many standard deviations below zero.
 const BEYOND_NOISE: f64 = 2.0;
-
-/// What is known of the load that some of the recordings carry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownLoad {
-    /// Its mass, kg.
-    pub mass_kg: f64,
-    /// Standard deviation of the mass, kg.
-    pub mass_std_kg: f64,
-    /// Its centre of mass in the frame of the link that carries it, m, where it is known.
-    pub centre_of_mass_m: Option<[f64; 3]>,
-}
-
-/// What gains are estimated of.
-#[derive(Debug, Clone, Copy)]
-pub struct GainsOf<'a> {
-    /// The robot. With a known load one of its arm terms is a payload with a column of mass.
-    pub model: &'a RobotModel,
-    /// Recordings, of which some carry the load.
-    pub recordings: &'a [NamedRecording],
-    /// In which of them each arm term acts.
-    pub scopes: &'a TermScopes,
-    /// The load; without one there are ratios only.
-    pub load: Option<KnownLoad>,
-    /// Treatment of rows at rest and of the load torque.
-    pub options: &'a CalibrationOptions,
-}
 
 /// What recordings determine of a gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,13 +92,13 @@ pub enum GainsError {
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
     /// The load weighs nothing.
-    #[error("the mass of a load that shows the scale of gains must be positive and finite, is {mass_kg} kg")]
+    #[error("the mass of the load must be positive and finite, but is {mass_kg} kg")]
     Mass {
         /// The mass.
         mass_kg: f64,
     },
     /// The deviation of the mass is none.
-    #[error("the standard deviation of the mass must be zero or positive and finite, is {std_kg} kg")]
+    #[error("the standard deviation of the mass must be finite and not negative, but is {std_kg} kg")]
     MassDeviation {
         /// The deviation.
         std_kg: f64,
@@ -134,7 +108,7 @@ pub enum GainsError {
     CentreOfMass,
     /// No term of the model is the load.
     #[error(
-        "the model has {found} loads with a column `m`, and one is needed whose mass is known; give the experiment one \
+        "the model has {found} loads with a column `m`, but exactly one of known mass is required; add to the experiment one \
          [[arm_terms]] model = \"payload\" with the `recordings` that carry it"
     )]
     Loads {
@@ -143,12 +117,12 @@ pub enum GainsError {
     },
     /// The centre of mass is given, but the payload has no columns for it.
     #[error(
-        "a centre of mass needs the columns mX, mY and mZ of the payload, which its `parameters` leave out"
+        "a centre of mass requires the columns mX, mY and mZ of the payload; add them to its `parameters`"
     )]
     NoMoments,
     /// All recordings carry the load.
     #[error(
-        "the load acts in all recordings, so that it cannot be told from the last link; list a recording without it, and name \
+        "the load acts in all recordings, so it cannot be separated from the last link; add a recording without it, and name \
          those with it as `recordings` of the payload"
     )]
     NeverWithout,
@@ -159,7 +133,7 @@ pub enum GainsError {
     NeverWith,
     /// Nothing is determined.
     #[error(
-        "these recordings determine neither a gain nor a ratio of two: joints must move so that links weigh on several of them; \
+        "these recordings determine no gain and no ratio of gains: move the joints so that a link loads several of them; \
          `aurt excite` plans such a motion"
     )]
     Undetermined,
@@ -257,13 +231,6 @@ fn solved(of: &GainsOf<'_>, known: &[Option<f64>]) -> Result<(Problem, Point, Lo
     Ok((problem, point, load))
 }
 
-/// By how much the variance of an estimate exceeds that of independent rows.
-fn bandwidth(of: &GainsOf<'_>) -> f64 {
-    let first = of.recordings.iter().find_map(|r| r.data.segments.first());
-    let filter = first.map(|s| -> (&ZeroPhase, usize) { (&s.parallel_filter, s.decimation) });
-    filter.map_or(1.0, |(filter, decimation)| noise_bandwidth_factor(filter, decimation))
-}
-
 /// Gains in the scale that there is, with what is known of them; `covariance` is that of log g_j, column after column.
 fn gains(
     of: &GainsOf<'_>,
@@ -322,15 +289,15 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(joints) = list(&|g| g.decided == Decided::Nothing) {
         warnings.push(format!(
-            "the gain of joint {joints} is not determined: nothing that moves with it weighs on another joint too; move it \
-             together with its neighbours, or load it off its axis"
+            "the gain of joint {joints} is not determined: no link that it moves loads another joint; move it together with \
+             its neighbours, or attach a load off its axis"
         ));
     }
     if of.load.is_some()
         && let Some(joints) = list(&|g| g.decided == Decided::Ratio)
     {
         warnings.push(format!(
-            "of joint {joints} the load shows no scale, only ratios are determined: carry it through more positions"
+            "the load does not determine the gain of joint {joints}, only its ratio: move the load through more positions"
         ));
     }
     let is_doubtful = |g: &Gain| {
@@ -339,15 +306,15 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     };
     if let Some(joints) = list(&is_doubtful) {
         warnings.push(format!(
-            "the gain of joint {joints} is hardly determined, to no better than {:.0} %: faster motion of it, or a load \
-             off its axis, shows more",
+            "the gain of joint {joints} is poorly determined (standard deviation above {:.0} %): move the joint faster, or \
+             attach a load off its axis",
             100.0 * HARDLY
         ));
     }
     let is_turned = |g: &Gain| g.ratio_std_dev.is_some_and(|s| g.ratio < -BEYOND_NOISE * s);
     if let Some(joints) = list(&is_turned) {
         warnings.push(format!(
-            "joint {joints} has the opposite sign of the reference joint: its measurement, or its axis, is turned around"
+            "the gain of joint {joints} has the opposite sign of the reference joint: its measurement or its axis is inverted"
         ));
     }
     warnings

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{CalibrationError, JointFactor, System};
+use crate::{CalibrationError, JointFactor, System, linear::singular_vectors};
 
 /// Steps at most, for each set of weights.
 const STEPS: usize = 60;
@@ -178,7 +178,7 @@ impl Problem {
     pub fn minimum(&self, start: Point) -> Result<Point, CalibrationError> {
         let mut point = start;
         for _ in 0..WEIGHTINGS {
-            let weights = crate::wls::weights(&point.sigma);
+            let weights = crate::system::weights(&point.sigma);
             let mut cost = self.cost(&point.coefficients, &point.inverse, &weights);
             for _ in 0..STEPS {
                 let Some((next, lower)) = self.step(&point, &weights, cost)? else { break };
@@ -253,12 +253,8 @@ impl Directions {
         for (mut column, factor) in matrix.column_iter_mut().zip(scale.iter()) {
             column *= *factor;
         }
-        if matrix.iter().any(|v| !v.is_finite()) {
-            return Err(CalibrationError::NotFinite);
-        }
-        let svd = matrix.svd(true, true);
-        let (Some(left), Some(right)) = (svd.u, svd.v_t) else { return Err(CalibrationError::NotFinite) };
-        Ok(Self { scale, left, values: svd.singular_values, right: right.transpose() })
+        let (left, values, right) = singular_vectors(&matrix).ok_or(CalibrationError::NotFinite)?;
+        Ok(Self { scale, left, values, right })
     }
 
     fn sees(&self, k: usize) -> bool {
@@ -288,7 +284,7 @@ pub(super) struct Seen {
 
 impl Seen {
     pub fn at(problem: &Problem, point: &Point) -> Result<Self, CalibrationError> {
-        let weights = crate::wls::weights(&point.sigma);
+        let weights = crate::system::weights(&point.sigma);
         let joints = problem.factors.len();
         let directions = Directions::of(problem.jacobian(point, &weights))?;
         let (size, n) = (directions.scale.len(), problem.free.len());

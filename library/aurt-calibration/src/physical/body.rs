@@ -5,8 +5,7 @@ use std::ops::Range;
 use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
 use nalgebra::{Matrix3, Matrix4};
 
-use super::Fitted;
-use crate::consistent::pseudo_inertia;
+use super::{fitted::Fitted, pseudo_inertia::pseudo_inertia};
 
 /// The standard parameters of a body in its link's frame, as columns are named, `XX_5`.
 const SYMBOLS: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
@@ -65,8 +64,8 @@ fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link
         // Part of the parameters alone can be of a body as long as there is mass.
         return mass.is_negative().then(|| {
             format!(
-                "unphysical: the body on link {link} has a negative mass ({mass} {unit}). If a load was taken off, that is its \
-                 mass; else the motions do not show it, or its torque has another cause: `aurt diagnose` looks for it"
+                "unphysical: the body on link {link} has a negative mass ({mass} {unit}). If a load was removed, this is its \
+                 mass; otherwise the motions do not excite it, or its torque has another cause: run `aurt diagnose`"
             )
         });
     };
@@ -103,13 +102,13 @@ fn impossible(fitted: &Fitted<'_>, columns: &Range<usize>, places: &Places, link
         ),
     };
     let amperes = if fitted.is_in_amperes() {
-        "give `torque_constants_nm_per_a`, without which bodies do not add up over joints, or "
+        "set `torque_constants_nm_per_a`, without which the joints have no common unit, or "
     } else {
         ""
     };
     Some(format!(
-        "unphysical: no body can have the inertia of the one on link {link}: {why}. Mass and centre of mass may be right all the \
-         same; {amperes}list the parameters that these motions excite (`parameters = [\"mX\", \"mY\", \"mZ\", \"m\"]`) or \
+        "unphysical: the estimated inertia of the body on link {link} is impossible: {why}. Mass and centre of mass may still \
+         be correct; {amperes}list the parameters that these motions excite (`parameters = [\"mX\", \"mY\", \"mZ\", \"m\"]`) or \
          record faster motions with the load"
     ))
 }

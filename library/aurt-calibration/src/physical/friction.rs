@@ -2,7 +2,7 @@
 
 use aurt_traits::{ArmSeries, ColumnGroup, Columns, Invariant, JointSeries, ModelError, Motion, RobotModel};
 
-use super::{Estimated, Fitted};
+use super::fitted::{Estimated, Fitted};
 use crate::JointRange;
 
 /// Speeds that are tried, as shares of the largest that calibration covered.
@@ -39,10 +39,10 @@ pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
         })
         .collect();
     vec![format!(
-        "unphysical: within the speeds and loads of the calibration, friction drives instead of braking: {}. The friction model \
-         has more freedom than these motions can fix (fewer powers, `coulomb = {{ model = \"none\" }}`), or stands in for what \
-         is missing; where all of a joint's friction is negative, its measurement counts the other way round (`[instrument] \
-         gains`)",
+        "unphysical: within the speeds and loads of the calibration, friction accelerates instead of braking: {}. The friction \
+         model has more parameters than these motions determine (use fewer powers or constant Coulomb friction), or it \
+         compensates for a missing effect; if all friction of a joint is negative, the sign of its measurement is wrong \
+         (`[instrument] gains`)",
         listed.join(", ")
     )]
 }

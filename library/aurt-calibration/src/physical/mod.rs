@@ -4,75 +4,18 @@
 //! model, or that the recordings do not show, hides in the value.
 
 mod body;
+mod fitted;
 mod friction;
+mod pseudo_inertia;
 
 pub(crate) use body::carried;
+pub(crate) use fitted::Fitted;
 pub(crate) use friction::braking_rows;
+pub(crate) use pseudo_inertia::{Standard, adjoint, metric, pseudo_inertia, standard_of};
 
-use std::ops::Range;
+use aurt_traits::ColumnGroup;
 
-use aurt_traits::{ColumnGroup, MeasurementUnit, RobotModel};
-
-use crate::{
-    JointRange,
-    calibrated::{CalibratedParameter, CalibrationOptions},
-    uncertainty::with_deviation,
-};
-
-/// A contradiction is one if it exceeds this many standard deviations.
-const BEYOND_NOISE: f64 = 2.0;
-
-/// A calibrated model, to be looked at.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fitted<'a> {
-    pub model: &'a RobotModel,
-    pub parameters: &'a [CalibratedParameter],
-    /// Covariance of the coefficients, column-major.
-    pub covariance: &'a [f64],
-    /// By what the covariance is to be multiplied, because filtered rows are not independent.
-    pub bandwidth: f64,
-    pub ranges: &'a [JointRange],
-    pub options: &'a CalibrationOptions,
-    pub unit_of_measurement: MeasurementUnit,
-}
-
-/// A quantity that is linear in the coefficients, with its standard deviation.
-#[derive(Debug, Clone, Copy)]
-struct Estimated {
-    value: f64,
-    std: f64,
-}
-
-impl Estimated {
-    /// Whether it is below zero by more than noise.
-    fn is_negative(self) -> bool {
-        self.value < -BEYOND_NOISE * self.std
-    }
-}
-
-impl std::fmt::Display for Estimated {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&with_deviation(self.value, self.std))
-    }
-}
-
-impl Fitted<'_> {
-    /// Σ gradient_k ζ_k over a run of coefficients.
-    fn estimated(&self, columns: Range<usize>, gradient: &[f64]) -> Estimated {
-        let n = self.parameters.len();
-        let pairs = || columns.clone().zip(gradient);
-        let value = pairs().map(|(k, g)| g * self.parameters[k].value).sum();
-        let variance: f64 = pairs()
-            .flat_map(|(k, g)| pairs().map(move |(l, h)| (k, l, g * h)))
-            .map(|(k, l, product)| product * self.covariance[k * n + l])
-            .sum();
-        Estimated { value, std: (self.bandwidth * variance.max(0.0)).sqrt() }
-    }
-
-    fn value(&self, column: usize) -> Estimated {
-        self.estimated(column..column + 1, &[1.0])
-    }
-}
+use crate::CalibratedParameter;
 
 /// What contradicts physics, each with what to do.
 pub(crate) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
@@ -101,9 +44,8 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
         return Vec::new();
     }
     vec![format!(
-        "unphysical: negative inertia of a motor ({}). Something else that follows acceleration stands in its place: a \
-         delay of the measurement, torque constants that do not fit, or bodies that the motions hardly excite; \
-         `aurt diagnose` looks for it",
+        "unphysical: negative inertia of a motor ({}). The estimate compensates for another error proportional to \
+         acceleration: a delay of the measurement, wrong torque constants, or badly excited bodies; run `aurt diagnose`",
         negative.join(", ")
     )]
 }
@@ -112,10 +54,11 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
 mod tests {
     use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
     use aurt_rbd::{MdhRows, MdhTable};
-    use aurt_traits::{ArmTerm, JointStack};
+    use aurt_traits::{ArmTerm, JointStack, MeasurementUnit};
     use serde_json::{Value, json};
 
     use super::*;
+    use crate::{CalibrationOptions, JointRange};
 
     fn build<M: SlotModel + ?Sized>(configuration: &Value) -> Box<M> {
         Registry::linked().unwrap().build_from_json(configuration).unwrap()

@@ -2,7 +2,7 @@ use serde::Serialize;
 
 use crate::{
     CalibrationError, Solution,
-    student::{low_chi_squared, student},
+    statistics::{low_chi_squared, student},
     uncertainty::NORMAL_95,
 };
 
@@ -229,7 +229,7 @@ fn with_variance(solution: &Solution, k: usize) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::statistics::Random;
 
     fn window(value: f64, std: f64) -> Solution {
         Solution {

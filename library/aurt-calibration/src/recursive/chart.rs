@@ -1,5 +1,5 @@
 use super::{Baseline, ChangePoint, Cusum, MIN_WINDOWS};
-use crate::{Solution, student::normal};
+use crate::{Solution, statistics::normal};
 
 /// A parameter's chart: three CUSUMs over windows that share what the model lacks on their motion.
 ///
@@ -95,7 +95,7 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{random::Random, recursive::threshold_for};
+    use crate::{recursive::threshold_for, statistics::Random};
 
     fn window(value: f64) -> Solution {
         Solution {

@@ -125,7 +125,7 @@ pub fn drift_windows(
     recording: &NamedRecording,
     cut: Cut,
 ) -> Result<Vec<DriftWindow>, CalibrationError> {
-    crate::wls::check(reference.model, std::slice::from_ref(recording))?;
+    crate::rows::check(reference.model, std::slice::from_ref(recording))?;
     let start_s = |segment: &Segment| segment.motion.view().time_s().first().copied();
     let first_s = recording.data.segments.first().and_then(start_s).unwrap_or(0.0);
     let cut = Cut { origin_s: cut.origin_s.or(Some(first_s)), ..cut };
@@ -150,7 +150,7 @@ fn windows_of_segment(
     if segment.rows() == 0 || time_s.is_empty() {
         return Ok(());
     }
-    let at = |row: usize| time_s[(row * segment.decimation).min(time_s.len() - 1)];
+    let at = |row: usize| time_s[segment.sample(row)];
     let row_s = if segment.rows() > 1 { at(1) - at(0) } else { 0.0 };
     let mut inside = 0..segment.rows();
     while !inside.is_empty() && at(inside.start) < cut.span_s[0] {

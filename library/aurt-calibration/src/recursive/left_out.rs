@@ -1,5 +1,5 @@
 use super::level::{row_variance_ratios, scaled};
-use crate::{CalibrationError, System, wls::weights};
+use crate::{CalibrationError, System, system::weights};
 
 /// Times that residuals are looked at to weight recordings.
 const REWEIGHTED: usize = 3;

@@ -1,4 +1,4 @@
-use crate::{CalibrationError, JointFactor, Solution, System, wls::weights};
+use crate::{CalibrationError, JointFactor, Solution, System, system::weights};
 
 /// Coefficients that a joint's rows of a window determine, about.
 const FITTED: usize = 3;

@@ -1,6 +1,6 @@
 use aurt_traits::RobotModel;
 
-use crate::{CalibrationError, JointFactor, Solution, System, wls::weights};
+use crate::{CalibrationError, JointFactor, Solution, System, system::weights};
 
 /// Recursive weighted least squares in square-root form: Σ_j σ_j⁻² ‖y_j − W_j ζ‖² over all rows so far.
 ///

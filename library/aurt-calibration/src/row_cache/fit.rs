@@ -3,8 +3,8 @@ use rayon::prelude::*;
 
 use super::{
     dynamics::{DynamicsColumn, Source, dynamics_rows},
+    kept::Kept,
     load::LoadSeries,
-    parts::Kept,
     rigid::RigidRows,
 };
 use crate::{
@@ -261,7 +261,7 @@ impl Piece {
             let data = rigid.segment(recording, segment);
             let motion = data.motion.view();
             let moves = |joint, row: &usize| {
-                motion.velocity_rad_s(joint)[row * data.decimation].abs() > options.rest_velocity_rad_s
+                motion.velocity_rad_s(joint)[data.sample(*row)].abs() > options.rest_velocity_rad_s
             };
             (0..rigid.joints()).map(|j| (0..data.rows()).filter(|row| moves(j, row)).collect()).collect()
         });
@@ -286,7 +286,7 @@ impl JointBasis {
                 let file = rigid.recordings()[piece.recording].name.clone().into();
                 return Err(CalibrationError::NoMeasurement { file });
             };
-            piece.append(joint, &measurement[joint][..segment.rows()], &mut measured);
+            piece.append(joint, &measurement[joint], &mut measured);
         }
         let (rows, n) = (measured.len(), rigid.columns(joint).len());
         let mut basis = Vec::with_capacity(rows * n);

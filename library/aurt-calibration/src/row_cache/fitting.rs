@@ -3,10 +3,13 @@ use rayon::prelude::*;
 
 use super::{dynamics::Source, fit::FitRows, load::LoadSeries};
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, JointRange, LoadTorqueChoice, NamedRecording, System,
-    TermScopes,
+    Calibration, CalibrationError, CalibrationOptions, Estimate, JointRange, LoadTorqueChoice,
+    NamedRecording, System, TermScopes,
+    calibrate::{FittedTo, Setting, finished},
     errors_in_positions::Shift,
-    wls::{Estimate, FittedTo, Setting, estimate, estimate_coefficients, finished},
+    estimate,
+    rows::Observed,
+    system::estimate_coefficients,
 };
 
 /// A linear fit with what it was made of.
@@ -124,8 +127,10 @@ impl FitRows<'_> {
     ) -> Result<Calibration, CalibrationError> {
         let ranges = self.ranges(&fitted.load, &fitted.loads);
         let recordings: Vec<&NamedRecording> = self.recordings().collect();
+        let Setting { model, options, .. } = *setting;
+        let rows = Observed { model, recordings: &recordings, scopes, load: &fitted.load, options };
         let fitted_to = FittedTo {
-            recordings: Some((&recordings, scopes)),
+            rows: Some(rows),
             bandwidth: self.bandwidth(),
             ranges,
             names: recordings.iter().map(|r| r.name.clone()).collect(),

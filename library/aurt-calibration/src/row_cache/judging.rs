@@ -6,7 +6,7 @@ use super::{
     parts::{StackSums, add},
     rigid::RigidRows,
 };
-use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validate::validated};
+use crate::{Calibration, CalibrationError, TermScopes, ValidatedRows, validation::validated};
 
 /// A measured row beside its prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +74,7 @@ impl RigidRows<'_> {
                     add(&mut predicted, coefficients[*column], self.column(recording, s, joint, k));
                 }
                 for row in validated(segment, rows, rest) {
-                    let sample = row * segment.decimation;
+                    let sample = segment.sample(row);
                     visit(JudgedRow {
                         segment: s,
                         time_s: motion.time_s()[sample],

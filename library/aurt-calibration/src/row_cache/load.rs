@@ -1,8 +1,8 @@
 use aurt_recording::Segment;
 use aurt_traits::{ArmSeries, ColumnGroup, Columns, LoadTorque, RobotModel};
 
-use super::rigid::{RigidRows, TILE_SAMPLES};
-use crate::CalibrationError;
+use super::rigid::RigidRows;
+use crate::{CalibrationError, rows::TILE_SAMPLES};
 
 /// The load torque τ_J of every joint over a segment, unfiltered.
 #[derive(Debug, Clone)]

@@ -15,9 +15,11 @@ mod dynamics;
 mod fit;
 mod fitting;
 mod judging;
+mod kept;
 mod load;
 mod parts;
 mod rigid;
+mod series;
 mod stacks;
 
 pub(crate) use dynamics::Source;

@@ -1,14 +1,11 @@
 use std::sync::Arc;
 
-use aurt_recording::{DecimatedTile, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor, RobotModel};
 use rayon::prelude::*;
 
-use super::parts::Parts;
-use crate::{CalibrationError, NamedRecording, wls::check};
-
-/// Samples evaluated at once.
-pub(crate) const TILE_SAMPLES: usize = 512;
+use super::{kept::Parts, series::tiles};
+use crate::{CalibrationError, NamedRecording, rows::check};
 
 /// Recordings with the filtered, decimated rows of their rigid-body columns.
 #[derive(Debug)]
@@ -137,19 +134,11 @@ impl<'r> RigidRows<'r> {
     fn filtered(&self, segment: &Segment) -> Result<SegmentRows, CalibrationError> {
         let (slots, rows) = (self.layout.slots(), segment.rows());
         let mut data = vec![0.0; slots * rows];
-        let mut store = |block: DecimatedTile<'_>| {
-            let first = block.first_row().min(rows);
-            let count = block.rows().min(rows - first);
-            for slot in 0..slots {
-                let start = slot * rows + first;
-                data[start..start + count].copy_from_slice(&block.column(slot)[..count]);
-            }
-        };
-        let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, slots, segment.decimation);
+        let mut store = |block: DecimatedTile<'_>| block.copy_to(data.chunks_exact_mut(rows.max(1)));
+        let mut bank = segment.bank(slots);
         let motion = segment.motion.view();
         let mut tile = RigidTile::default();
-        for first in (0..motion.samples()).step_by(TILE_SAMPLES) {
-            let end = (first + TILE_SAMPLES).min(motion.samples());
+        for (first, end) in tiles(segment) {
             self.evaluate(motion.slice(first..end), &mut tile);
             bank.push(&tile.data, tile.stride, tile.samples, &mut store);
         }

@@ -8,7 +8,7 @@ use aurt_traits::{ColumnGroup, CoulombModel, JointModel, JointStack, RobotModel}
 use super::{
     fit::{FitRows, Split, SplitColumn},
     load::LoadSeries,
-    parts::{filtered, identity, separable, unfiltered},
+    series::{filtered, identity, separable, unfiltered},
 };
 use crate::{CalibrationError, JointFactor, System};
 

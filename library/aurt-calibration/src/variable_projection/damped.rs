@@ -1,10 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 
-use super::{
-    problem::{Linearised, Point, Problem, Sensitivity},
-    search::ShapeOptions,
-};
-use crate::CalibrationError;
+use super::problem::{Linearised, Point, Problem, Sensitivity};
+use crate::{CalibrationError, linear::Cholesky};
 
 /// Steps shorter than this share of a shape's range are no progress.
 const SMALLEST_STEP: f64 = 1e-6;
@@ -12,6 +9,23 @@ const SMALLEST_STEP: f64 = 1e-6;
 const SMALLEST_GAIN: f64 = 1e-11;
 /// Damping tried before a step is given up.
 const MOST_DAMPING: f64 = 1e8;
+
+/// Settings of the search for shape parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ShapeOptions {
+    /// Points of the box that are tried for every shape of a joint, beside the model's own.
+    pub points_per_shape: usize,
+    /// How many of them, the best, are refined.
+    pub refined: usize,
+    /// Most iterations of one refinement.
+    pub iterations: usize,
+}
+
+impl Default for ShapeOptions {
+    fn default() -> Self {
+        Self { points_per_shape: 8, refined: 3, iterations: 40 }
+    }
+}
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
@@ -105,7 +119,7 @@ fn step(linearised: &Linearised, units: &[f64], damping: f64) -> Vec<f64> {
     });
     let right = DVector::from_fn(m, |k, _| linearised.slope[free[k]]);
     let mut step = vec![0.0; n];
-    if let Some(factor) = matrix.cholesky() {
+    if let Some(factor) = Cholesky::of(&matrix) {
         free.iter().zip(factor.solve(&right).iter()).for_each(|(k, value)| step[*k] = *value);
     }
     step

@@ -1,18 +1,17 @@
 use aurt_traits::{MeasurementUnit, RobotModel};
 
 use super::{
+    damped::ShapeOptions,
     owner::Owner,
-    problem::Problem,
     report::ShapeReport,
-    search::{Found, ShapeOptions, search_box, search_nearby},
+    search::{Found, search_box, search_nearby},
+    shaped::Shaped,
     shifted::shift,
     uncertainty::precision,
 };
 use crate::{
-    Calibration, CalibrationError, CalibrationOptions, Estimator, FitRows, NamedRecording, RigidRows,
-    TermScopes, calibrate_rows, calibrate_scoped,
-    row_cache::{Fitted, fit},
-    wls::{Setting, weights},
+    Calibration, CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
+    calibrate::Setting, calibrate_rows, calibrate_scoped,
 };
 
 /// Weights and load torque follow the shapes at most this often.
@@ -135,41 +134,6 @@ pub fn calibrate_shapes_rows(
     calibration.warnings.extend(report.warnings(unit));
     calibration.shape_fit = Some(report);
     Ok((model, calibration))
-}
-
-/// A model with some shapes, its linear fit, and what the search keeps fixed.
-pub(super) struct Shaped<'a> {
-    pub(super) model: RobotModel,
-    pub(super) rows: &'a FitRows<'a>,
-    acting: Vec<Vec<bool>>,
-    pub(super) fitted: Fitted,
-    estimator: Estimator,
-}
-
-impl<'a> Shaped<'a> {
-    fn begin(
-        model: &RobotModel,
-        rows: &'a FitRows<'a>,
-        scopes: &TermScopes,
-        options: &CalibrationOptions,
-    ) -> Result<Self, CalibrationError> {
-        Ok(Self {
-            model: model.clone(),
-            rows,
-            acting: rows.acting(model, scopes),
-            fitted: fit(model, rows, scopes, options)?,
-            estimator: options.estimator,
-        })
-    }
-
-    fn problem(&self) -> Result<Problem<'_>, CalibrationError> {
-        Problem::new(&self.model, self.rows, &self.acting, &self.fitted.loads, self.weights())
-    }
-
-    pub(super) fn weights(&self) -> Vec<f64> {
-        let sigma = &self.fitted.estimate.sigma;
-        if self.estimator.is_weighted() { weights(sigma) } else { vec![1.0; sigma.len()] }
-    }
 }
 
 /// The largest change of any shape.

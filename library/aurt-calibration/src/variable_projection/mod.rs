@@ -22,10 +22,11 @@ mod owner;
 mod problem;
 mod report;
 mod search;
+mod shaped;
 mod shifted;
 mod uncertainty;
 
+pub use damped::ShapeOptions;
 pub use fitting::{calibrate_shapes, calibrate_shapes_rows};
 pub use owner::shapes_of;
 pub use report::{FittedShape, ShapeReport};
-pub use search::ShapeOptions;

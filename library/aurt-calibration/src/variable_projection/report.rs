@@ -132,26 +132,25 @@ impl ShapeReport {
         let bounded = listed(&|s| s.at_bound);
         if !bounded.is_empty() {
             warnings.push(format!(
-                "shape parameters at a bound, where the model degenerates or the recordings say nothing: {bounded}; \
-                 take the simpler model that it has become, or record motions that show the difference (`aurt explain \
-                 shape_at_bound`)"
+                "shape parameters at a bound, where the model degenerates or the recordings do not determine them: {bounded}; \
+                 use the simpler model, or record motions that show the difference (`aurt explain shape_at_bound`)"
             ));
         }
         let shifted = listed(&|s| s.is_shifted());
         if !shifted.is_empty() {
             warnings.push(format!(
-                "noise of the positions may have shifted shape parameters by more than every other error, which \
-                 intervals include: {shifted}; a lower f_dyn, a finer encoder, or motions that do not hover at rest determine \
-                 them better (`aurt explain position_bias`)"
+                "position noise may have shifted shape parameters by more than all other errors together (included in \
+                 their intervals): {shifted}; use a lower f_dyn, a finer encoder, or motions with less time near rest \
+                 (`aurt explain position_bias`)"
             ));
         }
         let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());
         if !silent.is_empty() {
-            warnings.push(format!("shape parameters that the recordings do not determine: {silent}"));
+            warnings.push(format!("shape parameters not determined by the recordings: {silent}"));
         }
         if !self.converged {
             warnings.push(format!(
-                "the search for shape parameters did not settle within {} iterations",
+                "the search for shape parameters did not converge in {} iterations",
                 self.iterations
             ));
         }

@@ -1,27 +1,10 @@
 use rayon::prelude::*;
 
 use super::{
-    damped::{Descent, descend},
+    damped::{Descent, ShapeOptions, descend},
     problem::{Point, Problem},
 };
 use crate::CalibrationError;
-
-/// Settings of the search for shape parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ShapeOptions {
-    /// Points of the box that are tried for every shape of a joint, beside the model's own.
-    pub points_per_shape: usize,
-    /// How many of them, the best, are refined.
-    pub refined: usize,
-    /// Most iterations of one refinement.
-    pub iterations: usize,
-}
-
-impl Default for ShapeOptions {
-    fn default() -> Self {
-        Self { points_per_shape: 8, refined: 3, iterations: 40 }
-    }
-}
 
 /// What a search found.
 #[derive(Debug, Clone)]

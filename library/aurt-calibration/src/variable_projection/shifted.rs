@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{fitting::Shaped, owner::Owner, problem::Problem, uncertainty::at_bound};
+use super::{owner::Owner, problem::Problem, shaped::Shaped, uncertainty::at_bound};
 use crate::{
     CalibrationError, CalibrationOptions, FitRows, NamedRecording, RigidRows, TermScopes,
     errors_in_positions::{DRAWS, Shift, noisier_recordings, position_noise_matters},

@@ -4,7 +4,7 @@ use super::{
     report::FittedShape,
     search::Found,
 };
-use crate::{CalibrationError, Estimator, uncertainty::NORMAL_95, wls::estimate};
+use crate::{CalibrationError, Estimator, estimate, uncertainty::NORMAL_95};
 
 /// A shape this close to an end of its range lies at the bound.
 const AT_BOUND: f64 = 1e-6;

@@ -109,6 +109,7 @@ pub fn recording(
         velocity_rad_s: None,
         measurement: Some(torque),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     };
     NamedRecording { name: name.into(), data: preprocess(&recording, &PreprocessOptions::new(10.0)).unwrap() }

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use crate::evidence::baseline::weighted_fit;
+use crate::evidence::judge::{Judge, quantile};
 use crate::hypotheses::group::Switch;
 use crate::investigation::Investigation;
 use crate::request::Question;
-use crate::search::null::{Judge, quantile};
 
 /// The group with the lowest Σ_j n_j log MSE_j on held-out blocks, if chance does not gain as much with the best of all
 /// groups on residuals of the baseline that are shifted against the motion, but for one time in twenty.

@@ -56,7 +56,7 @@ impl Method {
             let kinds: &[&'static str] =
                 if group.target_only() { &["target"] } else { &["calibration", "target"] };
             MethodFinding {
-                effect: group.effect.to_owned(),
+                effect: group.effect.id.to_owned(),
                 joints: group.joints.clone(),
                 present_in: kinds.iter().map(|k| (*k).to_owned()).collect(),
             }

@@ -43,6 +43,14 @@ pub struct Contact {
     pub force_n: [f64; 3],
 }
 
+impl Contact {
+    /// Whether two contacts are one: the same recording, and windows that meet.
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        let [from, to] = self.window_s;
+        self.recording == other.recording && from < other.window_s[1] && other.window_s[0] < to
+    }
+}
+
 /// What a contact must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactOptions {

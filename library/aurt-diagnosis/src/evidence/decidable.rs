@@ -2,9 +2,9 @@
 
 use crate::evidence::problem::Problem;
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::{self, Presence};
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::Question;
+use crate::vocabulary::Presence;
 
 /// Below this share of its torque a column counts as absorbed by the baseline and is left out of its group.
 const ABSORBED: f64 = 1e-3;
@@ -43,10 +43,9 @@ pub(crate) fn groups(
             if free[index][usize::from(target_only)] < question.selection.free_share {
                 continue;
             }
-            let named_for = |k: usize| effects::find(candidate.effect).is_none_or(|e| e.is_essential(k));
             let free_ones = switches.into_iter().zip(&share).enumerate().filter(|(_, (_, s))| **s > ABSORBED);
             let (essential, switches): (Vec<bool>, Vec<Switch>) =
-                free_ones.map(|(k, (switch, _))| (named_for(k), switch)).unzip();
+                free_ones.map(|(k, (switch, _))| ((candidate.effect.is_essential)(k), switch)).unzip();
             groups.push(Group {
                 effect: candidate.effect,
                 joints: candidate.proposal.joints.clone(),

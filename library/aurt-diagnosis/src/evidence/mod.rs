@@ -2,9 +2,11 @@
 
 pub(crate) mod account;
 pub mod baseline;
+pub mod chance;
 pub(crate) mod decidable;
 pub(crate) mod deviations;
 pub(crate) mod gram;
+pub(crate) mod judge;
 pub(crate) mod judged;
 pub(crate) mod linear;
 pub(crate) mod nested;
@@ -14,4 +16,5 @@ pub(crate) mod residuals;
 pub(crate) mod total;
 
 pub use baseline::Baseline;
+pub use chance::Chance;
 pub use problem::Problem;

@@ -6,18 +6,18 @@ use aurt_plugins::Registry;
 use aurt_traits::{ArmTerm, ColumnGroup, RobotModel};
 use serde_json::Value;
 
+use crate::effects;
 use crate::error::DiagnosisError;
-use crate::hypotheses::effects;
-use crate::hypotheses::effects::{Addition, Context, Effect, Proposal};
 use crate::hypotheses::registered::{Proposed, REGISTERED, RegisteredModel};
 use crate::recordings::rows::Layout;
 use crate::request::Question;
+use crate::vocabulary::{Addition, Context, Effect, Proposal};
 
 /// A proposal of an effect, with its place among the columns.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// Identifier of the effect; `registered_model` for one that is of none.
-    pub effect: &'static str,
+    /// The effect; of a registered model one that stands for all of these.
+    pub effect: &'static Effect,
     /// The registered model that it is, if it is of no effect.
     pub registered: Option<RegisteredModel>,
     /// What it proposes.
@@ -33,14 +33,13 @@ pub(crate) fn candidates(
     question: &Question<'_>,
     registry: &Registry,
     context: &Context<'_>,
-    unasked: impl Fn(&str) -> bool,
     registered: Vec<Proposed>,
 ) -> Result<(RobotModel, Vec<Candidate>), DiagnosisError> {
     let own = question.model;
     let mut terms: Vec<Box<dyn ArmTerm>> = own.arm_terms().to_vec();
-    let mut proposed: Vec<(&'static str, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
-    for effect in effects::all().into_iter().filter(|e| !unasked(e.id())) {
-        for proposal in effect.proposals(context) {
+    let mut proposed: Vec<(&'static Effect, Option<RegisteredModel>, Proposal, Option<usize>)> = Vec::new();
+    for effect in effects::ALL.into_iter().filter(|e| question.considers(e)) {
+        for proposal in (effect.propose)(context) {
             let term = match &proposal.addition {
                 Addition::Term(configuration) => {
                     let term = build_term(registry, effect, configuration)?;
@@ -49,12 +48,12 @@ pub(crate) fn candidates(
                 }
                 Addition::Instrument(..) => None,
             };
-            proposed.push((effect.id(), None, proposal, term));
+            proposed.push((effect, None, proposal, term));
         }
     }
     for Proposed { model, proposal, term } in registered {
         terms.push(term);
-        proposed.push((REGISTERED, Some(model), proposal, Some(terms.len() - 1)));
+        proposed.push((&REGISTERED, Some(model), proposal, Some(terms.len() - 1)));
     }
     let model = with_terms(own, terms)?;
     let layout = Layout::new(&model);
@@ -95,11 +94,11 @@ pub(crate) fn with_terms(
 /// The term of a proposal.
 pub(crate) fn build_term(
     registry: &Registry,
-    effect: &dyn Effect,
+    effect: &Effect,
     configuration: &Value,
 ) -> Result<Box<dyn ArmTerm>, DiagnosisError> {
     registry.build_from_json::<dyn ArmTerm>(configuration).map_err(|errors| DiagnosisError::Candidate {
-        effect: effect.id(),
+        effect: effect.id,
         reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
     })
 }

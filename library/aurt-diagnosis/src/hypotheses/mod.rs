@@ -1,11 +1,8 @@
-//! The physics that can be missing: one effect a file, and registered friction models.
+//! What effects propose, and registered friction models, as hypotheses over columns.
 
 pub mod candidates;
-pub mod effects;
 pub mod group;
-pub(crate) mod periodogram;
 pub mod registered;
-pub mod shape;
 
 pub use candidates::Candidate;
 pub use group::{Group, Switch};

@@ -8,10 +8,10 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
-use crate::hypotheses::effects::Addition;
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::Question;
+use crate::vocabulary::Addition;
 
 /// What has to be added to an experiment.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -66,8 +66,8 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
     }
     for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
         improvement.notes.push(format!(
-            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) moves a link against its motor; no term of a model \
-             that is linear in its parameters carries that, and the improved experiment does without it",
+            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
+             in its parameters describes a link that moves against its motor",
             gear.joint, gear.stiffness_nm_rad[0], gear.gap_rad[0]
         ));
     }
@@ -88,7 +88,7 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
                     improvement.notes.push(format!(
                         "{} on joint {joint} is in the target recordings only; `[instrument]` holds for all \
                          recordings, so it was not added",
-                        group.effect
+                        group.effect.id
                     ));
                     continue;
                 }

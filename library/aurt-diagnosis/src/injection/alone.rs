@@ -8,12 +8,13 @@ use crate::investigation::repair_helps;
 use crate::recordings::rows::Role;
 use crate::request::{Question, QuestionedRecording};
 use crate::verdict::Answer;
+use crate::vocabulary::Effect;
 
 /// A fault that recordings show.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenFault {
-    /// Identifier of the effect.
-    pub effect: &'static str,
+    /// The effect.
+    pub effect: &'static Effect,
     /// The joints concerned.
     pub joints: Vec<usize>,
     /// Whether the diagnosis names it: nothing else is said of the recordings as they are, or the repair improves the fit.

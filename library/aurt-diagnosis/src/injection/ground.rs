@@ -1,10 +1,10 @@
 //! Selection with what is known of the recordings as they are.
 
+use crate::evidence::chance::Chance;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::share;
 use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
-use crate::search::chance::Chance;
 use crate::search::ground::{Beside, Ground, Recorded};
 
 /// The rows of a trial. What is left of a trial once its effect is in the model is what is left of the recordings as they

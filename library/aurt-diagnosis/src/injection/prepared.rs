@@ -4,14 +4,14 @@ use aurt_recording::{PreprocessOptions, Recording, preprocess};
 use crate::contact::{ForceColumns, force_columns};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{own_switches, weighted_fit};
+use crate::evidence::chance::Chance;
+use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::{residuals, shares};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::{Investigation, investigate};
 use crate::noise::floor::noise_floor;
 use crate::request::{Question, QuestionedRecording};
-use crate::search::chance::Chance;
-use crate::search::null::Judge;
 use crate::verdict::{Verdict, write_verdict};
 
 /// What is added to the rows of the recordings, `[recording][joint][row]`, in the order of the question's recordings.
@@ -127,9 +127,8 @@ impl<'a> Prepared<'a> {
         let data = preprocess(repaired.as_ref().unwrap_or(&added), &options)?;
         let mut rows = vec![Vec::new(); self.question.model.joints()];
         for segment in &data.segments {
-            let kept = segment.rows();
             for (all, series) in rows.iter_mut().zip(segment.measurement.iter().flatten()) {
-                all.extend(series.iter().take(kept));
+                all.extend_from_slice(series);
             }
         }
         Ok(rows)

@@ -1,25 +1,23 @@
 //! Orders of ripple that a trial's own measurement proposes.
 
-use aurt_traits::ArmTerm;
-
 use crate::error::DiagnosisError;
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::{Addition, Context, Proposal, find};
+use crate::hypotheses::candidates::{Candidate, build_term};
 use crate::injection::anew::Anew;
 use crate::injection::prepared::Prepared;
 use crate::recordings::rows::{JointRows, RecordingRows, Role};
 use crate::recordings::term_rows::term_rows;
+use crate::vocabulary::{Addition, Context, Effect, Proposal};
 
 impl Prepared<'_> {
-    /// Gives the ripples of the changed joints that are not claimed of the recordings as they are the orders of the
-    /// residual's own periodogram.
-    pub(super) fn propose_ripples(
+    /// Proposes an effect anew, from the residual of the trial, on the changed joints, where it is not claimed of the
+    /// recordings as they are.
+    pub(super) fn propose_anew(
         &self,
+        effect: &Effect,
         anew: &mut Anew,
         candidates: &mut [Candidate],
     ) -> Result<(), DiagnosisError> {
-        let Some(effect) = find("torque_ripple") else { return Ok(()) };
         let claimed: Vec<usize> = self
             .reference
             .selection
@@ -53,9 +51,9 @@ impl Prepared<'_> {
                 inertial: &[],
                 resolution_rad: &[],
             };
-            let proposals = effect.proposals(&context).into_iter().filter(|p| p.joints == [joint]);
+            let proposals = (effect.propose)(&context).into_iter().filter(|p| p.joints == [joint]);
             let open = |k: &usize| {
-                candidates[*k].effect == effect.id()
+                candidates[*k].effect == effect
                     && candidates[*k].proposal.joints == [joint]
                     && !claimed.contains(k)
             };
@@ -76,11 +74,7 @@ impl Prepared<'_> {
         joint: usize,
     ) -> Result<(), DiagnosisError> {
         let Addition::Term(configuration) = &proposal.addition else { return Ok(()) };
-        let refuse = |errors: Vec<_>| DiagnosisError::Candidate {
-            effect: candidate.effect,
-            reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-        };
-        let term = self.registry.build_from_json::<dyn ArmTerm>(configuration).map_err(refuse)?;
+        let term = build_term(self.registry, candidate.effect, configuration)?;
         let row = &self.reference.layout.rows[joint];
         let places: Vec<usize> =
             candidate.columns.iter().filter_map(|c| row.iter().position(|own| own == c)).collect();

@@ -90,6 +90,7 @@ fn recording(model: &RobotModel, seed: u64, seconds: f64) -> Recording {
         velocity_rad_s: None,
         measurement: Some(measurement),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     }
 }

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use crate::contact::{Contact, ContactOptions, ContactRows, find_contacts};
+use crate::effects::{self, external_contact, time_delay};
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, weighted_fit};
 use crate::evidence::gram::BlockMoments;
+use crate::evidence::judge::Judge;
 use crate::evidence::judged::bound_floors;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::residuals;
@@ -18,7 +20,6 @@ use crate::investigation::{Delay, Investigation, earn, mean_floor, reshape};
 use crate::recordings::divided::FitRows;
 use crate::request::{Question, QuestionedRecording};
 use crate::search::ground::{Ground, Recorded};
-use crate::search::null::Judge;
 use crate::search::selection::{Selection, Selector};
 use crate::verdict::{Verdict, write_verdict};
 
@@ -56,15 +57,15 @@ impl Prepared<'_> {
         let reference = &self.reference;
         let mut anew = self.anew(added, turn);
         let mut candidates = reference.candidates.clone();
-        if effect == "torque_ripple" {
-            self.propose_ripples(&mut anew, &mut candidates)?;
+        if let Some(effect) = effects::find(effect).filter(|e| e.reads_residual) {
+            self.propose_anew(effect, &mut anew, &mut candidates)?;
         }
         let (groups, chosen) = self.hypotheses(&anew.joints);
         let several = anew.joints.len() > 1;
         let investigation = self.investigated(question, anew, candidates, groups, chosen)?;
         // One clock stamps all joints: what is on one of them is no delay.
-        let withheld = question.without.iter().any(|w| w == "time_delay");
-        if (several || investigation.is_late()) && !withheld && reference.late.is_none() {
+        let considered = question.considers(&time_delay::EFFECT);
+        if (several || investigation.is_late()) && considered && reference.late.is_none() {
             let recordings = self.with_added(added);
             let late = Question { recordings: &recordings, ..*question };
             if Delay::found(&late, &investigation)?.is_some() {
@@ -93,7 +94,7 @@ impl Prepared<'_> {
         let start = Start { groups: &groups, chosen, floor: &floor, changed: &joints };
         let mut selected = self.select(question, problem, &mut rows, &mut candidates, &start);
         let mut contacts = reference.contacts.clone();
-        if !question.without.iter().any(|w| w == "external_contact") {
+        if question.considers(&external_contact::EFFECT) {
             let found = self.contacts(question, &rows, &selected);
             if !found.is_empty() {
                 let untouched = rows.clone();
@@ -101,7 +102,7 @@ impl Prepared<'_> {
                 let problem = Problem::new(layout, BlockMoments::accumulate(&rows, partition));
                 selected = self.select(question, problem, &mut rows, &mut candidates, &start);
                 let again = self.contacts(question, &untouched, &selected);
-                contacts.extend(found.into_iter().filter(|f| again.iter().any(|c| meet(f, c))));
+                contacts.extend(found.into_iter().filter(|f| again.iter().any(|c| f.meets(c))));
             }
         }
         let Selected { problem, mut selection, switches, coefficients, independent_share } = selected;
@@ -210,7 +211,7 @@ impl Prepared<'_> {
             .zip(&searched)
             .map(|(r, (residual, left_out))| ContactRows {
                 rows: &rows[*r],
-                origin_s: self.origin_s(*r),
+                origin_s: self.recordings[*r].origin_s(),
                 residual,
                 forces: &self.forces[*r],
                 left_out,
@@ -222,13 +223,9 @@ impl Prepared<'_> {
 
     fn leave_out(&self, rows: &mut FitRows, contacts: &[Contact]) {
         for contact in contacts {
-            let origin_s = self.origin_s(contact.recording);
+            let origin_s = self.recordings[contact.recording].origin_s();
             rows[contact.recording].leave_out(contact.window_s.map(|t| t + origin_s));
         }
-    }
-
-    fn origin_s(&self, recording: usize) -> f64 {
-        self.recordings[recording].raw.time_s.first().copied().unwrap_or(0.0)
     }
 
     /// The recordings with something added to their measurement behind the filters.
@@ -247,9 +244,4 @@ impl Prepared<'_> {
         }
         recordings
     }
-}
-
-/// Whether two contacts are one.
-fn meet(a: &Contact, b: &Contact) -> bool {
-    a.recording == b.recording && a.window_s[0] < b.window_s[1] && b.window_s[0] < a.window_s[1]
 }

@@ -6,11 +6,11 @@ use crate::contact::{
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, extended_load};
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::effects::{self, Family, OwnFriction};
 use crate::hypotheses::group::Switch;
 use crate::investigation::selecting::{Parts, Selected};
 use crate::recordings::divided::FitRows;
 use crate::recordings::rows::{Fit, RecordingRows, Role};
+use crate::vocabulary::{Family, OwnFriction};
 use aurt_traits::{ColumnGroup, RobotModel};
 
 impl Parts<'_> {
@@ -34,12 +34,12 @@ impl Parts<'_> {
         let after = self.select(rows, progress);
         let mut again = self.contacts(&untouched, &after)?;
         again.retain(lasts);
-        again.retain(|c| found.iter().any(|f| meet(f, c)));
+        again.retain(|c| found.iter().any(|f| f.meets(c)));
         if again.len() == found.len() {
             return Ok((found, after));
         }
         *rows = untouched;
-        found.retain(|f| again.iter().any(|c| meet(f, c)));
+        found.retain(|f| again.iter().any(|c| f.meets(c)));
         self.leave_out(rows, &found);
         let selected = self.select(rows, progress);
         Ok((found, selected))
@@ -47,7 +47,7 @@ impl Parts<'_> {
 
     fn leave_out(&self, rows: &mut FitRows, contacts: &[Contact]) {
         for contact in contacts {
-            let origin_s = self.origin_s(contact.recording);
+            let origin_s = self.question.recordings[contact.recording].origin_s();
             rows[contact.recording].leave_out(contact.window_s.map(|t| t + origin_s));
         }
     }
@@ -77,7 +77,7 @@ impl Parts<'_> {
             .zip(&searched)
             .map(|(r, (residual, left_out, forces))| ContactRows {
                 rows: &rows[*r],
-                origin_s: self.origin_s(*r),
+                origin_s: self.question.recordings[*r].origin_s(),
                 residual,
                 forces,
                 left_out,
@@ -151,7 +151,7 @@ impl Parts<'_> {
             let forces = force_columns(&**self.question.model.rigid_body(), &rows)?;
             let view = StandingRows {
                 rows: &rows,
-                origin_s: self.origin_s(r),
+                origin_s: self.question.recordings[r].origin_s(),
                 residual: &residual,
                 forces: &forces,
                 friction_nm: &friction_nm,
@@ -174,10 +174,7 @@ impl Parts<'_> {
         }
         let still = |switch: &&Switch| {
             let mut groups = selected.selection.chosen.iter().map(|c| &selected.groups[c.group]);
-            groups.any(|g| {
-                let family = effects::find(g.effect).map(|e| e.family());
-                matches!(family, Some(Family::I | Family::P)) && g.switches.contains(switch)
-            })
+            groups.any(|g| matches!(g.effect.family, Family::I | Family::P) && g.switches.contains(switch))
         };
         for (switch, value) in selected.fitted.switches.iter().zip(&selected.fitted.fit.coefficients) {
             if still(&switch) && (!switch.target_only || role == Role::Target) {
@@ -186,13 +183,4 @@ impl Parts<'_> {
         }
         at_rest
     }
-
-    fn origin_s(&self, recording: usize) -> f64 {
-        self.question.recordings[recording].raw.time_s.first().copied().unwrap_or(0.0)
-    }
-}
-
-/// Whether two contacts are one: the same recording, and windows that meet.
-fn meet(a: &Contact, b: &Contact) -> bool {
-    a.recording == b.recording && a.window_s[0] < b.window_s[1] && b.window_s[0] < a.window_s[1]
 }

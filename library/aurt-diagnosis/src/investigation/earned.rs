@@ -10,10 +10,10 @@ use crate::contact::force_columns;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
-use crate::hypotheses::effects::{self, Parameters};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::investigation::fitted::Fitted;
+use crate::parameters::Parameters;
 use crate::recordings::rows::RecordingRows;
 use crate::request::Question;
 use crate::search::selection::Chosen;
@@ -58,7 +58,9 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
     for (one, fails) in chosen.iter().zip(&mut fails) {
         if let Some(p) = one.p_confirm.filter(|p| *p > question.selection.confirm) {
-            fails.push(format!("held-out data favour it no more than chance, with a probability of {p:.2}"));
+            fails.push(format!(
+                "held-out data do not support it: chance supports it as much with a probability of {p:.2}"
+            ));
         }
     }
     for (joint, times) in trial.worse_in_all() {
@@ -69,7 +71,7 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         }
         for i in culprits {
             fails[i].push(format!(
-                "with all that was selected the held-out error of joint {joint} is {times:.2} times as large as without"
+                "all selected effects together multiply the held-out error of joint {joint} by {times:.2}"
             ));
         }
     }
@@ -148,8 +150,7 @@ impl<'a> Trial<'a> {
             .map(|g| whole.parameters(g, &investigation.candidates[g.candidate], question.model, &own))
             .collect();
         let joints = groups.iter().zip(chosen).map(|(group, one)| {
-            let whole_arm = effects::find(group.effect).is_some_and(|e| e.whole_arm());
-            if whole_arm { concerned(one) } else { group.joints.clone() }
+            if group.effect.is_whole_arm { concerned(one) } else { group.joints.clone() }
         });
         let confirming = |switches: &[Switch], coefficients: &[f64]| {
             confirming_errors(investigation, switches, coefficients)
@@ -177,13 +178,11 @@ impl<'a> Trial<'a> {
     /// The tests that one of it fails.
     fn fails(&self, i: usize) -> Vec<String> {
         let group = self.groups[i];
-        let mut fails = Vec::new();
-        if let Some(effect) = effects::find(group.effect) {
-            fails.extend(effect.impossible(&self.parameters[i], self.reach_m));
-        }
+        let mut fails: Vec<String> =
+            group.effect.impossible(&self.parameters[i], self.reach_m).into_iter().collect();
         let away = self.away_from_zero(i);
         if away < AWAY_STD {
-            fails.push(format!("it is {away:.1} standard deviations from nothing; {AWAY_STD} are asked for"));
+            fails.push(format!("it is {away:.1} σ from zero; at least {AWAY_STD} σ required"));
         }
         let kinds: &[usize] = if group.target_only() { &[1] } else { &[0, 1] };
         let sum = |errors: &[Vec<f64>; 2], j: usize| kinds.iter().map(|k| errors[*k][j]).sum::<f64>();
@@ -193,7 +192,7 @@ impl<'a> Trial<'a> {
         });
         if !matters {
             fails.push(format!(
-                "it lowers the squared error of no joint by {:.0} %, beside what else was selected",
+                "it reduces the squared error of no joint by {:.0} % beyond the other selected effects",
                 100.0 * self.least_share
             ));
         }
@@ -241,7 +240,7 @@ impl<'a> Trial<'a> {
         let most = if self.joints[i].len() > 2 { WORSE_JOINTS * judged as f64 } else { 0.0 };
         (!worse.is_empty() && worse.len() as f64 >= most).then(|| {
             format!(
-                "held-out data are predicted better without it, on joint{} {}",
+                "held-out data are predicted better without it on joint{} {}",
                 if worse.len() == 1 { "" } else { "s" },
                 worse.join(", ")
             )

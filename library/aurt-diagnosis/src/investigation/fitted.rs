@@ -7,9 +7,10 @@ use crate::evidence::deviations::Resampled;
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::{self, FittedColumn, OwnFriction, Parameters};
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
+use crate::parameters::{FittedColumn, Parameters};
+use crate::vocabulary::OwnFriction;
 
 /// Coefficients, their deviations, and the weights that they were fitted with.
 #[derive(Debug)]
@@ -47,7 +48,7 @@ impl Fitted {
     }
 
     /// The coefficients of the model's own columns: those of a baseline, and the fitted ones where these were fitted.
-    pub(super) fn own(&self, baseline: &[f64], base: &[Switch]) -> Vec<f64> {
+    pub(crate) fn own(&self, baseline: &[f64], base: &[Switch]) -> Vec<f64> {
         let mut own = baseline.to_vec();
         for (switch, value) in base.iter().zip(&self.fit.coefficients) {
             own[switch.column] = *value;
@@ -65,9 +66,7 @@ impl Fitted {
     ) -> Parameters {
         let friction = OwnFriction::of(model, candidate.proposal.joints[0], own);
         let columns = self.columns(candidate, group.target_only());
-        effects::find(group.effect)
-            .map(|e| e.parameters_beside(&candidate.proposal, &columns, &friction))
-            .unwrap_or_default()
+        group.effect.estimated(&candidate.proposal, &columns, &friction)
     }
 
     /// Place of a coefficient.

@@ -13,11 +13,11 @@ use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::gram::{Moments, dot};
 use crate::evidence::total::free_first;
-use crate::hypotheses::effects::{Addition, Kind, find};
-use crate::hypotheses::group::{Group, Switch, kind};
+use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::Investigation;
 use crate::recordings::rows::{Instrument, Role};
 use crate::request::{Question, QuestionedRecording};
+use crate::vocabulary::{Addition, Kind};
 
 /// How late the measurement is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -247,9 +247,9 @@ fn parabola(at: f64, step: f64, [before, here, after]: [f64; 3]) -> (f64, f64) {
 /// The model under which delays are scanned: the baseline, what was found but for delays and what imitates them, and
 /// friction that lags on every joint.
 fn model(investigation: &Investigation) -> Vec<Switch> {
-    let lags = |group: &&Group| find(group.effect).is_some_and(|e| e.lags());
+    let lags = |group: &&Group| group.effect.delays_friction;
     let found = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
-    let found = found.filter(|g| kind(g.effect) != Kind::Acceleration);
+    let found = found.filter(|g| g.effect.kind != Kind::Acceleration);
     let mut all = investigation.base_switches.clone();
     let everywhere = !investigation.problem.has_reference();
     let lagging = investigation.groups.iter().filter(lags).filter(|g| everywhere || !g.target_only());

@@ -25,24 +25,26 @@ use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
 use crate::contact::Contact;
+use crate::effects::external_contact;
+use crate::effects::time_delay::EFFECT as DELAY;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{BLOCKS, Baseline, GAP_PERIODS, extended_load, own_switches, partition};
+use crate::evidence::judge::Judge;
 use crate::evidence::judged::{Judged, bound_floors, prepare};
 use crate::evidence::problem::Problem;
 use crate::evidence::total::TotalFit;
+use crate::faults::Fault;
 use crate::hypotheses::candidates::{Candidate, candidates};
-use crate::hypotheses::effects::Context;
 use crate::hypotheses::group::{Group, Switch};
 use crate::hypotheses::registered;
 use crate::noise::spectrum::RecordingNoise;
 use crate::recordings::divided::{ConfirmRows, FitRows};
-use crate::recordings::faults::Fault;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
-use crate::search::null::Judge;
 use crate::search::selection::Selection;
 use crate::transmission::Shaking;
+use crate::vocabulary::Context;
 use gears::without_gears;
 use selecting::{Parts, Selected};
 
@@ -143,7 +145,7 @@ pub fn investigate(
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     let mut investigation = selected(question, registry, &mut progress)?;
-    progress("testing what was found");
+    progress("testing the findings");
     earn(question, &mut investigation)?;
     Ok(investigation)
 }
@@ -155,10 +157,9 @@ fn selected(
     mut progress: impl FnMut(&str),
 ) -> Result<Investigation, DiagnosisError> {
     let first = investigate_as_it_is(question, registry, &mut progress)?;
-    let withheld = question.without.iter().any(|w| w == DELAY);
-    let found = if withheld { None } else { Delay::found(question, &first)? };
+    let found = if question.considers(&DELAY) { Delay::found(question, &first)? } else { None };
     let mut without = question.without.to_vec();
-    without.push(DELAY.to_owned());
+    without.push(DELAY.id.to_owned());
     let Some(delay) = found else {
         if !first.is_late() {
             return Ok(first);
@@ -173,9 +174,6 @@ fn selected(
     second.late = Some(Late { delay, before: Box::new(first) });
     Ok(second)
 }
-
-/// The effect that shifting undoes.
-const DELAY: &str = "time_delay";
 
 /// The travel of each joint below which positions are not told apart in the coarsest recording: the step of the encoder,
 /// and three deviations of the noise beside it.
@@ -206,7 +204,7 @@ fn investigate_as_it_is(
     let as_recorded = question;
     let question = &Question { recordings: &recordings, ..*question };
     let faults_matter = faults.iter().any(|f| f.suffices) && repair_helps(as_recorded, question)?;
-    progress("fitting the model in question");
+    progress("fitting the reference model");
     let mut judged = Judged::new(question, Baseline::new(question)?)?;
     // A model that the calibration recordings do not determine says nothing of the targets' motion: of parameters that
     // these alone excite, noise decides.
@@ -260,9 +258,8 @@ fn investigate_as_it_is(
         inertial: &inertial,
         resolution_rad: &resolution_rad(&noise, question.model.joints()),
     };
-    let unasked = |effect: &str| question.without.iter().any(|w| w == effect);
     let (proposed, untried) = registered::proposals(question, registry);
-    let (model, mut candidates) = candidates(question, registry, &context, unasked, proposed)?;
+    let (model, mut candidates) = candidates(question, registry, &context, proposed)?;
     drop(context_rows);
 
     progress("evaluating candidates");
@@ -295,7 +292,7 @@ fn investigate_as_it_is(
     };
     let mut selected = parts.select(&mut rows, progress);
     let mut contacts = Vec::new();
-    if !question.without.iter().any(|w| w == "external_contact") {
+    if question.considers(&external_contact::EFFECT) {
         progress("looking for contacts");
         // A few periods of a ringing gear push like a hand.
         let shortest_s = shaking
@@ -306,7 +303,7 @@ fn investigate_as_it_is(
         (contacts, selected) = parts.with_contacts(&mut rows, selected, shortest_s, progress)?;
         contacts.extend(parts.standing_contacts(&model, &baseline, &selected)?);
     }
-    progress("settling what is made of the model's own torque");
+    progress("refining effects that depend on the model's torque");
     if parts.settle(&baseline, &mut rows, &mut confirm, &mut selected)? {
         selected = parts.select(&mut rows, progress);
     }

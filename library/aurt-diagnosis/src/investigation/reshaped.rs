@@ -1,16 +1,15 @@
 //! Columns of laws whose shapes were estimated, in the rows that confirm.
 
 use aurt_plugins::Registry;
-use aurt_traits::ArmTerm;
 
 use crate::error::DiagnosisError;
-use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects::Addition;
+use crate::hypotheses::candidates::{Candidate, build_term};
 use crate::recordings::divided::ConfirmRows;
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::Layout;
 use crate::recordings::term_rows::term_rows;
 use crate::request::Question;
+use crate::vocabulary::Addition;
 
 /// Evaluates a law with the shapes that were estimated on the rows that fit over the rows that confirm, which still have
 /// its columns with the shapes that the search started from.
@@ -29,11 +28,7 @@ pub(crate) fn reshape(
     if candidate.proposal.shapes.is_empty() {
         return Ok(());
     }
-    let refuse = |errors: Vec<_>| DiagnosisError::Candidate {
-        effect: candidate.effect,
-        reason: errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
-    };
-    let term = registry.build_from_json::<dyn ArmTerm>(configuration).map_err(refuse)?;
+    let term = build_term(registry, candidate.effect, configuration)?;
     let joints = term.joints(layout.rows.len());
     for (r, recording) in question.recordings.iter().enumerate() {
         if confirm.to_judge()[r].rows() == 0 {

@@ -7,7 +7,6 @@ use crate::evidence::decidable::groups;
 use crate::evidence::gram::BlockMoments;
 use crate::evidence::problem::Problem;
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects;
 use crate::hypotheses::group::{Group, Switch};
 use crate::investigation::fitted::Fitted;
 use crate::recordings::partition::Partition;
@@ -77,8 +76,7 @@ impl Parts<'_> {
                 let group = &groups[chosen.group];
                 let parameters =
                     fitted.parameters(group, &ground.candidates[group.candidate], question.model, &own);
-                effects::find(group.effect)
-                    .is_some_and(|e| e.impossible(&parameters, f64::INFINITY).is_some())
+                group.effect.impossible(&parameters, f64::INFINITY).is_some()
             };
             let refused: Vec<usize> =
                 selection.chosen.iter().filter(|c| impossible(c)).map(|c| c.group).collect();

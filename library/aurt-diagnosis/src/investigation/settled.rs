@@ -12,12 +12,12 @@ use serde_json::json;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::{Baseline, reads_load};
 use crate::hypotheses::candidates::{Candidate, build_term, with_terms};
-use crate::hypotheses::effects::{self, Addition};
 use crate::hypotheses::group::Group;
 use crate::investigation::fitted::Fitted;
 use crate::investigation::selecting::{Parts, Selected};
 use crate::recordings::divided::{ConfirmRows, FitRows};
 use crate::recordings::rows::{Fit, Instrument, RecordingRows, Role};
+use crate::vocabulary::Addition;
 
 /// Rounds at most; each leaves a fraction of the error that is the law's share of the load.
 const ROUNDS: usize = 4;
@@ -60,7 +60,7 @@ impl Parts<'_> {
     ) -> Result<bool, DiagnosisError> {
         let groups: Vec<&Group> =
             selected.selection.chosen.iter().map(|c| &selected.groups[c.group]).collect();
-        let is_made_of_it = |g: &&Group| effects::find(g.effect).is_some_and(|e| e.reads_model());
+        let is_made_of_it = |g: &&Group| g.effect.reads_model;
         let has_loads = baseline.load != LoadTorque::Literal;
         let own_columns = has_loads && reads_load(self.question.model);
         if baseline.frozen || groups.is_empty() || !own_columns && !groups.iter().any(is_made_of_it) {
@@ -118,9 +118,8 @@ impl Parts<'_> {
 
     /// The candidates of chosen laws, and of all that are made of the model's coefficients.
     fn laws(&self, chosen: &[&Group]) -> Vec<usize> {
-        let reads = |candidate: &Candidate| effects::find(candidate.effect).is_some_and(|e| e.reads_model());
         let chosen = |k: usize| chosen.iter().any(|g| g.candidate == k);
-        (0..self.candidates.len()).filter(|k| chosen(*k) || reads(&self.candidates[*k])).collect()
+        (0..self.candidates.len()).filter(|k| chosen(*k) || self.candidates[*k].effect.reads_model).collect()
     }
 
     fn final_model(&self, laws: &[usize]) -> Result<Final, DiagnosisError> {
@@ -129,13 +128,13 @@ impl Parts<'_> {
         let mut added: Vec<(usize, &Candidate)> = Vec::new();
         let mut gains = Vec::new();
         for candidate in laws.iter().map(|law| &self.candidates[*law]) {
-            match (&candidate.proposal.addition, effects::find(candidate.effect)) {
+            match &candidate.proposal.addition {
                 // A registered model that is no effect does not read what this is about.
-                (Addition::Term(configuration), Some(effect)) => {
-                    terms.push(build_term(self.registry, effect, configuration)?);
+                Addition::Term(configuration) if candidate.registered.is_none() => {
+                    terms.push(build_term(self.registry, candidate.effect, configuration)?);
                     added.push((terms.len() - 1, candidate));
                 }
-                (Addition::Instrument(joint, Instrument::Gain), _) => {
+                Addition::Instrument(joint, Instrument::Gain) => {
                     gains.push((candidate.columns[0], *joint));
                 }
                 _ => {}

@@ -56,8 +56,8 @@ pub fn bounded(recording: &str, floors: &mut [f64], left: &[Option<f64>]) -> Opt
     }
     (!wrong.is_empty()).then(|| {
         format!(
-            "{recording}: the noise was estimated higher than all that the model leaves on joint {}; what is left is \
-             taken as the noise there, and a small effect may hide in it",
+            "{recording}: the estimated noise floor exceeds the residual of joint {}; the residual is used as the noise floor \
+             there, which can hide a small effect",
             wrong.join(", ")
         )
     })

@@ -35,7 +35,7 @@ pub(super) fn wrong_sign(
     let motion = segment.motion.view();
     let recorded = motion.velocity_rad_s(joint);
     let period_s = 1.0 / segment.rate_hz;
-    let counted = |at: usize| counts.get(at / segment.decimation).copied().unwrap_or(false);
+    let counted = |at: usize| segment.row(at).and_then(|row| counts.get(row).copied()).unwrap_or(false);
     let mut mean = vec![0.0; recorded.len()];
     let mut stuck = vec![false; recorded.len()];
     let resolution = noise.velocity_resolution(joint);

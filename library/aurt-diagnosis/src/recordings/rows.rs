@@ -1,7 +1,5 @@
-use std::ops::Range;
-
 use aurt_calibration::{for_each_row_block, for_each_tile};
-use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Preprocessed, Segment};
 use aurt_traits::{ColumnGroup, LoadTorque, RobotModel};
 use serde::{Deserialize, Serialize};
 
@@ -130,7 +128,7 @@ impl RecordingRows {
         load: &LoadTorque,
         baseline: &Fit<'_>,
     ) -> Result<Self, DiagnosisError> {
-        Ok(Self::evaluate_all(name, role, data, model, load, Some(baseline))?.of_motion(data))
+        Ok(Self::evaluate_all(name, role, data, model, load, Some(baseline))?.of_motion())
     }
 
     /// The rows of a fitted model itself, whose instrument columns are left at zero.
@@ -143,7 +141,7 @@ impl RecordingRows {
         data: &Preprocessed,
         fit: &Fit<'_>,
     ) -> Result<Self, DiagnosisError> {
-        Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion(data))
+        Ok(Self::evaluate_all(name, role, data, fit.model, fit.load, None)?.of_motion())
     }
 
     /// The same as [`Self::evaluate`] of the rows in which a joint stands: these count, and no others do. Of the model's
@@ -172,30 +170,13 @@ impl RecordingRows {
         Ok(Some(rows))
     }
 
-    /// Rows of a joint that stands do not count, and none at the ends of segments.
-    fn of_motion(mut self, data: &Preprocessed) -> Self {
-        let ends = self.ends(data);
+    /// Rows of a joint that stands do not count.
+    fn of_motion(mut self) -> Self {
         for joint in &mut self.joints {
-            let stands = stands(&joint.velocity_rad_s, self.rate_hz);
-            joint.counts = stands.iter().zip(&ends).map(|(stands, end)| !(*stands || *end)).collect();
+            joint.counts = stands(&joint.velocity_rad_s, self.rate_hz).iter().map(|stands| !stands).collect();
             joint.silence();
         }
         self
-    }
-
-    /// Whether rows are so close to an end of their segment that the filter still shows how it began there. It continues a
-    /// series by its mirror image through the first sample: there it gives that sample as it is, with all of its noise, and
-    /// the slowest part of that, e^{−ω t sin 22.5°} for an order of four, is a tenth of it after a period of the cut-off.
-    fn ends(&self, data: &Preprocessed) -> Vec<bool> {
-        let mut ends = vec![false; self.rows()];
-        for (segment, span) in data.segments.iter().zip(self.segment_starts.windows(2)) {
-            let rows = span[1] - span[0];
-            let settles = (self.rate_hz / segment.parallel_filter.cutoff_hz()).ceil() as usize;
-            let settles = settles.min(rows / MOST_OF_AN_END);
-            ends[span[0]..span[0] + settles].fill(true);
-            ends[span[1] - settles..span[1]].fill(true);
-        }
-        ends
     }
 
     fn evaluate_all(
@@ -229,21 +210,17 @@ impl RecordingRows {
         let mut segment_starts = vec![0];
         for segment in &data.segments {
             let first = time_s.len();
-            let count = segment.rows();
             let motion = segment.motion.view();
-            let picked = |series: &[f64]| {
-                series.iter().step_by(segment.decimation).take(count).copied().collect::<Vec<_>>()
-            };
-            time_s.extend(picked(motion.time_s()));
+            time_s.extend(segment.at_rows(motion.time_s()));
             let measurement = segment
                 .measurement
                 .as_ref()
                 .ok_or_else(|| DiagnosisError::NoMeasurement { recording: name.to_owned() })?;
             for (j, joint) in joints.iter_mut().enumerate() {
-                joint.measurement.extend_from_slice(&measurement[j][..count]);
-                joint.position_rad.extend(picked(motion.position_rad(j)));
-                joint.velocity_rad_s.extend(picked(motion.velocity_rad_s(j)));
-                joint.acceleration_rad_s2.extend(picked(motion.acceleration_rad_s2(j)));
+                joint.measurement.extend_from_slice(&measurement[j]);
+                joint.position_rad.extend(segment.at_rows(motion.position_rad(j)));
+                joint.velocity_rad_s.extend(segment.at_rows(motion.velocity_rad_s(j)));
+                joint.acceleration_rad_s2.extend(segment.at_rows(motion.acceleration_rad_s2(j)));
             }
             for_each_row_block(model, segment, load, |block| {
                 for (j, joint) in joints.iter_mut().enumerate() {
@@ -262,7 +239,7 @@ impl RecordingRows {
                         &mut joint.data[own..]
                     })
                     .collect();
-                instrument_rows(segment, baseline, &mut columns, rows, first..first + count)?;
+                instrument_rows(segment, baseline, &mut columns, rows, first)?;
             }
             segment_starts.push(time_s.len());
         }
@@ -295,11 +272,7 @@ fn row_rate_hz(data: &Preprocessed) -> f64 {
 
 /// A joint's velocity at each row, rad/s.
 fn velocity(data: &Preprocessed, joint: usize) -> Vec<f64> {
-    let of_segment = |s: &Segment| {
-        let series = s.motion.view().velocity_rad_s(joint).to_vec();
-        series.into_iter().step_by(s.decimation).take(s.rows())
-    };
-    data.segments.iter().flat_map(of_segment).collect()
+    data.segments.iter().flat_map(|s| s.at_rows(s.motion.view().velocity_rad_s(joint))).collect()
 }
 
 /// Where a joint stays below the rest velocity for some time.
@@ -320,13 +293,13 @@ fn stands(velocity_rad_s: &[f64], rate_hz: f64) -> Vec<bool> {
 
 /// Writes the instrument columns of all joints: the prediction and its time derivatives, taken at the
 /// recording's own rate and then filtered and decimated like every other column. A joint's columns are `rows` long; the
-/// segment's are `span`.
+/// segment's begin at `first`.
 fn instrument_rows(
     segment: &Segment,
     fit: &Fit<'_>,
     columns: &mut [&mut [f64]],
     rows: usize,
-    span: Range<usize>,
+    first: usize,
 ) -> Result<(), DiagnosisError> {
     const EACH: usize = Instrument::ALL.len();
     let samples = segment.motion.samples();
@@ -363,20 +336,16 @@ fn instrument_rows(
             delay[k] = -(load[k + 1] - load[k - 1]) * 0.5 * segment.rate_hz;
         }
     }
-    let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, EACH * joints, segment.decimation);
+    let mut bank = segment.bank(EACH * joints);
     let mut write = |tile: DecimatedTile<'_>| {
-        let take = tile.rows().min(span.len().saturating_sub(tile.first_row()));
         for k in 0..EACH * joints {
-            let to = k % EACH * rows + span.start + tile.first_row();
-            columns[k / EACH][to..to + take].copy_from_slice(&tile.column(k)[..take]);
+            let to = k % EACH * rows + first + tile.first_row();
+            columns[k / EACH][to..to + tile.rows()].copy_from_slice(tile.column(k));
         }
     };
     bank.push(&series, samples, samples, &mut write);
     Ok(bank.finish(&mut write)?)
 }
-
-/// An end takes no more than this part of a short segment.
-const MOST_OF_AN_END: usize = 10;
 
 /// A joint stands if it stays below this speed, rad/s …
 const STANDING_RAD_S: f64 = 0.03;

@@ -1,6 +1,6 @@
 //! The rows of one arm term by itself.
 
-use aurt_recording::{DecimatedTile, Preprocessed, Segment, ZeroPhaseBank};
+use aurt_recording::{DecimatedTile, Preprocessed, Segment};
 use aurt_traits::{ArmSeries, ArmTerm, Columns, RigidBodyRegressor};
 
 use crate::error::DiagnosisError;
@@ -31,13 +31,9 @@ pub(crate) fn term_rows(
         let mut values = vec![0.0; own * columns * samples];
         let mut out = Columns::new(&mut values, own * columns, samples, samples);
         term.evaluate(&all, &mut state, &mut out)?;
-        let mut bank = ZeroPhaseBank::new(&segment.parallel_filter, own * columns, segment.decimation);
+        let mut bank = segment.bank(own * columns);
         let mut write = |tile: DecimatedTile<'_>| {
-            let from = first + tile.first_row();
-            let take = tile.rows().min(count.saturating_sub(tile.first_row()));
-            for (k, column) in series.iter_mut().flatten().enumerate() {
-                column[from..from + take].copy_from_slice(&tile.column(k)[..take]);
-            }
+            tile.copy_to(series.iter_mut().flatten().map(|column| &mut column[first..]));
         };
         bank.push(&values, samples, samples, &mut write);
         bank.finish(&mut write)?;

@@ -45,10 +45,10 @@ pub(crate) fn brief(partition: &Partition, recording: usize) -> Option<String> {
     let (cut, blocks) = (partition.pieces[recording], partition.blocks.len());
     match cut {
         _ if partition.end_of_fit[recording] == 0 || cut == blocks => None,
-        0 => Some("is too short for a block of time and was not used".to_owned()),
+        0 => Some("is too short for a block of time; it was not used".to_owned()),
         _ => Some(format!(
-            "is so short that it gives {cut} block{} of time instead of {blocks}: what is weak or rare cannot be told from \
-             chance in it",
+            "is short and gives {cut} block{} of time instead of {blocks}: weak or rare effects cannot be \
+             distinguished from chance in it",
             if cut == 1 { "" } else { "s" }
         )),
     }

@@ -5,9 +5,10 @@ use aurt_recording::{PreprocessOptions, Recording, RecordingError, preprocess};
 use aurt_traits::{MeasurementUnit, RobotModel};
 
 use crate::error::DiagnosisError;
-use crate::recordings::faults::RecordingFaults;
+use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
 use crate::request::SelectionOptions;
+use crate::vocabulary::Effect;
 
 /// A recording that takes part in a diagnosis.
 #[derive(Debug, Clone)]
@@ -54,6 +55,11 @@ impl QuestionedRecording {
         Ok(Self { role, raw: Arc::new(raw), data, options, simulated: None, spoilt: None })
     }
 
+    /// The recording's first stamp, s.
+    pub(crate) fn origin_s(&self) -> f64 {
+        self.raw.time_s.first().copied().unwrap_or(0.0)
+    }
+
     /// Puts other samples in the place of the recording's, preprocessed as they were.
     pub(crate) fn replace(&mut self, raw: Recording) -> Result<(), RecordingError> {
         let data = preprocess(&raw, &self.options)?;
@@ -68,7 +74,6 @@ impl QuestionedRecording {
     /// [`DiagnosisError::ConstantMeasurement`] where no joint's measurement ever changes; what preprocessing the repaired
     /// recording reports.
     pub(crate) fn repaired(&self, without: &[String]) -> Result<Self, DiagnosisError> {
-        let asked = |effect: &str| !without.iter().any(|w| w == effect);
         let constant: Vec<Option<f64>> =
             self.raw.measurement.iter().flatten().map(|series| constant(series)).collect();
         if let Some(Some(value)) = constant.first()
@@ -79,7 +84,7 @@ impl QuestionedRecording {
                 first: *value,
             });
         }
-        let faults = RecordingFaults::find_asked(&self.data.name, &self.raw, asked);
+        let faults = RecordingFaults::find_asked(&self.data.name, &self.raw, |e| considers(without, e));
         let mut repaired = self.clone();
         // A simulator's prediction belongs to the stamps as they are.
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
@@ -132,4 +137,16 @@ pub struct Question<'a> {
     pub selection: SelectionOptions,
     /// Effects that are not to be considered (for proofs of `unexplained`).
     pub without: &'a [String],
+}
+
+impl Question<'_> {
+    /// Whether an effect is considered.
+    pub(crate) fn considers(&self, effect: &Effect) -> bool {
+        considers(self.without, effect)
+    }
+}
+
+/// Whether an effect is not among those that are left out.
+fn considers(without: &[String], effect: &Effect) -> bool {
+    !without.iter().any(|w| w == effect.id)
 }

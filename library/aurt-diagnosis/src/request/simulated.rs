@@ -19,11 +19,8 @@ pub(crate) fn rows_left(
         let grid = segment.motion.view().time_s();
         let on_grid: Vec<f64> = grid.iter().map(|t| interpolate(time, series, *t)).collect();
         let filtered = segment.parallel_filter.filter(&on_grid).unwrap_or(on_grid);
-        let count = segment.rows();
-        for k in 0..count {
-            left.push(measured[first + k] - filtered[k * segment.decimation]);
-        }
-        first += count;
+        left.extend(measured[first..].iter().zip(segment.at_rows(&filtered)).map(|(y, s)| y - s));
+        first += segment.rows();
     }
     left
 }

@@ -2,17 +2,13 @@
 
 use aurt_plugins::Registry;
 
-use crate::evidence::baseline::weighted_fit;
+use crate::evidence::chance::Chance;
 use crate::evidence::problem::Problem;
-use crate::evidence::residuals::shares;
 use crate::hypotheses::candidates::Candidate;
 use crate::hypotheses::group::{Group, Switch};
 use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Layout, RecordingRows};
 use crate::request::{Question, SelectionOptions};
-use crate::search::chance::Chance;
-use crate::search::null::Judge;
-use crate::search::shapes::Estimate;
 
 /// The data of a selection. Laws with shapes are estimated on it, which changes their columns.
 pub trait Ground: Sync {
@@ -58,34 +54,4 @@ pub(crate) struct Recorded<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) question: &'a Question<'a>,
     pub(crate) registry: &'a Registry,
-}
-
-impl Ground for Recorded<'_> {
-    fn problem(&self) -> &Problem {
-        &self.problem
-    }
-
-    fn independent_shares(&self, switches: &[Switch], coefficients: &[f64]) -> Vec<f64> {
-        shares(self.rows, self.partition, self.layout, switches, coefficients)
-    }
-
-    fn scores_by_chance(
-        &self,
-        groups: &[Group],
-        switches: &[Switch],
-        floor: &[f64],
-        options: &SelectionOptions,
-    ) -> Chance {
-        let (rows, partition, layout) = (&*self.rows, self.partition, self.layout);
-        let judge = Judge { problem: &self.problem, groups, rows, partition, layout, floor, options };
-        let (fit, _) = weighted_fit(&self.problem, switches, floor);
-        judge.scores_by_chance(switches, &self.independent_shares(switches, &fit.coefficients))
-    }
-
-    fn estimate(&mut self, group: &Group, beside: &Beside<'_>) -> bool {
-        if self.candidates[group.candidate].proposal.shapes.is_empty() {
-            return false;
-        }
-        Estimate::new(self, group, beside).is_some_and(Estimate::run)
-    }
 }

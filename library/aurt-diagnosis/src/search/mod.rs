@@ -1,8 +1,7 @@
 //! Which hypotheses describe the recordings.
 
-pub(crate) mod chance;
 pub(crate) mod ground;
-pub(crate) mod null;
+mod recorded;
 pub(crate) mod registered;
 pub(crate) mod scoring;
 pub(crate) mod selection;
@@ -11,6 +10,5 @@ pub(crate) mod shapes;
 #[cfg(test)]
 mod tests;
 
-pub use chance::Chance;
 pub use ground::{Beside, Ground};
 pub use selection::{Chosen, Selection, Selector};

@@ -25,10 +25,10 @@ pub(crate) fn choose(
         return named;
     }
     if !named.chosen.is_empty() && accounts(selector.floor, &named) {
-        progress("trying registered models on the residual");
+        progress("testing registered models on the residual");
         return on_top(selector, groups, known, named, progress);
     }
-    progress("trying registered models");
+    progress("fitting registered models");
     let together = selector.asking(baseline, groups).run(progress);
     let registered = together.chosen.iter().any(|c| c.group >= known);
     if registered && better(selector, &named, &together) { together } else { named }

@@ -3,10 +3,10 @@
 use aurt_calibration::{ONE_SIDED_5, in_standard_errors, student};
 use rayon::prelude::*;
 
+use crate::evidence::chance::Chance;
 use crate::evidence::nested::NestedFit;
-use crate::hypotheses::group::{Group, Switch, is_friction, kind};
+use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
-use crate::search::chance::Chance;
 use crate::search::ground::Ground;
 
 /// A nested fit with the shares of independent rows of its residual, and what it leaves.
@@ -215,11 +215,11 @@ impl Scoring<'_> {
             choice = *g;
         }
         let own = &self.groups[choice];
-        if own.target_only() && !is_friction(own.effect) && own.joints.len() == 1 {
+        if own.target_only() && !own.effect.is_friction && own.joints.len() == 1 {
             let everyday = ranked.iter().find(|(g, score)| {
                 let other = &self.groups[*g];
                 other.target_only()
-                    && is_friction(other.effect)
+                    && other.effect.is_friction
                     && other.joints == own.joints
                     && *score >= self.options.everyday * best
             });
@@ -241,7 +241,7 @@ impl Scoring<'_> {
     fn least(&self, group: usize, misfit: f64) -> f64 {
         let least = -(1.0 - self.options.reduction).ln();
         let group = &self.groups[group];
-        if group.target_only() && !is_friction(group.effect) {
+        if group.target_only() && !group.effect.is_friction {
             least + self.options.change_share * misfit
         } else {
             least
@@ -252,7 +252,7 @@ impl Scoring<'_> {
     /// parameters, a motor that turns with a further joint. Several of them mimic what is not among the candidates.
     pub(crate) fn is_repeated(&self, group: usize, chosen: &[usize]) -> bool {
         let own = &self.groups[group];
-        if own.is_repeatable() || own.joints.len() > 2 {
+        if own.effect.is_repeatable || own.joints.len() > 2 {
             return false;
         }
         chosen.iter().map(|c| &self.groups[*c]).any(|other| {
@@ -290,7 +290,7 @@ impl Scoring<'_> {
     ) -> bool {
         let own = &self.groups[chosen[i]];
         let twin = chosen.iter().enumerate().any(|(k, g)| {
-            k != i && self.groups[*g].joints == own.joints && kind(self.groups[*g].effect) == kind(own.effect)
+            k != i && self.groups[*g].joints == own.joints && self.groups[*g].effect.kind == own.effect.kind
         });
         let share = if twin { self.options.share_same_kind } else { self.options.share };
         loss.score > self.threshold(chosen[i])

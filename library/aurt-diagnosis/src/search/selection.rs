@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use crate::hypotheses::group::{Group, Switch, same_force};
+use crate::hypotheses::group::{Group, Switch};
 use crate::request::SelectionOptions;
 use crate::search::ground::{Beside, Ground};
 use crate::search::scoring::{Loss, Scoring, without};
@@ -117,7 +117,7 @@ impl Selector<'_> {
         while chosen.len() < self.options.most {
             let Some(best) = self.next(chosen, barred) else { break };
             chosen.push(best);
-            progress(&format!("found: {} on {:?}", self.groups[best].effect, self.groups[best].joints));
+            progress(&format!("found: {} on {:?}", self.groups[best].effect.id, self.groups[best].joints));
         }
     }
 
@@ -293,7 +293,7 @@ impl Scoring<'_> {
         let near = self.near(score);
         let other = |g: &usize| {
             let other = &self.groups[*g];
-            (other.switches.len() <= own.switches.len() || same_force(other.effect, own.effect))
+            (other.switches.len() <= own.switches.len() || other.effect.is_same_force(own.effect))
                 && other.effect != own.effect
         };
         let ranked = self.rank(&fit, |g| !rest.contains(&g) && self.meet(g, chosen[i]) && other(&g));

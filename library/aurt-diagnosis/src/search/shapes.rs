@@ -15,13 +15,13 @@ use rayon::prelude::*;
 
 use crate::evidence::gram::Moments;
 use crate::evidence::total::free_first;
-use crate::hypotheses::effects::Addition;
 use crate::hypotheses::group::{Group, Switch};
-use crate::hypotheses::shape::Shape;
 use crate::recordings::partition::Part;
 use crate::recordings::rows::Role;
 use crate::recordings::term_rows::term_rows;
 use crate::search::ground::{Beside, Recorded};
+use crate::vocabulary::Addition;
+use crate::vocabulary::shape::Shape;
 
 /// Cycles through all shapes; steps shrink by [`SHRINK`] from one to the next, to a fiftieth of the first: less than
 /// the deviation of any shape that is worth a name.
@@ -140,7 +140,7 @@ impl<'a, 'b> Estimate<'a, 'b> {
     fn starts(&self) -> Vec<Vec<f64>> {
         let candidates = &*self.ground.candidates;
         let own = &candidates[self.group.candidate];
-        if self.group.is_repeatable() {
+        if self.group.effect.is_repeatable {
             return vec![own.proposal.starts.clone()];
         }
         let same = candidates.iter().filter(|c| {

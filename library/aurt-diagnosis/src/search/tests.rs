@@ -1,10 +1,11 @@
 //! Selection on rows whose physics is known.
 
-use super::chance::Chance;
 use super::ground::{Beside, Ground};
-use super::null::Judge;
 use super::selection::{Selection, Selector};
+use crate::effects;
+use crate::evidence::chance::Chance;
 use crate::evidence::gram::BlockMoments;
+use crate::evidence::judge::Judge;
 use crate::evidence::problem::Problem;
 use crate::evidence::residuals::shares;
 use crate::hypotheses::group::{Group, Switch};
@@ -129,7 +130,7 @@ const fn switch(column: usize, target_only: bool) -> Switch {
 
 fn group(effect: &'static str, column: usize, target_only: bool) -> Group {
     Group {
-        effect,
+        effect: effects::find(effect).unwrap(),
         joints: vec![0],
         candidate: column,
         switches: vec![switch(column, target_only)],

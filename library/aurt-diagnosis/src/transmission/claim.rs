@@ -268,30 +268,36 @@ impl Found {
     fn test(&mut self, shapes: &[Shape], amplitudes: &[f64], top_hz: f64) {
         let mut fails = Vec::new();
         if self.gain < LEAST_GAIN {
-            fails.push(format!("it gains {:.1} nats on other rows, less than {LEAST_GAIN}", self.gain));
+            fails.push(format!(
+                "its gain on held-out rows is {:.1} nats, at least {LEAST_GAIN} required",
+                self.gain
+            ));
         }
         if self.t.is_nan() || self.t < LEAST_T {
             fails.push(format!(
-                "its gain of {:.0} nats is {:.1} standard errors, less than {LEAST_T}",
+                "its gain of {:.0} nats is {:.1} standard errors, at least {LEAST_T} required",
                 self.gain, self.t
             ));
         }
         if self.share < LEAST_SHARE {
-            fails.push(format!("it explains {:.1} % of the joint's rows", 100.0 * self.share));
+            fails.push(format!("it explains only {:.1} % of the joint's residual", 100.0 * self.share));
         }
         let possible = |a: &f64| (AMPLITUDE[0]..=AMPLITUDE[1]).contains(a);
         if !amplitudes.iter().chain([&self.amplitude]).all(possible) {
-            fails.push(format!("the torque is {:.2} times what physics asks for", self.amplitude));
+            fails.push(format!(
+                "its torque is {:.2} times the value that the link's inertia implies",
+                self.amplitude
+            ));
         }
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let [a, b] = [shapes[0], shapes[1]];
         if shapes.iter().any(|s| s.is_at_the_end(top_hz)) {
-            fails.push("its resonance lies outside the band of the recording".into());
+            fails.push("its resonance is outside the frequency band of the recording".into());
         }
         let same_gap = self.shape.half_gap_rad == 0.0 || ratio(a.half_gap_rad, b.half_gap_rad) <= SAME_GAP;
         let same_hz = self.shape.half_gap_rad > 0.0 || ratio(a.hz, b.hz) <= SAME_HZ;
         if !same_gap || !same_hz {
-            fails.push("two halves of the data give two different gears".into());
+            fails.push("the two halves of the data give different gears".into());
         }
         self.fails = fails;
     }

@@ -27,9 +27,11 @@ pub(crate) use undo::undone;
 use aurt_recording::Segment;
 use rayon::prelude::*;
 
+use crate::effects::{backlash, joint_elasticity};
 use crate::error::DiagnosisError;
 use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
+use crate::vocabulary::Effect;
 use against::OwnFreed;
 use claim::{Among, Found, JointRows, LEAST_GAIN, Visible};
 use gravity::GravityGradients;
@@ -40,7 +42,7 @@ use shape::{Inertia, Shape};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaking {
     /// Identifier: `backlash` or `joint_elasticity`.
-    pub effect: &'static str,
+    pub effect: &'static Effect,
     /// The joint whose link moves against its motor.
     pub joint: usize,
     /// Whether the calibration recordings show it, and whether the targets do.
@@ -114,8 +116,7 @@ pub fn find_gears(
     fit: &Fit<'_>,
     inertial: &[(usize, f64)],
 ) -> Result<Gears, DiagnosisError> {
-    let asked = |effect: &str| !question.without.iter().any(|w| w == effect);
-    let effects = [asked("joint_elasticity"), asked("backlash")];
+    let effects = [&joint_elasticity::EFFECT, &backlash::EFFECT].map(|e| question.considers(e));
     if !effects.contains(&true) {
         return Ok(Gears::default());
     }
@@ -265,7 +266,7 @@ impl Shaking {
         let damping = amplitude * gear.damping_nm_s;
         let shown = |kind: usize| kinds[kind] && found.gains[kind] > 0.0;
         Self {
-            effect: if play { "backlash" } else { "joint_elasticity" },
+            effect: if play { &backlash::EFFECT } else { &joint_elasticity::EFFECT },
             joint: found.joint,
             present: [shown(0), shown(1)],
             score: found.gain,
@@ -296,14 +297,14 @@ fn not_seen(joints: &[usize], of_joints: &[OfJoint], effects: [bool; 2]) -> Vec<
             Some(format!("{:.1e} Nm/rad", o.visible.inertia?.mean_kg_m2 * omega * omega))
         };
         sentences.push(format!(
-            "an elastic gear shows in these recordings if it is softer than {}",
+            "these recordings would show an elastic gear softer than {}",
             list(&stiffness, "any robot's gear")
         ));
     }
     if effects[1] {
         let gap = |o: &OfJoint| Some(format!("± {:.1e} rad", o.visible.half_gap_rad?));
         sentences.push(format!(
-            "backlash shows in these recordings if it is wider than {}",
+            "these recordings would show backlash wider than {}",
             list(&gap, "any that was tried")
         ));
     }

@@ -53,6 +53,7 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
         velocity_rad_s: None,
         measurement: Some(vec![Vec::new(); 2]),
         unit: MeasurementUnit::NewtonMetre,
+        joints: aurt_recording::RecordedJoints::Unnamed,
         report: ReadReport::default(),
     };
     let mut measured = vec![Vec::new(); 2];

@@ -55,7 +55,7 @@ pub(crate) fn undone(
         let Some(segment) = segments.iter_mut().find(same) else { continue };
         for gear in gears.iter().filter(|g| g.confirmed && g.present[usize::from(piece.target)]) {
             let torque = torque(gear, &piece.full, &piece.gradients);
-            let filtered = segment.parallel_filter.filter_all(&torque)?;
+            let filtered = segment.filtered(&torque)?;
             if let Some(raw) = &mut segment.raw_measurement {
                 for (raw, torque) in raw.iter_mut().zip(&torque) {
                     raw.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
@@ -63,7 +63,7 @@ pub(crate) fn undone(
             }
             if let Some(measurement) = &mut segment.measurement {
                 for (rows, torque) in measurement.iter_mut().zip(&filtered) {
-                    rows.iter_mut().zip(torque.iter().step_by(segment.decimation)).for_each(|(r, t)| *r -= t);
+                    rows.iter_mut().zip(torque).for_each(|(r, t)| *r -= t);
                 }
             }
         }

@@ -5,11 +5,10 @@
 //! coincidences than happen at once.
 
 use crate::evidence::account::{Left, accounts_for};
-use crate::hypotheses::effects::Family;
-use crate::hypotheses::group::is_friction;
 use crate::investigation::Investigation;
 use crate::verdict::errors::Errors;
 use crate::verdict::{Answer, Finding, RegisteredFinding};
+use crate::vocabulary::{Effect, Family};
 
 /// More things than this do not change at once, each for itself. Friction does, from day to day.
 const MOST_CHANGES: usize = 3;
@@ -108,16 +107,17 @@ fn coincidences(investigation: &Investigation) -> bool {
     if !investigation.problem.has_reference() {
         return false;
     }
-    let changed: Vec<(&str, usize)> = investigation
+    let is_constant = |effect: &Effect| effect.same_force.iter().any(|same| !same.is_friction);
+    let changed: Vec<(&Effect, usize)> = investigation
         .selection
         .chosen
         .iter()
         .map(|c| &investigation.groups[c.group])
         .filter(|g| g.target_only() && g.joints.len() == 1)
         .map(|g| (g.effect, g.joints[0]))
-        .filter(|(effect, _)| !is_friction(effect) || *effect == "coulomb_asymmetry")
+        .filter(|(effect, _)| !effect.is_friction || is_constant(effect))
         .collect();
-    let strange = changed.iter().filter(|(effect, _)| !is_friction(effect)).count();
+    let strange = changed.iter().filter(|(effect, _)| !effect.is_friction).count();
     let mut joints: Vec<usize> = changed.iter().map(|(_, joint)| *joint).collect();
     joints.sort_unstable();
     joints.dedup();

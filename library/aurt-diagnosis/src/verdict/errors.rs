@@ -6,7 +6,6 @@ use crate::evidence::deviations::Resampled;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::{Group, Switch};
-use crate::hypotheses::registered::REGISTERED;
 use crate::investigation::Investigation;
 
 /// Fewer rows that confirm say nothing of a joint.
@@ -50,7 +49,7 @@ impl Errors {
         louder: &[f64],
     ) -> Self {
         let chosen = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
-        let named: Vec<&Group> = chosen.filter(|g| g.effect != REGISTERED).collect();
+        let named: Vec<&Group> = chosen.filter(|g| g.is_named()).collect();
         let model = |of: &dyn Fn(&Group) -> bool| {
             let switches = investigation.switches_of(named.iter().copied().filter(|g| of(g)));
             let fit = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;

@@ -1,14 +1,12 @@
 //! Findings for faults of the recordings.
 
-use serde_json::{Value, json};
-
-use crate::hypotheses::effects;
-use crate::hypotheses::effects::ParameterValue;
+use crate::faults::Fault;
 use crate::investigation::Investigation;
-use crate::recordings::faults::Fault;
+use crate::parameters::ParameterValue;
 use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::verdict::{Evidence, Finding};
+use crate::vocabulary::Unit;
 
 /// A fault is as certain as its probability says, but no verdict is surer than this.
 const SUREST: f64 = 0.99;
@@ -23,7 +21,7 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
             Some(Role::Calibration) => "calibration",
             Some(Role::Target) => "target",
         };
-        if let Some(first) = findings.iter_mut().find(|f| f.effect == fault.effect) {
+        if let Some(first) = findings.iter_mut().find(|f| f.effect == fault.effect.id) {
             first.joints.extend(&fault.joints);
             first.joints.sort_unstable();
             first.joints.dedup();
@@ -36,47 +34,38 @@ pub(crate) fn fault_findings(question: &Question<'_>, investigation: &Investigat
             }
             continue;
         }
-        let Some(effect) = effects::find(fault.effect) else { continue };
         let window = match fault.windows_s.as_slice() {
             [only] => Some(*only),
             _ => None,
         };
         findings.push(Finding {
-            effect: fault.effect.to_owned(),
-            family: effect.family(),
-            joints: fault.joints.clone(),
             present_in: vec![kind.to_owned()],
             recording: Some(fault.recording.clone()),
             window_s: window,
-            confidence: (1.0 - 10.0_f64.powf(fault.log10_probability)).min(SUREST),
             parameters: fault
                 .parameters
                 .iter()
-                .map(|(name, (value, std))| {
-                    let value =
-                        if name == "limit" { in_unit_of_fit(question, fault, value) } else { value.clone() };
-                    (name.clone(), ParameterValue { value, std: std.clone() })
+                .map(|(name, parameter)| {
+                    let measured = fault.effect.parameter(name).is_some_and(|p| p.unit == Unit::Measurement);
+                    let fitted = measured.then(|| in_unit_of_fit(question, fault, parameter)).flatten();
+                    (name.clone(), fitted.unwrap_or_else(|| parameter.clone()))
                 })
                 .collect(),
-            alternatives: Vec::new(),
-            evidence: Evidence {
-                score: -fault.log10_probability * std::f64::consts::LN_10,
-                threshold: question.selection.score,
-                ..Evidence::default()
-            },
-            stability: None,
             sentence: fault.sentence.clone(),
+            ..Finding::new(
+                fault.effect,
+                fault.joints.clone(),
+                Evidence::of(-fault.log10_probability * std::f64::consts::LN_10, question.selection.score),
+                (1.0 - 10.0_f64.powf(fault.log10_probability)).min(SUREST),
+            )
         });
     }
     findings
 }
 
 /// A limit of a recorded measurement, after the gains that the fit is made with.
-fn in_unit_of_fit(question: &Question<'_>, fault: &Fault, value: &Value) -> Value {
-    let recording = question.recordings.iter().find(|r| r.data.name == fault.recording);
-    let gains = recording.and_then(|r| r.options.gains.as_ref());
-    match (value.as_f64(), gains, fault.joints.first()) {
-        (Some(limit), Some(gains), Some(joint)) => json!(limit * gains[*joint].abs()),
-        _ => value.clone(),
-    }
+fn in_unit_of_fit(question: &Question<'_>, fault: &Fault, limit: &ParameterValue) -> Option<ParameterValue> {
+    let recording = question.recordings.iter().find(|r| r.data.name == fault.recording)?;
+    let gains = recording.options.gains.as_ref()?;
+    Some(ParameterValue::exact(limit.value.as_f64()? * gains[*fault.joints.first()?].abs()))
 }

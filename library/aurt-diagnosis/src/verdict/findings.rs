@@ -1,21 +1,19 @@
 //! From what was selected to the findings of a verdict.
 
-use std::collections::BTreeMap;
-
 use aurt_calibration::possible_body;
 use serde_json::{Value, json};
 
+use crate::effects::{self, time_delay};
 use crate::hypotheses::candidates::Candidate;
-use crate::hypotheses::effects;
-use crate::hypotheses::effects::{FittedColumn, OwnFriction, ParameterValue};
-use crate::hypotheses::registered::REGISTERED;
 use crate::investigation::{Fitted, Investigation, concerned};
+use crate::parameters::{FittedColumn, ParameterValue, Parameters};
 use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::search::selection::Chosen;
 use crate::verdict::confidence::confidence;
 use crate::verdict::sentence::sentence;
 use crate::verdict::{Alternative, Evidence, Finding, Indication};
+use crate::vocabulary::OwnFriction;
 
 /// A rival whose torque leaves less than this share outside the model that has the finding cannot be told
 /// from it.
@@ -27,23 +25,15 @@ const ALTERNATIVES: usize = 2;
 /// The finding for a delay that was undone.
 pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigation) -> Option<Finding> {
     let delay = investigation.late.as_ref()?.delay;
-    let effect = effects::find("time_delay")?;
+    let evidence = Evidence::of(delay.score, question.selection.score);
+    let joints = (0..question.model.joints()).collect();
     let mut finding = Finding {
-        effect: effect.id().to_owned(),
-        family: effect.family(),
-        joints: (0..question.model.joints()).collect(),
         present_in: present_in(question, investigation, delay.target_only),
-        recording: None,
-        window_s: None,
-        confidence: confidence(delay.score, false),
-        parameters: BTreeMap::from([(
+        parameters: Parameters::from([(
             "delay_s".to_owned(),
-            ParameterValue { value: json!(delay.delay_s), std: json!(delay.std_s) },
+            ParameterValue::new(delay.delay_s, delay.std_s),
         )]),
-        alternatives: Vec::new(),
-        evidence: Evidence { score: delay.score, threshold: question.selection.score, ..Evidence::default() },
-        stability: None,
-        sentence: String::new(),
+        ..Finding::new(&time_delay::EFFECT, joints, evidence, confidence(delay.score, false))
     };
     finding.sentence = sentence(&finding, question.unit);
     Some(finding)
@@ -60,7 +50,7 @@ pub(crate) fn findings(
     for (one, stability) in chosen.iter().zip(&investigation.stability) {
         let Some(mut finding) = finding(question, investigation, one, fitted) else { continue };
         finding.stability = Some(*stability);
-        let whole_arm = effects::find(&finding.effect).is_some_and(|e| e.whole_arm());
+        let whole_arm = effects::find(&finding.effect).is_some_and(|e| e.is_whole_arm);
         let twin = merged.iter_mut().find(|(f, _)| {
             f.effect == finding.effect
                 && f.present_in == finding.present_in
@@ -110,45 +100,36 @@ fn finding(
     one: &Chosen,
     fitted: &Fitted,
 ) -> Option<Finding> {
-    let mut model_coefficients = investigation.baseline.coefficients.clone();
-    for (switch, value) in investigation.base_switches.iter().zip(&fitted.fit.coefficients) {
-        model_coefficients[switch.column] = *value;
-    }
     let group = &investigation.groups[one.group];
+    if !group.is_named() {
+        return None;
+    }
     let candidate = &investigation.candidates[group.candidate];
-    let effect = effects::find(group.effect)?;
+    let effect = group.effect;
+    let own = fitted.own(&investigation.baseline.coefficients, &investigation.base_switches);
     let columns = possible(investigation, fitted, candidate, group.target_only());
-    let own = OwnFriction::of(question.model, candidate.proposal.joints[0], &model_coefficients);
-    let parameters = effect.parameters_beside(&candidate.proposal, &columns, &own);
-    let joints = match (effect.whole_arm(), effect.concerns_all()) {
+    let own = OwnFriction::of(question.model, candidate.proposal.joints[0], &own);
+    let parameters = effect.estimated(&candidate.proposal, &columns, &own);
+    let joints = match (effect.is_whole_arm, effect.concerns_all_joints) {
         (true, false) => concerned(one),
         _ => group.joints.clone(),
     };
     let alternatives = alternatives(investigation, one, fitted);
+    let confidence = confidence(one.score, !alternatives.is_empty());
+    let evidence =
+        Evidence { score: one.score, threshold: one.threshold, p_null: one.p_null, p_confirm: one.p_confirm };
     Some(Finding {
-        effect: group.effect.to_owned(),
-        family: effect.family(),
-        joints,
         present_in: present_in(question, investigation, group.target_only()),
-        recording: None,
-        window_s: None,
-        confidence: confidence(one.score, !alternatives.is_empty()),
         parameters: parameters
             .into_iter()
-            .map(|(name, (value, std))| {
-                let std = with_gain(&name, &value, std);
+            .map(|(name, ParameterValue { value, std })| {
+                let gains = effect.parameter(&name).is_some_and(|p| p.unit.follows_gains());
+                let std = if gains { with_gain(&value, std) } else { std };
                 (name, ParameterValue { value, std })
             })
             .collect(),
         alternatives,
-        evidence: Evidence {
-            score: one.score,
-            threshold: one.threshold,
-            p_null: one.p_null,
-            p_confirm: one.p_confirm,
-        },
-        stability: None,
-        sentence: String::new(),
+        ..Finding::new(effect, joints, evidence, confidence)
     })
 }
 
@@ -188,13 +169,10 @@ fn possible(
 const GAIN_STD: f64 = 0.02;
 
 /// A deviation with that of the drives' gains in it: what is measured in units of torque is off by as much as they are.
-fn with_gain(name: &str, value: &Value, std: Value) -> Value {
-    if !name.split('_').any(|part| part == "nm" || part == "kg") {
-        return std;
-    }
+fn with_gain(value: &Value, std: Value) -> Value {
     match (value, std) {
         (Value::Array(values), Value::Array(stds)) => {
-            values.iter().zip(stds).map(|(value, std)| with_gain(name, value, std)).collect()
+            values.iter().zip(stds).map(|(value, std)| with_gain(value, std)).collect()
         }
         (value, std) => match (value.as_f64(), std.as_f64()) {
             (Some(value), Some(known)) => json!(known.hypot(GAIN_STD * value)),
@@ -279,21 +257,21 @@ fn alternatives(investigation: &Investigation, one: &Chosen, fitted: &Fitted) ->
     for rival in &one.rivals {
         let group = &investigation.groups[rival.group];
         // What the vocabulary has a word for keeps it.
-        if group.effect == REGISTERED {
+        if !group.is_named() {
             continue;
         }
-        if chosen.iter().any(|c| c.group == rival.group) || found.iter().any(|a| a.effect == group.effect) {
+        if chosen.iter().any(|c| c.group == rival.group) || found.iter().any(|a| a.effect == group.effect.id)
+        {
             continue;
         }
         let free = investigation.problem.free_share(&fitted.switches, &group.switches, &fitted.weights);
         let inseparable = rival.as_good && free.iter().all(|share| *share <= INSEPARABLE);
         if (rival.open || inseparable) && found.len() < ALTERNATIVES {
-            let decider = effects::find(group.effect).map_or("", |e| e.decider());
             found.push(Alternative {
-                effect: group.effect.to_owned(),
+                effect: group.effect.id.to_owned(),
                 joints: group.joints.clone(),
                 score: rival.score,
-                record: decider.to_owned(),
+                record: group.effect.decider.to_owned(),
             });
         }
     }

@@ -22,6 +22,5 @@ pub use model::{
     Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, NotDecidable, NotExamined,
     RegisteredFinding, Shift, Verdict,
 };
-pub use sentence::in_amperes;
 pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use write::verdict as write_verdict;

@@ -1,10 +1,9 @@
-use std::collections::BTreeMap;
-
 use aurt_traits::{MeasurementUnit, Slot};
 use serde::{Deserialize, Serialize};
 
-use crate::hypotheses::effects::{Family, ParameterValue};
 use crate::investigation::WORSE;
+use crate::parameters::Parameters;
+use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,6 +25,9 @@ pub struct Verdict {
     /// Unit of the measurement. In A, parameters called `_nm` are in A, and those called `_kg` in A/Nm kg.
     #[serde(default)]
     pub unit: MeasurementUnit,
+    /// Names of the joints, base first; empty where they have none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// The answer: where there are targets beside other recordings, of what has changed in them; else of what is missing.
     pub verdict: Answer,
     /// Of what is missing in all recordings, where [`Self::verdict`] is about what has changed.
@@ -75,7 +77,7 @@ pub struct Finding {
     /// Share of findings of such a score that were right in proofs on simulated robots.
     pub confidence: f64,
     /// Parameters under their canonical names; lists run along `joints`.
-    pub parameters: BTreeMap<String, ParameterValue>,
+    pub parameters: Parameters,
     /// What else it could be: effects that would do as well on these data.
     pub alternatives: Vec<Alternative>,
     /// Why it was accepted.
@@ -85,6 +87,26 @@ pub struct Finding {
     pub stability: Option<f64>,
     /// The effect in a sentence.
     pub sentence: String,
+}
+
+impl Finding {
+    /// An effect that was found by other means than selection, in one kind of recordings or in all.
+    pub(crate) fn new(effect: &Effect, joints: Vec<usize>, evidence: Evidence, confidence: f64) -> Self {
+        Self {
+            effect: effect.id.to_owned(),
+            family: effect.family,
+            joints,
+            present_in: Vec::new(),
+            recording: None,
+            window_s: None,
+            confidence,
+            parameters: Parameters::new(),
+            alternatives: Vec::new(),
+            evidence,
+            stability: None,
+            sentence: String::new(),
+        }
+    }
 }
 
 /// An effect that describes the recordings and is not claimed.
@@ -126,7 +148,7 @@ pub struct RegisteredFinding {
     /// blocks of time that were not fitted.
     pub predicted_share: f64,
     /// Shape parameters as they were tried, and fitted coefficients.
-    pub parameters: BTreeMap<String, ParameterValue>,
+    pub parameters: Parameters,
     /// Why it was accepted.
     pub evidence: Evidence,
     /// The model in a sentence.
@@ -161,6 +183,13 @@ pub struct Evidence {
     /// of the held-out part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_confirm: Option<f64>,
+}
+
+impl Evidence {
+    /// A score and what it had to exceed, without tests of chance.
+    pub(crate) fn of(score: f64, threshold: f64) -> Self {
+        Self { score, threshold, ..Self::default() }
+    }
 }
 
 /// An effect that the free part of the baseline absorbs.

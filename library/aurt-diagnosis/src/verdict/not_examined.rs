@@ -1,5 +1,6 @@
 //! What could not be looked at in these recordings, and why.
 
+use crate::effects;
 use crate::investigation::Investigation;
 use crate::recordings::rows::Role;
 use crate::request::{Question, QuestionedRecording, length};
@@ -7,6 +8,7 @@ use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::NotExamined;
 use crate::verdict::answer::UNRELATED;
 use crate::verdict::sentence::joint_list;
+use crate::vocabulary::Means;
 
 /// Joints at rest, recordings that are short or slow, and measurements that say nothing.
 pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
@@ -28,7 +30,7 @@ fn constant(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
             found.push(NotExamined {
                 recording: Some(name.clone()),
                 reason: format!(
-                    "the measurement of {} never changes in {name}: nothing was measured there, and nothing is said of it",
+                    "the measurement of {} is constant in {name}: nothing was measured, and no claim is made",
                     joint_list(&joints)
                 ),
                 joints,
@@ -50,9 +52,9 @@ fn standing(investigation: &Investigation) -> Vec<NotExamined> {
         (!rows.is_empty() && !joints.is_empty()).then(|| NotExamined {
             recording: None,
             reason: format!(
-                "{} stand{} in the {name} recordings: a joint that does not move shows neither friction nor inertia",
+                "{} {} not move in the {name} recordings: a joint at rest shows neither friction nor inertia",
                 joint_list(&joints),
-                if joints.len() == 1 { "s" } else { "" },
+                if joints.len() == 1 { "does" } else { "do" },
             ),
             joints,
             effects: Vec::new(),
@@ -82,8 +84,7 @@ fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
     (!joints.is_empty()).then(|| NotExamined {
         recording: None,
         reason: format!(
-            "the measurement of {} has next to no relation to the motion: the model predicts less than {:.0} % of it on time \
-             that it was not fitted to",
+            "the measurement of {} is hardly related to the motion: the model predicts less than {:.0} % of its held-out variance",
             joint_list(&joints),
             100.0 * UNRELATED
         ),
@@ -94,14 +95,13 @@ fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
 
 fn slow(question: &Question<'_>) -> Option<NotExamined> {
     let slow = |r: &QuestionedRecording| r.data.data.segments.iter().all(|s| s.rate_hz < LEAST_RATE_HZ);
-    let asked = |effect: &&str| !question.without.iter().any(|w| w == effect);
+    let of_gears = effects::ALL.into_iter().filter(|e| e.means == Means::FullRate && question.considers(e));
     question.recordings.iter().filter(|r| r.role != Role::Validation).all(slow).then(|| NotExamined {
         recording: None,
         joints: Vec::new(),
-        effects: ["backlash", "joint_elasticity"].into_iter().filter(asked).map(str::to_owned).collect(),
+        effects: of_gears.map(|e| e.id.to_owned()).collect(),
         reason: format!(
-            "impacts and ringing (backlash, elastic gears) were not looked for above the filters: that takes \
-             {LEAST_RATE_HZ:.0} samples per second or more"
+            "backlash and elastic gears were not examined: a sampling rate of at least {LEAST_RATE_HZ:.0} Hz is required"
         ),
     })
 }

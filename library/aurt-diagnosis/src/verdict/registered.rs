@@ -1,11 +1,7 @@
 //! What a verdict says of registered models.
 
-use std::collections::BTreeMap;
-
-use serde_json::{Value, json};
-
-use crate::hypotheses::effects::ParameterValue;
 use crate::investigation::{Fitted, Investigation};
+use crate::parameters::{ParameterValue, Parameters};
 use crate::request::Question;
 use crate::verdict::findings::present_in;
 use crate::verdict::{Evidence, RegisteredFinding};
@@ -21,23 +17,17 @@ pub(crate) fn findings(
         let group = &investigation.groups[chosen.group];
         let candidate = &investigation.candidates[group.candidate];
         let Some(model) = &candidate.registered else { continue };
-        let fixed = candidate.proposal.fixed.iter();
-        let mut parameters: BTreeMap<String, ParameterValue> = fixed
-            .map(|(name, value)| (name.clone(), ParameterValue { value: json!(value), std: Value::Null }))
-            .collect();
-        parameters.extend(
-            fitted
-                .columns(candidate, group.target_only())
-                .into_iter()
-                .map(|(name, value, std)| (name, ParameterValue { value: json!(value), std: json!(std) })),
-        );
+        let mut parameters: Parameters = candidate.proposal.fixed_parameters();
+        let columns = fitted.columns(candidate, group.target_only());
+        parameters
+            .extend(columns.into_iter().map(|(name, value, std)| (name, ParameterValue::new(value, std))));
         let present_in = present_in(question, investigation, group.target_only());
         let loss = group.joints.iter().map(|j| chosen.joint_loss[*j]).fold(0.0, f64::max);
         let predicted_share = 1.0 - (-loss).exp();
         let joints: Vec<String> = group.joints.iter().map(ToString::to_string).collect();
         let changed = present_in == ["target"];
         let sentence = format!(
-            "the registered {} model `{}` predicts {:.0} % of the residual on joint {} without it{}",
+            "the registered {} model `{}` predicts {:.0} % of the residual of joint {}{}",
             model.slot.name(),
             model.name,
             100.0 * predicted_share,

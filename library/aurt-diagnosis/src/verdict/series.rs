@@ -71,8 +71,7 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
             let (fitted, calibrated) = (left(&base), left(&first.baseline.coefficients));
             let after = residuals(rows, layout, &all, &full);
             let held_out_from = investigation.rows[r].rows();
-            let raw = &question.recordings[r].raw;
-            let origin_s = raw.time_s.first().copied().unwrap_or(0.0);
+            let origin_s = question.recordings[r].origin_s();
             let measured = match &investigation.late {
                 None => measured(question, r, rows),
                 // As shifted: the recording itself is late.

@@ -6,8 +6,6 @@ use crate::evidence::account::{REACHED, STRUCTURE};
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
-use crate::hypotheses::effects;
-use crate::hypotheses::effects::Presence;
 use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
@@ -22,6 +20,7 @@ use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
     Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, memory, registered,
 };
+use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 
 /// The verdict of an investigation.
@@ -78,6 +77,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors);
     let mut verdict = Verdict {
         unit: question.unit,
+        joint_names: question.model.rigid_body().joint_names().to_vec(),
         verdict: answer,
         structure,
         effects,
@@ -103,9 +103,9 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     verdict.notes.extend(question.recordings.iter().filter_map(left_out));
     if question.unit == MeasurementUnit::Ampere {
         verdict.notes.push(
-            "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where they stand in N, Nm \
-             or kg, and drives whose constants differ look like losses and gains; `torque_constants_nm_per_a` in [robot] makes \
-             them torques"
+            "the model is in A: forces, torques, masses and stiffnesses are divided by torque constants, also where their unit is \
+             given as N, Nm or kg; differing torque constants of the drives resemble losses and gain errors. Set \
+             `torque_constants_nm_per_a` in [robot] to obtain torques"
                 .into(),
         );
     }
@@ -119,8 +119,8 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         .collect();
     if !wandering.is_empty() {
         verdict.notes.push(format!(
-            "the residual on joint {} exceeds the noise that the recordings show above their filters; it shows no \
-             pattern over coordinates, time or frequency and is treated as slow noise: an effect of that size can hide in it",
+            "the residual of joint {} exceeds the noise measured above the filters but shows no pattern in any coordinate, time window \
+             or frequency; it is treated as slow noise, which can hide an effect of that size",
             wandering.join(", ")
         ));
     }
@@ -130,19 +130,17 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     }
     if investigation.undetermined {
         verdict.notes.push(
-            "the calibration recordings do not determine what the targets' motion needs: the model was fitted to both \
-             together, and what has changed can hide in that; calibrate on motions of all joints"
+            "the calibration recordings do not determine all parameters that the target motion needs: the model was fitted to both \
+             together, which can hide a change; calibrate on motions of all joints"
                 .into(),
         );
     }
     if question.recordings.iter().any(|r| r.simulated.is_some()) {
-        verdict.notes.push(
-            "what is questioned is the prediction of another simulator; nothing of it was refitted".into(),
-        );
-    } else if investigation.baseline.frozen {
         verdict
             .notes
-            .push("the model in question was taken as given; its coefficients were not refitted".into());
+            .push("the reference is the prediction of another simulator; it was not refitted".into());
+    } else if investigation.baseline.frozen {
+        verdict.notes.push("the given model was used as it is; its coefficients were not refitted".into());
     }
     verdict
 }
@@ -154,14 +152,14 @@ fn left_out(recording: &QuestionedRecording) -> Option<String> {
     (left_out > 0.0).then(|| {
         let share = 100.0 * (1.0 - left_out / raw.duration_s());
         format!(
-            "{name}: {} stretches were looked at, {share:.1} % of its time",
+            "{name}: {} segments were examined, {share:.1} % of the recording",
             raw.report.left_out_s.len() + 1
         )
     })
 }
 
-/// A warning where what was found makes held-out data worse on half of the joints: as a rule these are of another robot
-/// than the target.
+/// A warning where the findings increase the held-out error on half of the joints: as a rule the held-out data show another
+/// state of the robot than the targets.
 fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let held = &verdict.held_out;
     let grows = |(before, after): (&f64, &f64)| after / before;
@@ -171,9 +169,9 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
     (2 * worse >= ratios.len() && found).then(|| {
         format!(
-            "WARNING: {} is predicted worse with what was found on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} \
-             after). Validation recordings are taken to be of the robot as it is in the targets; one from before a change \
-             belongs under `calibration`, and without `validation` the last quarter of each target is held out",
+            "WARNING: the findings increase the error on {} on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} after). \
+             Validation recordings are assumed to show the robot in the state of the targets; list one from before a change under \
+             `calibration`. Without `validation` the last quarter of each target is held out",
             held.recordings.join(", "),
             ratios.len(),
             held.rms_before[worst],
@@ -184,11 +182,12 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
 
 /// Effects all of whose candidates the baseline absorbs, in every kind of recording in which they are tried.
 fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<NotDecidable> {
-    let mut absorbed: BTreeMap<&'static str, BTreeMap<usize, f64>> = BTreeMap::new();
+    let mut absorbed: BTreeMap<&'static str, (&'static Effect, BTreeMap<usize, f64>)> = BTreeMap::new();
     let target = investigation.problem.has_target();
     for (candidate, free) in investigation.candidates.iter().zip(&investigation.free) {
-        let coupling = candidate.proposal.joints.len() > 1 && candidate.effect == "joint_coupling_friction";
-        if coupling || candidate.registered.is_some() {
+        let effect = candidate.effect;
+        let ties_joints = candidate.proposal.joints.len() > 1 && !effect.is_whole_arm;
+        if ties_joints || candidate.registered.is_some() {
             continue;
         }
         let share = match candidate.proposal.presence {
@@ -198,12 +197,13 @@ fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<
         };
         let joint =
             if candidate.proposal.joints.len() > 1 { usize::MAX } else { candidate.proposal.joints[0] };
-        let largest = absorbed.entry(candidate.effect).or_default().entry(joint).or_insert(0.0);
+        let largest =
+            absorbed.entry(effect.id).or_insert((effect, BTreeMap::new())).1.entry(joint).or_insert(0.0);
         *largest = largest.max(share);
     }
     let joints = question.model.joints();
     let mut found = Vec::new();
-    for (effect, shares) in absorbed {
+    for (effect, shares) in absorbed.into_values() {
         let hidden: Vec<(usize, f64)> =
             shares.into_iter().filter(|(_, s)| *s < question.selection.free_share).collect();
         if hidden.is_empty() {
@@ -215,12 +215,11 @@ fn not_decidable(question: &Question<'_>, investigation: &Investigation) -> Vec<
         } else {
             hidden.iter().map(|(j, _)| *j).collect()
         };
-        let decider = effects::find(effect).map_or("", |e| e.decider());
         found.push(NotDecidable {
-            effect: effect.to_owned(),
+            effect: effect.id.to_owned(),
             joints: concerned,
             absorbed: 1.0 - largest * largest,
-            record: decider.to_owned(),
+            record: effect.decider.to_owned(),
         });
     }
     found

@@ -7,7 +7,7 @@ use aurt_traits::MeasurementUnit;
 
 use crate::{
     Source,
-    naming::for_comment,
+    naming::{c_string, for_comment},
     program::{Body, Function, Language, Program, Tunable},
 };
 
@@ -86,6 +86,13 @@ pub(crate) fn header(
         text.push_str(&comment(&lines));
     }
     text.push_str("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n");
+    if !chain.joint_names().is_empty() {
+        let upper = name.to_uppercase();
+        let _ = write!(
+            text,
+            "/* Names of the joints, base first. */\nextern const char *const {name}_joint_names[{upper}_JOINTS];\n\n"
+        );
+    }
     let variables = program.memory.variables();
     let memory = if variables > 0 { format!("    double m[{variables}];\n") } else { String::new() };
     let _ = write!(
@@ -114,6 +121,14 @@ pub(crate) fn implementation(source: &Source<'_>, program: &Program) -> String {
     lines.extend(source.provenance.lines());
     let mut text = comment(&lines);
     let _ = write!(text, "#include \"{name}.h\"\n\n#include <math.h>\n");
+    let names: Vec<String> = source.model.rigid_body().joint_names().iter().map(|n| c_string(n)).collect();
+    if !names.is_empty() {
+        let _ = write!(
+            text,
+            "\nconst char *const {name}_joint_names[{joints}] = {{\n    {}\n}};\n",
+            names.join(",\n    ")
+        );
+    }
     let bodies: Vec<String> = functions.iter().map(|f| body(name, f, program)).collect();
     if bodies.iter().any(|b| b.contains("sign_beyond(")) {
         text.push_str(

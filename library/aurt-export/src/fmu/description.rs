@@ -6,23 +6,7 @@ use super::{
     Kind, Version,
     variables::{Role, Variable, Variables},
 };
-use crate::Source;
-
-/// Text for an attribute of XML.
-fn attribute(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
+use crate::{Source, naming::attribute};
 
 /// Exponents of SI units, for units that importers may convert; others are words to them.
 fn base_unit(unit: &str) -> &'static str {

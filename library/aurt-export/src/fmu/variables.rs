@@ -6,7 +6,10 @@ use aurt_rbd::{JointKind, SerialChain};
 use aurt_traits::MeasurementUnit;
 
 use super::Kind;
-use crate::program::{Tunable, literal};
+use crate::{
+    naming::joint_names,
+    program::{Tunable, literal},
+};
 
 /// What a variable is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,9 +106,12 @@ impl Variables {
         role: Role,
     ) {
         self.places.push((place, self.all.len()));
-        for (j, joint) in chain.joints().iter().enumerate() {
+        // FMI forbids control characters in names.
+        let names = joint_names(chain, |name| name.replace(|c: char| c.is_control(), " "), &[]);
+        for (j, (joint, own)) in chain.joints().iter().zip(&names).enumerate() {
             let unit = units[usize::from(joint.kind == JointKind::Prismatic)];
-            self.one(&format!("{name}[{j}]"), role, unit, &format!("{what} of joint {j}"), 0.0);
+            let own = if chain.joint_names().is_empty() { j.to_string() } else { own.clone() };
+            self.one(&format!("{name}[{own}]"), role, unit, &format!("{what} of joint {j}"), 0.0);
         }
     }
 

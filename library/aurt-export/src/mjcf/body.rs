@@ -15,6 +15,7 @@ const THICKEST_M: f64 = 0.05;
 /// slides along, the frame's z axis, in the sense of the joint's sign.
 pub(super) fn tree(
     name: &str,
+    names: &[String],
     chain: &SerialChain,
     standard: &[f64],
     joints: &[JointDynamics],
@@ -46,8 +47,11 @@ pub(super) fn tree(
             JointKind::Revolute => "hinge",
             JointKind::Prismatic => "slide",
         };
-        let _ =
-            write!(text, "{indent}  <joint name=\"joint_{j}\" type=\"{kind}\" axis=\"0 0 {}\"", joint.sign);
+        let _ = write!(
+            text,
+            "{indent}  <joint name=\"{}\" type=\"{kind}\" axis=\"0 0 {}\"",
+            names[j], joint.sign
+        );
         for (attribute, value) in [
             ("armature", dynamics.armature),
             ("damping", dynamics.damping),

@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 use crate::{
     Export, ExportError, Source,
-    naming::{check_identifier, for_comment},
+    naming::{attribute, check_identifier, for_comment, joint_names},
 };
 
 /// Friction loss that holds: MuJoCo's own settings let a joint creep under a load that friction bears, and its friction
@@ -30,7 +30,8 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let standard = source.possible_bodies()?;
     let (joints, mut lost) = joint::dynamics(source);
     lost.push("limits of positions and torques, and shapes that collide: the model file has none".into());
-    let bodies = body::tree(source.name, chain, standard, &joints)?;
+    let names = joint_names(chain, attribute, &[]);
+    let bodies = body::tree(source.name, &names, chain, standard, &joints)?;
 
     let mut text = String::from("<!--\n");
     let mut lines = vec![format!("{}, written by `aurt export mjcf`.", source.name)];
@@ -49,8 +50,8 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
          <actuator>\n",
         source.name
     );
-    for j in 0..joints.len() {
-        let _ = writeln!(text, "    <motor name=\"motor_{j}\" joint=\"joint_{j}\"/>");
+    for (j, joint) in names.iter().enumerate() {
+        let _ = writeln!(text, "    <motor name=\"motor_{j}\" joint=\"{joint}\"/>");
     }
     text.push_str("  </actuator>\n</mujoco>\n");
     let notes = vec![

@@ -4,7 +4,8 @@ use aurt_traits::{ArmTerm, JointStack};
 use serde_json::Value as Json;
 
 use super::{
-    friction::{self, At, decay, described, number, unknown},
+    description::{described, number, unknown},
+    friction::{self, At, decay},
     memory::Memory,
     tape::{Function, Tape, Value, ZERO},
 };

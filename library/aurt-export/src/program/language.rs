@@ -1,7 +1,5 @@
 //! What C and Rust write differently of a line of operations.
 
-use super::tape::literal;
-
 /// A language that programs are printed in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Language {
@@ -56,4 +54,24 @@ impl Language {
 /// Numbers with commas between them.
 pub(crate) fn list(values: &[f64]) -> String {
     values.iter().map(|v| literal(*v)).collect::<Vec<String>>().join(", ")
+}
+
+/// A finite number as C and Rust write it, with all its digits.
+pub(crate) fn literal(number: f64) -> String {
+    // Minus zero would read as a negation of nothing.
+    let number = if number == 0.0 { 0.0 } else { number };
+    if number < 0.0 { format!("({number:?})") } else { format!("{number:?}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn literals_keep_all_digits() {
+        assert_eq!(literal(-0.1), "(-0.1)");
+        assert_eq!(literal(-0.0), "0.0");
+        assert_eq!(literal(1e-300), "1e-300");
+        assert_eq!(literal(1.0 / 3.0).parse::<f64>().unwrap(), 1.0 / 3.0);
+    }
 }

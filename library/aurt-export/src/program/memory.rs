@@ -5,9 +5,9 @@ use std::fmt::Write;
 use serde_json::Value as Json;
 
 use super::{
-    friction::number,
-    language::{Language, list},
-    tape::{Tape, Value, literal},
+    description::number,
+    language::{Language, list, literal},
+    tape::{Tape, Value},
 };
 use crate::ExportError;
 

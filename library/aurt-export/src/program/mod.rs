@@ -4,6 +4,7 @@
 
 mod arm_terms;
 mod checks;
+mod description;
 mod friction;
 mod functions;
 mod language;
@@ -16,7 +17,6 @@ pub use self::checks::Check;
 pub(crate) use self::{
     checks::{TOLERANCE, tables},
     functions::{Body, Function, Program, all, tunable_step},
-    language::{Language, list},
-    tape::literal,
+    language::{Language, list, literal},
     tunable::Tunable,
 };

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt::Write};
 
-use super::language::Language;
+use super::language::{Language, literal};
 
 /// A value of a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -307,13 +307,6 @@ fn written(key: Key, names: &[String]) -> String {
     }
 }
 
-/// A finite number as C and Rust write it, with all its digits.
-pub(crate) fn literal(number: f64) -> String {
-    // Minus zero would read as a negation of nothing.
-    let number = if number == 0.0 { 0.0 } else { number };
-    if number < 0.0 { format!("({number:?})") } else { format!("{number:?}") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -342,13 +335,5 @@ mod tests {
         );
         let count = Operations { multiplications: 1, additions: 2, calls: 0 };
         assert_eq!(tape.operations(&[sum]), count);
-    }
-
-    #[test]
-    fn literals_keep_all_digits() {
-        assert_eq!(literal(-0.1), "(-0.1)");
-        assert_eq!(literal(-0.0), "0.0");
-        assert_eq!(literal(1e-300), "1e-300");
-        assert_eq!(literal(1.0 / 3.0).parse::<f64>().unwrap(), 1.0 / 3.0);
     }
 }

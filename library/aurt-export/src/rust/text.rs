@@ -35,6 +35,14 @@ pub(super) fn library(source: &Source<'_>, chain: &SerialChain, program: &Progra
     text.push_str(
         &LIBRARY.replace("@JOINTS@", &joints.to_string()).replace("@MEMORY@", &variables.to_string()),
     );
+    if !chain.joint_names().is_empty() {
+        // What `Debug` writes of a text is a literal of Rust.
+        let names = chain.joint_names().iter().map(|name| format!("    {name:?},\n")).collect::<String>();
+        let _ = write!(
+            text,
+            "\n/// Names of the joints, base first.\npub const JOINT_NAMES: [&str; JOINTS] = [\n{names}];\n"
+        );
+    }
     let bodies: Vec<String> = program.functions.iter().map(|f| body(f, program)).collect();
     if bodies.iter().any(|b| b.contains("sign_beyond(")) {
         text.push_str(SIGN_BEYOND);

@@ -15,7 +15,7 @@ use crate::{
         body::numbers,
         joint::{JointDynamics, dynamics},
     },
-    naming::{check_identifier, for_comment},
+    naming::{attribute, check_identifier, for_comment, joint_names},
     source::frames,
     urdf::{UNLIMITED, roll_pitch_yaw, rotors_lost, world_lost},
 };
@@ -49,6 +49,10 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     );
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     let mut parent = format!("{name}_base");
+    // Links and joints share their names in SDF; `::` divides names.
+    let mut taken = vec![parent.clone(), format!("{name}_mount"), "world".to_owned()];
+    taken.extend((0..joints.len()).map(|j| format!("{name}_link_{j}")));
+    let names = joint_names(chain, |joint| attribute(&joint.replace("::", ":_")), &taken);
     for (j, (frame, body)) in frames(chain)?.iter().zip(bodies).enumerate() {
         let child = format!("{name}_link_{j}");
         let kind = match chain.joints()[j].kind {
@@ -66,19 +70,21 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
         }
         let _ = write!(
             text,
-            "  <joint name=\"joint_{j}\" type=\"{kind}\">\n    <pose relative_to=\"{parent}\">{origin} {turn}</pose>\n    \
+            "  <joint name=\"{}\" type=\"{kind}\">\n    <pose relative_to=\"{parent}\">{origin} {turn}</pose>\n    \
              <parent>{parent}</parent>\n    <child>{child}</child>\n    <axis>\n      <xyz>0 0 {}</xyz>\n      \
              <limit><lower>-{UNLIMITED}</lower><upper>{UNLIMITED}</upper></limit>\n      <dynamics>{acts}</dynamics>\n    \
              </axis>\n  </joint>\n",
+            names[j],
             chain.joints()[j].sign
         );
         let body = LinkBody::from_standard_parameters(body).ok_or(ExportError::NoBodies)?;
         let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
         let _ = write!(
             text,
-            "  <link name=\"{child}\">\n    <pose relative_to=\"joint_{j}\">0 0 0 0 0 0</pose>\n    <inertial>\n      \
+            "  <link name=\"{child}\">\n    <pose relative_to=\"{}\">0 0 0 0 0 0</pose>\n    <inertial>\n      \
              <pose>{} 0 0 0</pose>\n      <mass>{:?}</mass>\n      <inertia><ixx>{xx:?}</ixx><ixy>{xy:?}</ixy><ixz>{xz:?}</ixz>\
              <iyy>{yy:?}</iyy><iyz>{yz:?}</iyz><izz>{zz:?}</izz></inertia>\n    </inertial>\n  </link>\n",
+            names[j],
             numbers(&body.com_m),
             body.mass_kg,
         );

@@ -14,7 +14,7 @@ use crate::{
         body::numbers,
         joint::{JointDynamics, dynamics},
     },
-    naming::{check_identifier, for_comment},
+    naming::{attribute, check_identifier, for_comment, joint_names},
     source::frames,
 };
 
@@ -50,14 +50,16 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let _ = write!(text, "-->\n<robot name=\"{name}\">\n  <link name=\"{name}_base\"/>\n");
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     let mut parent = format!("{name}_base");
+    let names = joint_names(chain, attribute, &[]);
     for (j, (frame, body)) in frames(chain)?.iter().zip(bodies).enumerate() {
         let child = format!("{name}_link_{j}");
         let kind = chain.joints()[j].kind;
         let [origin, turn] = [frame.origin_m, roll_pitch_yaw(&frame.rotation)].map(|v| numbers(&v));
         let _ = write!(
             text,
-            "  <joint name=\"joint_{j}\" type=\"{}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>\n    \
+            "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>\n    \
              <origin xyz=\"{origin}\" rpy=\"{turn}\"/>\n    <axis xyz=\"0 0 {}\"/>\n",
+            names[j],
             match kind {
                 JointKind::Revolute => "continuous",
                 JointKind::Prismatic => "prismatic",

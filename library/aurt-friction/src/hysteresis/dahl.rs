@@ -26,8 +26,8 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 

@@ -49,16 +49,16 @@
 //! without a displacement that would pay for it.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    thresholds::Thresholds,
     path_step::PathStep,
     shape::{Shape, accepted, out_of_bounds, verdict},
     stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
+    thresholds::Thresholds,
 };
 
 const ATTRACTION: Shape = Shape::logarithmic("attraction_per_s", "1/s", 1.0, 1e3);

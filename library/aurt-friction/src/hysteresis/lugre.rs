@@ -34,8 +34,8 @@
 //! Bounded by one, odd, continuous; passive, for H q̇ − d/dt (p H²/2) = |q̇| H²/g ≥ 0.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 

@@ -22,8 +22,7 @@
 //! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

@@ -20,8 +20,8 @@
 //! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
+    register_model,
 };
 use serde::{Deserialize, Serialize};
 

@@ -26,7 +26,7 @@
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,     register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

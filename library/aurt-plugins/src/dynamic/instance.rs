@@ -17,6 +17,9 @@ use serde_json::{Map, Value};
 
 use super::{calls, description::Described, library::LibraryModel};
 
+/// The key under which a saved model of a library says where it is from.
+pub(crate) const PLUGIN_KEY: &str = "plugin";
+
 /// Bytes for a library's messages.
 const MESSAGE_BYTES: usize = 4096;
 /// Batches that a new instance evaluates between guards.
@@ -201,7 +204,7 @@ impl Instance {
         }
         let library = &self.model.library;
         keys.insert(
-            crate::build::PLUGIN_KEY.to_owned(),
+            PLUGIN_KEY.to_owned(),
             serde_json::json!({
                 "name": library.name,
                 "version": library.version,

@@ -12,13 +12,10 @@ mod instance;
 mod joint_model;
 mod library;
 
+pub use self::calls::{Told, longest_call, time_limit, watch_calls};
 pub(crate) use self::{
     arm_term::LibraryArmTerm,
-    instance::Fault,
+    instance::{Fault, PLUGIN_KEY},
     joint_model::LibraryJointModel,
     library::{LibraryModel, load},
-};
-pub use self::{
-    calls::{Told, longest_call, time_limit, watch_calls},
-    library::{LibraryListing, LibraryProblem},
 };

@@ -1,7 +1,7 @@
 use super::lanes::Lanes;
 use super::sine_cosine::sine_cosine;
 use super::turn::{Shift, Shifted, Turn, Turned, Vector, with_shift, with_turn};
-use crate::chain::{Joint, JointFrame, JointKind};
+use crate::joint::{Joint, JointFrame, JointKind};
 
 /// How many vectors of samples go through each step of the calculation side by side: the steps are chains of
 /// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.

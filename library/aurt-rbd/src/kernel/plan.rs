@@ -2,7 +2,7 @@ use aurt_traits::{MotionView, RegressorTile};
 
 use super::block::{Block, possible_entries};
 use super::motion::Place;
-use crate::chain::Joint;
+use crate::joint::Joint;
 use crate::{INERTIAL_PARAMETERS, SerialChain};
 
 /// One call's work, prepared for the lanes.

@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::path::Path;
 
 use aurt_traits::MeasurementUnit;
@@ -7,7 +8,7 @@ use crate::csv::clock::Clock;
 use crate::csv::families::{self, Families};
 use crate::csv::header::Header;
 use crate::recorded_as::Factor;
-use crate::{AngleUnit, CurrentUnit, Quantity, RecordedAs, RecordingError, TimeUnit};
+use crate::{AngleUnit, CurrentUnit, Quantity, RecordedAs, RecordedJoints, RecordingError, TimeUnit};
 
 /// A column of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,6 +62,8 @@ pub(super) struct Selected {
     pub(super) rate_hz: Option<f64>,
     /// The nanoseconds of the stamps, where `time` has their seconds alone; last in a row.
     pub(super) nanoseconds: Option<usize>,
+    /// Which joints the columns belong to.
+    pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
 }
@@ -127,7 +130,7 @@ impl Search<'_> {
             (None, None) => Some(self.find_time(&families)?),
         };
         let position = self.position(&families, &mut remarks)?;
-        let joints = self.options.joints.unwrap_or(position.len());
+        let joints = self.options.joint_count().unwrap_or(position.len());
         let recorded = self.units(time.as_ref(), &position, &mut remarks)?;
         let velocity = match &selection.velocity {
             _ if !recorded.takes(Quantity::Velocity) => None,
@@ -159,6 +162,7 @@ impl Search<'_> {
             factors: Vec::new(),
             rate_hz: recorded.rate_hz,
             nanoseconds: time.and_then(|clock| clock.nanoseconds),
+            joints: self.options.joints_read(&[]),
             remarks,
         };
         let counts = [
@@ -284,6 +288,9 @@ impl Search<'_> {
         prefixes: &[&'static str],
         remarks: &mut Vec<String>,
     ) -> Result<Option<Vec<usize>>, RecordingError> {
+        if let Some((_, columns)) = self.by_joint(prefixes) {
+            return Ok(Some(columns));
+        }
         let Some(prefix) = families.present(prefixes).first().copied() else { return Ok(None) };
         let columns = self.family(families, prefix, what)?;
         let last_word = |name: &str| name.rsplit('_').next().map(str::to_owned);
@@ -302,6 +309,34 @@ impl Search<'_> {
             remarks.push(format!("{what}: `{prefix}` is read, not `{}`", others.join("`, `")));
         }
         Ok(Some(columns))
+    }
+
+    /// The first of some quantities that has a column for each of the robot's joints by its name, as `elbow.position` and
+    /// `position/elbow`.
+    pub(super) fn by_joint<'p>(&self, quantities: &[&'p str]) -> Option<(&'p str, Vec<usize>)> {
+        let joints = self.options.joint_names();
+        let mut places = HashMap::new();
+        for (k, quantity) in quantities.iter().enumerate() {
+            for (j, joint) in joints.iter().map(|joint| joint.to_lowercase()).enumerate() {
+                for between in ['.', '/', '_', ' '] {
+                    places.insert(format!("{joint}{between}{quantity}"), (k, j));
+                    places.insert(format!("{quantity}{between}{joint}"), (k, j));
+                }
+            }
+        }
+        let mut found = vec![vec![Vec::new(); joints.len()]; quantities.len()];
+        for (column, name) in self.header.names.iter().enumerate().filter(|_| !joints.is_empty()) {
+            let name = families::without_unit(name);
+            // The topic may stand before it.
+            let mut ends = std::iter::once(0).chain(name.match_indices(['/', '.']).map(|(at, _)| at + 1));
+            if let Some((k, j)) = ends.find_map(|at| places.get(&name[at..])) {
+                found[*k][*j].push(column);
+            }
+        }
+        let only = |columns: &Vec<usize>| columns.first().copied().filter(|_| columns.len() == 1);
+        let all = |columns: &Vec<Vec<usize>>| columns.iter().map(only).collect::<Option<Vec<usize>>>();
+        let mut families = quantities.iter().zip(&found).filter(|_| !joints.is_empty());
+        families.find_map(|(quantity, columns)| Some((*quantity, all(columns)?)))
     }
 
     /// The columns of a prefix.
@@ -424,7 +459,7 @@ impl Search<'_> {
         let time = self.find_time(&families).ok()?.column;
         let position =
             self.find(&families, "joint positions", &families::POSITION, &mut Vec::new()).ok()??;
-        let columns = families.unknown(self.options.joints.unwrap_or(position.len()))?;
+        let columns = families.unknown(self.options.joint_count().unwrap_or(position.len()))?;
         let listed = |columns: &[usize]| -> String {
             columns.iter().map(|c| format!("\"{}\"", self.header.name(*c))).collect::<Vec<_>>().join(", ")
         };

@@ -294,6 +294,12 @@ fn numbered_within(name: &str) -> Option<(String, usize)> {
     (!quantity.is_empty()).then(|| (format!("{kept}{quantity}"), number))
 }
 
+/// A name in lower case, without a unit in brackets at its end.
+pub(super) fn without_unit(name: &str) -> String {
+    let name = name.trim().to_lowercase();
+    bracketed(&name).map_or(name.as_str(), |(before, _)| before).trim_end().to_owned()
+}
+
 /// What stands before and in a pair of brackets that ends the name.
 fn bracketed(name: &str) -> Option<(&str, &str)> {
     [('[', ']'), ('(', ')')]

@@ -27,13 +27,18 @@ impl Search<'_> {
             return Ok((Some(columns), unit));
         }
         let candidates: Vec<(&str, MeasurementUnit)> = [
-            (families.present(&families::CURRENT), MeasurementUnit::Ampere),
-            (families.present(&families::TORQUE), MeasurementUnit::NewtonMetre),
+            (&families::CURRENT[..], MeasurementUnit::Ampere),
+            (&families::TORQUE, MeasurementUnit::NewtonMetre),
         ]
         .into_iter()
-        .filter_map(|(present, usual)| {
-            let prefix = *present.first()?;
-            let columns = families.columns(prefix)?.ok();
+        .filter_map(|(known, usual)| {
+            let (prefix, columns) = match self.by_joint(known) {
+                Some((quantity, columns)) => (quantity, Some(columns)),
+                None => {
+                    let prefix = *families.present(known).first()?;
+                    (prefix, families.columns(prefix)?.ok())
+                }
+            };
             let unit = columns.and_then(|columns| self.unit_of(&columns)).unwrap_or(usual);
             Some((prefix, unit))
         })
@@ -81,7 +86,10 @@ impl Search<'_> {
                 return Ok((None, stated.unwrap_or_default()));
             }
         };
-        let columns = self.family(families, prefix, "the measurement").map(Some);
+        let columns = match self.by_joint(&[prefix]) {
+            Some((_, columns)) => Ok(Some(columns)),
+            None => self.family(families, prefix, "the measurement").map(Some),
+        };
         if self.options.needs_measurement {
             return Ok((columns?, unit));
         }

@@ -30,13 +30,16 @@ use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::csv::table::{recording, report};
 use crate::format::{BEGINNING_BYTES, unreadable};
-use crate::{ReadReport, RecordedAs, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::{
+    ReadReport, RecordedAs, RecordedJoints, Recording, RecordingError, RecordingFormat, RecordingInput,
+    RobotJoints,
+};
 
 /// What to read, and what to put up with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
-    /// Number of joints that the robot has; `None`: as many as there are position columns.
-    pub joints: Option<usize>,
+    /// The joints of the robot; `None`: as many as there are position columns.
+    pub joints: Option<RobotJoints>,
     /// Columns that are not to be found by their names.
     pub columns: ColumnSelection,
     /// Unit of the measurement; `None`: from the column names.
@@ -80,6 +83,37 @@ impl Default for ReadOptions {
 }
 
 impl ReadOptions {
+    /// The names of the robot's joints; empty where they have none.
+    pub(crate) fn robot_names(&self) -> &[String] {
+        self.joints.as_ref().map_or(&[], |robot| &robot.names)
+    }
+
+    /// The names of the joints to be read, in the robot's order; empty where nothing names them.
+    pub(crate) fn joint_names(&self) -> &[String] {
+        let stated = self.recorded.joint_names.as_deref();
+        match &self.joints {
+            Some(robot) => robot.wanted(stated),
+            None => stated.unwrap_or_default(),
+        }
+    }
+
+    /// The joints of series that are in the order of [`Self::joint_names`], or, without any, those of `found`.
+    pub(crate) fn joints_read(&self, found: &[String]) -> RecordedJoints {
+        if !self.robot_names().is_empty() {
+            return RecordedJoints::Named(self.robot_names().to_vec());
+        }
+        match &self.recorded.joint_names {
+            Some(stated) => RecordedJoints::Stated(stated.clone()),
+            None if found.is_empty() => RecordedJoints::Unnamed,
+            None => RecordedJoints::Named(found.to_vec()),
+        }
+    }
+
+    /// The number of the robot's joints, where it is known.
+    pub(crate) fn joint_count(&self) -> Option<usize> {
+        self.joints.as_ref().map(|robot| robot.count)
+    }
+
     pub(crate) fn validate(&self) -> Result<(), RecordingError> {
         self.recorded.validate()?;
         let value = self.max_corrupt_share;

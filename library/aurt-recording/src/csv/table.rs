@@ -6,7 +6,7 @@ use crate::csv::ReadOptions;
 use crate::csv::collector::{Collected, Collector};
 use crate::csv::columns::{Search, Selected};
 use crate::csv::header::Header;
-use crate::{ReadReport, Recording, RecordingError};
+use crate::{ReadReport, RecordedJoints, Recording, RecordingError};
 
 /// Rows that room is made for at once; a file may claim more than it holds.
 const ROOM_ROWS: usize = 1 << 16;
@@ -46,6 +46,11 @@ impl<'a> Table<'a> {
     /// The column of the time stamps, if they are read.
     pub(crate) const fn time(&self) -> Option<usize> {
         self.selected.time
+    }
+
+    /// Says which joints the columns belong to.
+    pub(crate) fn belongs_to(&mut self, joints: RecordedJoints) {
+        self.selected.joints = joints;
     }
 
     /// Adds what a person should know.
@@ -153,6 +158,7 @@ pub(super) fn recording(
         velocity_rad_s: selected.velocity.as_deref().map(&mut family),
         measurement: selected.measurement.as_deref().map(&mut family),
         unit: selected.unit,
+        joints: selected.joints.clone(),
         report,
     }
 }

@@ -4,9 +4,11 @@ use aurt_traits::Motion;
 
 use super::{LongRecording, uniform::Uniform};
 use crate::preprocess::differentiate::{inner_acceleration, velocity};
-use crate::preprocess::{Which, filter};
+use crate::preprocess::span::Memory;
+use crate::preprocess::{Which, filter, shortest_between_gaps};
 use crate::{
-    Decimation, DroppedSegment, PreprocessOptions, PreprocessReport, RecordingError, SegmentReport, ZeroPhase,
+    Decimation, DroppedSegment, PreprocessOptions, PreprocessReport, RecordingError, SegmentReport,
+    ZeroPhase, ZeroPhaseBank,
 };
 
 /// Motion samples of a stretch; memory is a few times their size.
@@ -39,7 +41,8 @@ pub struct LongSegment {
     /// Motion sample k is sample `run.start` + `first` + k.
     first: usize,
     samples: usize,
-    rows: usize,
+    kept_rows: Range<usize>,
+    decimation: usize,
 }
 
 /// Consecutive samples of a segment.
@@ -64,8 +67,14 @@ impl LongSegment {
 
     /// Rows per joint after decimation.
     #[must_use]
-    pub const fn rows(&self) -> usize {
-        self.rows
+    pub fn rows(&self) -> usize {
+        self.kept_rows.len()
+    }
+
+    /// The sample of the motion to which a row belongs.
+    #[must_use]
+    pub const fn sample(&self, row: usize) -> usize {
+        (self.kept_rows.start + row) * self.decimation
     }
 }
 
@@ -97,6 +106,8 @@ impl LongRecording {
             position_cutoff_hz: position_filter.cutoff_hz(),
             parallel_cutoff_hz: parallel_filter.cutoff_hz(),
             decimation,
+            memory_s: Memory::of(&position_filter, &parallel_filter, decimation.factor).of_rows_s(rate_hz),
+            ends_count: options.count_ends,
             trimmed_rest: options.trim_rest,
             segments: Vec::new(),
             dropped_segments: Vec::new(),
@@ -112,21 +123,21 @@ impl LongRecording {
             recording: self,
             report,
         };
-        let shortest = if runs.len() > 1 { (2.0 * rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 };
+        let shortest = shortest_between_gaps(options, runs.len(), rate_hz);
         let needed = shortest.max(prepared.padding() + 3);
         let mut longest = 0;
         for (run, span_s) in runs.into_iter().zip(spans_s) {
             longest = longest.max(run.len());
             let samples = run.len();
-            let segment = if samples >= needed { prepared.segment(run)? } else { None };
-            if let Some(segment) = segment {
-                prepared.report.segments.push(prepared.reported(&segment, span_s[0]));
+            let segment = if samples >= needed { prepared.segment(run, span_s[0])? } else { None };
+            if let Some((segment, reported)) = segment {
+                prepared.report.segments.push(reported);
                 prepared.segments.push(segment);
             } else {
                 let reason = if samples < needed {
                     format!("{samples} samples are too few, {needed} are needed")
                 } else {
-                    "too little of it is motion".into()
+                    "too little of it is motion beyond the filters' memory of its ends".into()
                 };
                 let [from_s, to_s] = span_s;
                 prepared.report.dropped_segments.push(DroppedSegment { from_s, to_s, reason });
@@ -195,6 +206,13 @@ impl LongPrepared {
         &self.segments
     }
 
+    /// The parallel filter for columns over a segment's motion; it hands out the rows.
+    #[must_use]
+    pub fn bank(&self, segment: &LongSegment, columns: usize) -> ZeroPhaseBank {
+        let bank = ZeroPhaseBank::new(&self.parallel_filter, columns, self.decimation);
+        bank.keeping(segment.kept_rows.clone())
+    }
+
     /// Hands out a segment's samples, in their order.
     ///
     /// # Errors
@@ -211,19 +229,6 @@ impl LongPrepared {
         Ok(())
     }
 
-    /// What is to be told of a segment whose run begins at `from_s`.
-    fn reported(&self, segment: &LongSegment, from_s: f64) -> SegmentReport {
-        let period_s = 1.0 / self.rate_hz;
-        let after = segment.run.len() - segment.first - segment.samples - 1;
-        SegmentReport {
-            from_s: from_s + segment.first as f64 * period_s,
-            to_s: from_s + (segment.first + segment.samples - 1) as f64 * period_s,
-            samples: segment.samples,
-            rows: segment.rows,
-            cut_s: [(segment.first - 1) as f64 * period_s, after as f64 * period_s],
-        }
-    }
-
     fn padding(&self) -> usize {
         self.position_filter.padding().max(self.parallel_filter.padding())
     }
@@ -234,27 +239,30 @@ impl LongPrepared {
         decay(&self.position_filter).max(decay(&self.parallel_filter))
     }
 
-    /// The segment of a run; none if nothing moves or too little is left.
-    fn segment(&self, run: Range<usize>) -> Result<Option<LongSegment>, RecordingError> {
+    /// The segment of a run that begins at `from_s`; none if nothing moves or too little is left.
+    fn segment(
+        &self,
+        run: Range<usize>,
+        from_s: f64,
+    ) -> Result<Option<(LongSegment, SegmentReport)>, RecordingError> {
         let inner = run.len() - 2;
-        let kept = if self.options.trim_rest {
-            let pieces: Vec<Range<usize>> =
-                (0..inner).step_by(STRETCH).map(|a| a..(a + STRETCH).min(inner)).collect();
-            let Some(first) = self.first_moving(&run, pieces.iter(), |moving| moving.next())? else {
-                return Ok(None);
-            };
-            let last = self.first_moving(&run, pieces.iter().rev(), |moving| moving.last())?;
-            first.max(1)..last.unwrap_or(first).max(1)
-        } else {
-            0..inner
-        };
-        if kept.len() <= self.padding() {
+        let pieces: Vec<Range<usize>> =
+            (0..inner).step_by(STRETCH).map(|a| a..(a + STRETCH).min(inner)).collect();
+        let first = self.first_moving(&run, pieces.iter(), |moving| moving.next())?;
+        let last = self.first_moving(&run, pieces.iter().rev(), |moving| moving.last())?;
+        let moving = first.zip(last).map(|(first, last)| [first, last]);
+        if moving.is_none() && self.options.trim_rest {
             return Ok(None);
         }
-        // After trimming, the measurement loses one more sample at either end, as in the original tool.
-        let measured = if self.options.trim_rest { kept.len() - 2 } else { kept.len() };
-        let rows = measured.div_ceil(self.decimation);
-        Ok(Some(LongSegment { run, first: kept.start + 1, samples: kept.len(), rows }))
+        let memory = Memory::of(&self.position_filter, &self.parallel_filter, self.decimation);
+        let span = memory.span(&self.options, inner, moving);
+        if span.refused(self.padding()).is_some() {
+            return Ok(None);
+        }
+        let (first, samples) = (span.motion.start + 1, span.motion.len());
+        let segment =
+            LongSegment { run, first, samples, kept_rows: span.kept_rows(), decimation: self.decimation };
+        Ok(Some((segment, span.reported(from_s, self.rate_hz))))
     }
 
     /// Of the first piece with a moving sample the one that is chosen, counted without the run's first sample.
@@ -267,7 +275,7 @@ impl LongPrepared {
         let threshold = self.options.rest_velocity_rad_s;
         for piece in pieces {
             let (series, own) = self.window(run, piece.start + 1..piece.end + 1)?;
-            let filtered = self.position_filter.filter_all(&series[1..=self.joints()])?;
+            let filtered = self.options.smoothed(&self.position_filter, &series[1..=self.joints()])?;
             let speeds: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, 1.0 / self.rate_hz)).collect();
             let mut moving = own.clone().filter(|k| speeds.iter().any(|v| v[*k].abs() > threshold));
             if let Some(k) = choose(&mut moving) {
@@ -296,7 +304,7 @@ impl LongPrepared {
         let (series, own) = self.window(&segment.run, wanted)?;
         let (time, values) = series.split_at(1);
         let (positions, measurements) = values.split_at(joints);
-        let filtered = self.position_filter.filter_all(positions)?;
+        let filtered = self.options.smoothed(&self.position_filter, positions)?;
         let period_s = 1.0 / self.rate_hz;
         let mut motion = [Vec::new(), Vec::new(), Vec::new()];
         for q in &filtered {
@@ -321,15 +329,17 @@ impl LongPrepared {
                 raw.iter().map(|v| (v - offset) * gain).collect()
             })
             .collect();
-        let first_row = samples.start.div_ceil(self.decimation);
-        let rows = first_row..samples.end.div_ceil(self.decimation).min(segment.rows).max(first_row);
-        let at = |row: usize| own.start + row * self.decimation - samples.start;
+        let before = |sample: usize| {
+            sample.div_ceil(self.decimation).saturating_sub(segment.kept_rows.start).min(segment.rows())
+        };
+        let rows = before(samples.start)..before(samples.end);
+        let at = |row: usize| own.start + segment.sample(row) - samples.start;
         let measurement = self
             .parallel_filter
             .filter_all(&corrected)?
             .iter()
             .map(|y| rows.clone().map(|row| y[at(row)]).collect())
             .collect();
-        Ok(Stretch { motion, first_sample: samples.start, measurement, first_row })
+        Ok(Stretch { motion, first_sample: samples.start, measurement, first_row: rows.start })
     }
 }

@@ -41,7 +41,7 @@ impl<'a> Joints<'a> {
         let mut joints = Self {
             messages,
             state: JointState::default(),
-            names: options.recorded.joint_names.clone().unwrap_or_default(),
+            names: options.joint_names().to_vec(),
             known: Vec::new(),
             places: None,
             position: true,
@@ -64,7 +64,7 @@ impl<'a> Joints<'a> {
         let first = joints.state.names.clone();
         if joints.names.is_empty() {
             joints.names.clone_from(&first);
-            if let Some(robot) = options.joints.filter(|n| *n != first.len()) {
+            if let Some(robot) = options.joint_count().filter(|n| *n != first.len()) {
                 let remedy =
                     "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
                 let reason = format!(
@@ -78,16 +78,12 @@ impl<'a> Joints<'a> {
         while joints.placed().is_none() {
             joints.passed_over += 1;
             if !joints.decode_next()? {
-                let lacking = joints.names.iter().find(|n| !first.contains(n)).cloned().unwrap_or_default();
-                let similar = first.iter().map(|n| (strsim::jaro_winkler(&lacking, n), n));
-                let meant = similar.filter(|(s, _)| *s > 0.75).max_by(|a, b| a.0.total_cmp(&b.0));
-                let meant = meant.map(|(_, n)| format!("did you mean `{n}`? ")).unwrap_or_default();
-                let reason =
-                    format!("no message has a joint `{lacking}`; the first has {}", first.join(", "));
-                let remedy = format!(
-                    "{meant}name the robot's joints as the messages do, in its order: joint_names = […]"
-                );
-                return Err(refuse(reason, remedy));
+                return Err(RecordingError::JointNames {
+                    path: path.to_owned(),
+                    lacking: joints.names.iter().find(|n| !first.contains(n)).cloned().unwrap_or_default(),
+                    recorded: first,
+                    wanted: joints.names,
+                });
             }
         }
         let count = joints.state.names.len();
@@ -103,6 +99,11 @@ impl<'a> Joints<'a> {
         let begin = joints.ahead.front().map_or(0, |(state, log_ns)| joints.stamp_ns(state, *log_ns));
         joints.origin_ns = if begin.abs() < EXACT { 0 } else { begin.div_euclid(SECOND_NS) * SECOND_NS };
         Ok(joints)
+    }
+
+    /// Names of the joints in the order of the rows.
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Names of the columns.

@@ -52,6 +52,7 @@ impl RecordingFormat for McapBag {
         let names = joints.columns();
         let count = names.len();
         let mut table = Table::new(path, names, count, options)?;
+        table.belongs_to(options.joints_read(joints.names()));
         remark.into_iter().for_each(|r| table.remark(r));
         joints.remarks().into_iter().for_each(|r| table.remark(r));
         let wanted = table.wanted();

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use aurt_traits::Dispatch;
 
 use crate::RecordingError;
@@ -48,6 +50,8 @@ pub struct ZeroPhaseBank {
     future: Vec<PackState>,
     pending: usize,
     delivered: usize,
+    /// Rows that are handed out, of all that the filter has.
+    kept: Range<usize>,
     out: Vec<f64>,
     sums: Box<Sums>,
 }
@@ -78,6 +82,13 @@ impl<'a> DecimatedTile<'a> {
     #[must_use]
     pub fn column(&self, column: usize) -> &'a [f64] {
         &self.data[column * self.stride..column * self.stride + self.rows]
+    }
+
+    /// Copies each column to its rows of a whole series.
+    pub fn copy_to<'c>(&self, series: impl Iterator<Item = &'c mut [f64]>) {
+        for (k, rows) in series.enumerate() {
+            rows[self.first_row..self.first_row + self.rows].copy_from_slice(self.column(k));
+        }
     }
 
     /// All columns and their stride: column k is `data[k * stride .. k * stride + rows]`.
@@ -121,10 +132,17 @@ impl ZeroPhaseBank {
             future: vec![PackState::default(); packs * groups * (capacity + 1)],
             pending: 0,
             delivered: 0,
+            kept: 0..usize::MAX,
             out: vec![0.0; columns * capacity],
             sums: Box::new([[[0.0; WIDTH]; CHUNK]; WIDTH]),
             modes,
         }
+    }
+
+    /// The same, which hands out only the rows `kept` and counts them from 0.
+    #[must_use]
+    pub fn keeping(self, kept: Range<usize>) -> Self {
+        Self { kept, ..self }
     }
 
     /// Number of columns.
@@ -358,8 +376,12 @@ impl ZeroPhaseBank {
             }
             past.copy_within(rows.., 0);
         }
-        let first_row = self.delivered;
-        sink(DecimatedTile { first_row, rows, stride: self.capacity, data: &self.out });
+        let first = self.delivered.max(self.kept.start);
+        let end = (self.delivered + rows).min(self.kept.end);
+        if first < end {
+            let (first_row, data) = (first - self.kept.start, &self.out[first - self.delivered..]);
+            sink(DecimatedTile { first_row, rows: end - first, stride: self.capacity, data });
+        }
         self.pending -= rows;
         self.delivered += rows;
     }

@@ -12,6 +12,7 @@ mod options;
 mod report;
 pub(crate) mod resample;
 mod segment;
+pub(crate) mod span;
 mod spline;
 mod zero_phase;
 
@@ -53,7 +54,7 @@ pub struct Preprocessed {
     pub position_noise: Vec<PositionNoise>,
 }
 
-/// Preprocesses a recording as the paper does (section IV), after putting it on a uniform grid where it is not.
+/// Preprocesses a recording as in section IV of the paper, after putting it on a uniform grid where it is not.
 ///
 /// 1. Samples that share a stamp (to 5 % of the median distance) are merged; gaps split the recording, and stretches between gaps that are shorter
 ///    than two periods of f_dyn are dropped.
@@ -63,9 +64,13 @@ pub struct Preprocessed {
 /// 3. Instrument: y = (raw − offset) · gain, shifted back by the delay.
 /// 4. q̂: 4th-order Butterworth at 5 f_dyn, forward and backward; velocities by central differences of q̂,
 ///    accelerations by the three-point stencil; one sample is lost at either end.
-/// 5. With `trim_rest`, only s … e remain, from the first to the last sample at which any joint moves.
-/// 6. The measurement passes the parallel filter at 2 f_dyn over the whole segment, is cut, and thinned out by
-///    F_DS = 0.8 / (4 f_dyn T_S); the regressor is to pass [`Segment::parallel_filter`] after it was cut.
+/// 5. The measurement passes the parallel filter at 2 f_dyn, and is thinned out by F_DS = 0.8 / (4 f_dyn T_S); the regressor
+///    is to pass [`Segment::bank`] or [`Segment::filtered`].
+/// 6. Rows count that lie further from ends and gaps than the filters [remember](ZeroPhase::memory); of a robot that stands
+///    there, half as far. With `trim_rest`, only those from the first to the last sample at which any joint moves.
+///
+/// With `count_ends`, steps 5 and 6 are the paper's: all rows count, and with `trim_rest` the regressor passes the filter
+/// after it was cut.
 ///
 /// # Errors
 /// Invalid options, a recording that is inconsistent, too short, at rest, or too slow for the cut-offs; see
@@ -105,6 +110,8 @@ pub fn preprocess(
         position_cutoff_hz: plan.position_filter.cutoff_hz(),
         parallel_cutoff_hz: plan.parallel_filter.cutoff_hz(),
         decimation,
+        memory_s: plan.memory().of_rows_s(clock.rate_hz),
+        ends_count: options.count_ends,
         trimmed_rest: options.trim_rest,
         segments: Vec::new(),
         dropped_segments: Vec::new(),
@@ -114,9 +121,7 @@ pub fn preprocess(
     let mut segments = Vec::new();
     let mut refusal: Option<Refusal> = None;
     let mut agreement = segment::VelocityAgreement::new(recording.joints());
-    // Both filters spoil about a period of f_dyn at either end; between gaps, shorter stretches are not worth it.
-    let shortest =
-        if clock.runs.len() > 1 { (2.0 * clock.rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 };
+    let shortest = shortest_between_gaps(options, clock.runs.len(), clock.rate_hz);
     for run in clock.runs {
         let [from_s, to_s] = [merged.time_s[run.start] - origin, merged.time_s[run.end - 1] - origin];
         let refused = too_short_between_gaps(&merged.time_s, &run, clock.rate_hz, shortest);
@@ -125,15 +130,8 @@ pub fn preprocess(
             None => plan.segment(&merged, run, &mut agreement)?,
         };
         match result {
-            Ok((segment, cut_s)) => {
-                let time = segment.motion.view().time_s();
-                report.segments.push(SegmentReport {
-                    from_s: time[0] - origin,
-                    to_s: time[time.len() - 1] - origin,
-                    samples: time.len(),
-                    rows: segment.rows(),
-                    cut_s,
-                });
+            Ok((segment, reported)) => {
+                report.segments.push(reported);
                 segments.push(segment);
             }
             Err(refused) => {
@@ -153,6 +151,12 @@ pub fn preprocess(
     let asked = if options.position_noise { merged.position_rad.as_slice() } else { &[] };
     let position_noise = asked.iter().map(noise).collect();
     Ok(Preprocessed { segments, report, position_noise })
+}
+
+/// Where ends count, both filters spoil about a period of f_dyn at either end; between gaps, stretches shorter than that, in
+/// samples, are not worth it.
+pub(crate) fn shortest_between_gaps(options: &PreprocessOptions, runs: usize, rate_hz: f64) -> usize {
+    if runs > 1 && options.count_ends { (2.0 * rate_hz / options.f_dyn_hz).ceil() as usize } else { 0 }
 }
 
 fn too_short_between_gaps(time: &[f64], run: &Range<usize>, rate_hz: f64, needed: usize) -> Option<Refusal> {

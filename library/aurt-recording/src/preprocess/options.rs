@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::RecordingError;
+use crate::{RecordingError, ZeroPhase};
 
 /// How a recording is preprocessed (paper, section IV).
 ///
@@ -21,6 +21,13 @@ pub struct PreprocessOptions {
     pub rest_velocity_rad_s: f64,
     /// Cut the rest before the first and after the last motion (calibration does, validation does not).
     pub trim_rest: bool,
+    /// Count the rows within the filters' memory of ends and gaps, and filter the regressor after cutting the rest, as the
+    /// paper does. By default these rows do not count: there the filters see series that they had to continue themselves.
+    #[serde(default)]
+    pub count_ends: bool,
+    /// Keep the motion up to ends and gaps, for predictions there; the same rows count.
+    #[serde(skip)]
+    pub whole_motion: bool,
     /// Longer gaps between stamps split the recording, in s. `None`: 0.1 s or ten periods, whichever is longer.
     pub max_gap_s: Option<f64>,
     /// Per joint, factors of the measurement: y = (raw − offset) · gain. Torque constants in Nm/A turn currents
@@ -51,6 +58,8 @@ impl Default for PreprocessOptions {
             parallel_cutoff_hz: None,
             trim_rest: true,
             rest_velocity_rad_s: 0.03,
+            count_ends: false,
+            whole_motion: false,
             max_gap_s: None,
             gains: None,
             offsets: None,
@@ -61,6 +70,15 @@ impl Default for PreprocessOptions {
 }
 
 impl PreprocessOptions {
+    /// Positions behind the position filter.
+    pub(crate) fn smoothed(
+        &self,
+        filter: &ZeroPhase,
+        positions: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, RecordingError> {
+        if self.count_ends { filter.filter_all(positions) } else { filter.filter_positions(positions) }
+    }
+
     /// The paper's defaults for dynamics up to `f_dyn_hz`.
     #[must_use]
     pub fn new(f_dyn_hz: f64) -> Self {

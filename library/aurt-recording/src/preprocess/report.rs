@@ -26,6 +26,10 @@ pub struct PreprocessReport {
     pub parallel_cutoff_hz: f64,
     /// The decimation.
     pub decimation: Decimation,
+    /// For how long both filters remember, s; see [`ZeroPhase::memory`](crate::ZeroPhase::memory).
+    pub memory_s: f64,
+    /// Whether rows closer than that to an end or gap at which the robot moves count.
+    pub ends_count: bool,
     /// Whether rest before and after the motion was cut.
     pub trimmed_rest: bool,
     /// What is left.
@@ -40,14 +44,17 @@ pub struct PreprocessReport {
 /// A segment that is used.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SegmentReport {
-    /// First sample, in s from the first stamp of the recording.
+    /// First row, in s from the first stamp of the recording.
     pub from_s: f64,
-    /// Last sample, in s from the first stamp.
+    /// Last sample that counts, in s from the first stamp.
     pub to_s: f64,
-    /// Samples on the grid.
+    /// Samples of the grid between them.
     pub samples: usize,
     /// Rows after decimation, per joint.
     pub rows: usize,
+    /// Rows beside these (with [`ends_count`](PreprocessReport::ends_count), of these) that have an end or gap at which the
+    /// robot moves within the filters' memory.
+    pub rows_near_ends: usize,
     /// Rest that was cut before and after, in s.
     pub cut_s: [f64; 2],
 }
@@ -106,6 +113,14 @@ impl PreprocessReport {
             let [before, after] =
                 self.segments.iter().fold([0.0, 0.0], |[b, a], s| [b + s.cut_s[0], a + s.cut_s[1]]);
             notes.push(format!("rest cut: {before:.3} s before and {after:.3} s after the motion"));
+        }
+        let near_ends: usize = self.segments.iter().map(|s| s.rows_near_ends).sum();
+        if near_ends > 0 {
+            let what = if self.ends_count { "are inexact" } else { "do not count" };
+            notes.push(format!(
+                "{near_ends} rows per joint {what}: the robot moves at an end or gap less than {:.3} s away, the filters' memory",
+                self.memory_s
+            ));
         }
         for dropped in &self.dropped_segments {
             notes.push(format!(

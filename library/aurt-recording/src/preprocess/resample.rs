@@ -55,6 +55,7 @@ pub(crate) fn merge_repeated(recording: &Recording) -> (Cow<'_, Recording>, (usi
         velocity_rad_s: recording.velocity_rad_s.as_ref().map(merge),
         measurement: recording.measurement.as_ref().map(merge),
         unit: recording.unit,
+        joints: recording.joints.clone(),
         report: recording.report.clone(),
     };
     (Cow::Owned(merged), (repeated, conflicting))

@@ -5,17 +5,19 @@ use aurt_traits::Motion;
 
 use crate::preprocess::differentiate::{inner_acceleration, velocity};
 use crate::preprocess::resample::{grid, linear, smooth};
-use crate::preprocess::{PreprocessOptions, ZeroPhase, decimate};
+use crate::preprocess::span::Memory;
+use crate::preprocess::{PreprocessOptions, SegmentReport, ZeroPhase, ZeroPhaseBank, decimate};
 use crate::{Recording, RecordingError};
 
 /// A stretch of a recording without gaps, ready for a regressor.
+///
+/// It has only rows that count. The motion goes beyond them at both ends by what the parallel filter remembers, where the
+/// recording does: [`Self::bank`] and [`Self::filtered`] filter over all of it and give the rows alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segment {
-    /// The filtered motion on the uniform grid, one sample lost at either end, rest cut if that was asked for.
+    /// The filtered motion on the uniform grid.
     pub motion: Motion,
-    /// The measurement after the parallel filter and decimation, `[joint][row]`; row k belongs to motion sample
-    /// k · `decimation`. After trimming, the last rows of a regressor decimated from the motion's first sample on
-    /// can lie beyond it: the number of rows in use is the smaller one.
+    /// The measurement after the parallel filter and decimation, `[joint][row]`.
     pub measurement: Option<Vec<Vec<f64>>>,
     /// The measurement on the motion's grid, unfiltered, `[joint][sample]`.
     pub raw_measurement: Option<Vec<Vec<f64>>>,
@@ -23,23 +25,56 @@ pub struct Segment {
     pub rate_hz: f64,
     /// Every how many samples a row is kept.
     pub decimation: usize,
-    /// The filter that the measurement passed, to be applied to the regressor's columns over this motion.
+    /// The filter that the measurement passed, and regressors pass.
     pub parallel_filter: ZeroPhase,
+    /// The rows that count among all that the parallel filter gives over the motion; see [`Self::sample`].
+    pub kept_rows: Range<usize>,
 }
 
 impl Segment {
-    /// Rows per joint after decimation.
+    /// Rows per joint.
     #[must_use]
     pub fn rows(&self) -> usize {
-        let of_motion = self.motion.samples().div_ceil(self.decimation);
-        let of_measurement = self.measurement.as_ref().and_then(|m| m.first()).map_or(of_motion, Vec::len);
-        of_motion.min(of_measurement)
+        self.kept_rows.len()
+    }
+
+    /// The sample of the motion to which a row belongs.
+    #[must_use]
+    pub const fn sample(&self, row: usize) -> usize {
+        (self.kept_rows.start + row) * self.decimation
+    }
+
+    /// The row to which a sample of the motion is nearest from above, if it counts.
+    #[must_use]
+    pub fn row(&self, sample: usize) -> Option<usize> {
+        let row = sample / self.decimation;
+        self.kept_rows.contains(&row).then(|| row - self.kept_rows.start)
+    }
+
+    /// What a series over the motion is at the rows.
+    #[must_use]
+    pub fn at_rows(&self, series: &[f64]) -> Vec<f64> {
+        (0..self.rows()).map(|row| series[self.sample(row)]).collect()
+    }
+
+    /// The rows of series over the motion, behind the parallel filter.
+    ///
+    /// # Errors
+    /// As [`ZeroPhase::filter_all`].
+    pub fn filtered<S: AsRef<[f64]>>(&self, series: &[S]) -> Result<Vec<Vec<f64>>, RecordingError> {
+        Ok(self.parallel_filter.filter_all(series)?.iter().map(|s| self.at_rows(s)).collect())
+    }
+
+    /// The parallel filter for columns over the motion that are still being made; it hands out the rows.
+    #[must_use]
+    pub fn bank(&self, columns: usize) -> ZeroPhaseBank {
+        ZeroPhaseBank::new(&self.parallel_filter, columns, self.decimation).keeping(self.kept_rows.clone())
     }
 }
 
 /// Why a stretch between gaps cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Refusal {
+pub(crate) enum Refusal {
     Short { samples: usize, needed: usize, after: &'static str },
     AtRest { joint: usize, fastest_rad_s: f64 },
 }
@@ -74,7 +109,7 @@ impl Refusal {
                 samples,
                 needed,
                 after,
-                remedy: "record longer, or check max_gap_s and the window".into(),
+                remedy: "record longer, begin and end at rest, or check max_gap_s and the window".into(),
             },
             Self::AtRest { joint, fastest_rad_s } => RecordingError::AtRest {
                 path,
@@ -84,6 +119,17 @@ impl Refusal {
             },
         }
     }
+}
+
+/// That no joint moves, and which is the fastest.
+fn at_rest(velocities: &[Vec<f64>]) -> Refusal {
+    let fastest = velocities
+        .iter()
+        .map(|v| v[1..v.len() - 1].iter().fold(0.0_f64, |m, x| m.max(x.abs())))
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let (joint, fastest_rad_s) = fastest.unwrap_or((0, 0.0));
+    Refusal::AtRest { joint, fastest_rad_s }
 }
 
 /// Sums for the factor between measured and differentiated velocity.
@@ -133,13 +179,13 @@ struct OnGrid {
 }
 
 impl Plan<'_> {
-    /// The segment made from the samples `run`, and the rest in s that was cut before and after it.
+    /// The segment made from the samples `run`.
     pub(super) fn segment(
         &self,
         recording: &Recording,
         run: Range<usize>,
         agreement: &mut VelocityAgreement,
-    ) -> Result<Result<(Segment, [f64; 2]), Refusal>, RecordingError> {
+    ) -> Result<Result<(Segment, SegmentReport), Refusal>, RecordingError> {
         let padding = self.position_filter.padding().max(self.parallel_filter.padding());
         let data = self.on_grid(recording, run);
         let n = data.time_s.len();
@@ -149,18 +195,19 @@ impl Plan<'_> {
             return Ok(Err(Refusal::Short { samples: n, needed, after: "" }));
         }
         let period_s = 1.0 / self.rate_hz;
-        let filtered = self.position_filter.filter_all(&data.position_rad)?;
+        let filtered = self.options.smoothed(&self.position_filter, &data.position_rad)?;
         let velocities: Vec<Vec<f64>> = filtered.iter().map(|q| velocity(q, period_s)).collect();
         // From here on, indices count the n − 2 samples that have an acceleration.
         let inner = n - 2;
-        let kept = match self.kept(&velocities, inner) {
-            Ok(kept) => kept,
-            Err(refusal) => return Ok(Err(refusal)),
-        };
-        if kept.len() <= padding {
-            let after = " after cutting the rest";
-            return Ok(Err(Refusal::Short { samples: kept.len(), needed: padding + 1, after }));
+        let moving = self.moving(&velocities, inner);
+        if moving.is_none() && self.options.trim_rest {
+            return Ok(Err(at_rest(&velocities)));
         }
+        let span = self.memory().span(self.options, inner, moving);
+        if let Some(refusal) = span.refused(padding) {
+            return Ok(Err(refusal));
+        }
+        let kept = span.motion.clone();
         if let Some(measured) = &data.velocity_rad_s {
             for (joint, measured) in measured.iter().enumerate() {
                 agreement.add(joint, &measured[1..=inner], &velocities[joint][1..=inner]);
@@ -177,7 +224,6 @@ impl Plan<'_> {
             acceleration.extend(inner_acceleration(&q[kept.start..kept.end + 2], period_s));
         }
         let time_s = data.time_s[on_motion.clone()].to_vec();
-        let cut_s = [kept.start as f64 * period_s, (inner - kept.end) as f64 * period_s];
         let motion = Motion::new(filtered.len(), time_s, position, speed, acceleration).map_err(|_| {
             RecordingError::Count {
                 what: "values of the motion".into(),
@@ -186,16 +232,12 @@ impl Plan<'_> {
             }
         })?;
 
-        // After trimming, the measurement loses one more sample at either end, as in the original tool, whose
-        // first sample is again that of the motion.
-        let measured =
-            if self.options.trim_rest { on_motion.start..on_motion.end - 2 } else { on_motion.clone() };
         let measurement = match &data.measurement {
             Some(series) => Some(
                 self.parallel_filter
                     .filter_all(series)?
                     .iter()
-                    .map(|s| decimate::thin(&s[measured.clone()], self.decimation))
+                    .map(|s| decimate::thin(&s[span.rows.start + 1..span.rows.end + 1], self.decimation))
                     .collect(),
             ),
             None => None,
@@ -210,29 +252,20 @@ impl Plan<'_> {
             rate_hz: self.rate_hz,
             decimation: self.decimation,
             parallel_filter: self.parallel_filter.clone(),
+            kept_rows: span.kept_rows(),
         };
-        Ok(Ok((segment, cut_s)))
+        Ok(Ok((segment, span.reported(data.time_s[0] - recording.time_s[0], self.rate_hz))))
     }
 
-    /// Which of the `inner` samples remain: all, or from the first that moves (at least 1) to before the last.
-    fn kept(&self, velocities: &[Vec<f64>], inner: usize) -> Result<Range<usize>, Refusal> {
-        if !self.options.trim_rest {
-            return Ok(0..inner);
-        }
+    /// First and last of the `inner` samples at which a joint moves.
+    fn moving(&self, velocities: &[Vec<f64>], inner: usize) -> Option<[usize; 2]> {
         let threshold = self.options.rest_velocity_rad_s;
-        let moves = |k: usize| velocities.iter().any(|v| v[k + 1].abs() > threshold);
-        let first = (0..inner).find(|k| moves(*k));
-        let last = (0..inner).rev().find(|k| moves(*k));
-        if let (Some(first), Some(last)) = (first, last) {
-            return Ok(first.max(1)..last.max(1));
-        }
-        let fastest = velocities
-            .iter()
-            .map(|v| v[1..=inner].iter().fold(0.0_f64, |m, x| m.max(x.abs())))
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let (joint, fastest_rad_s) = fastest.unwrap_or((0, 0.0));
-        Err(Refusal::AtRest { joint, fastest_rad_s })
+        let moves = |k: &usize| velocities.iter().any(|v| v[k + 1].abs() > threshold);
+        Some([(0..inner).find(moves)?, (0..inner).rfind(moves)?])
+    }
+
+    pub(super) fn memory(&self) -> Memory {
+        Memory::of(&self.position_filter, &self.parallel_filter, self.decimation)
     }
 
     /// The samples `run` on the uniform grid, with the instrument's gains, offsets and delays undone.

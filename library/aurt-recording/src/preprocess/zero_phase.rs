@@ -4,6 +4,9 @@ use crate::preprocess::butterworth::{Butterworth, Section};
 /// Series that are filtered side by side, one in each lane.
 const LANES: usize = 8;
 
+/// Share of a step that is left of it beyond the filter's [memory](ZeroPhase::memory).
+const SETTLED: f64 = 1e-3;
+
 /// Lowest and highest cut-off as shares of the Nyquist frequency. At the ends the poles come so close to 1 and −1
 /// that about eight digits of the filtered series are left.
 pub(crate) const CUTOFF_RANGE: [f64; 2] = [1e-4, 1.0 - 1e-4];
@@ -70,6 +73,23 @@ impl ZeroPhase {
         self.design.padding()
     }
 
+    /// For how many samples the filter remembers: after these its step response stays within 1e-3 of the step, on either
+    /// side. An output this far from the ends of its series is what a longer series would give, to that share of the difference
+    /// between the true series and the one by which the filter continues it.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let reach = self.design.decay_samples(SETTLED * SETTLED) + self.padding();
+        let mut impulse = vec![0.0; 2 * reach + 1];
+        impulse[reach] = 1.0;
+        let Ok(response) = self.filter(&impulse) else { return reach };
+        let mut step = 0.0;
+        let settled = |h: &&f64| {
+            step += **h;
+            f64::abs(step) <= SETTLED
+        };
+        reach - response.iter().take_while(settled).count().min(reach)
+    }
+
     /// The gain |H(f)|² that forward and backward pass have together at a frequency.
     #[must_use]
     pub fn gain(&self, frequency_hz: f64) -> f64 {
@@ -113,11 +133,50 @@ impl ZeroPhase {
         if !series.is_empty() && samples <= padding {
             return Err(RecordingError::TooShortToFilter { samples, needed: padding + 1 });
         }
+        Ok(self.run(series, padding, mirrored_through))
+    }
+
+    /// Positions of a robot that may move at the ends, filtered: they are continued with the velocity that they have there,
+    /// and with their acceleration, for twice the [memory](Self::memory).
+    ///
+    /// # Errors
+    /// As [`Self::filter_all`].
+    pub(crate) fn filter_positions(&self, positions: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let (padding, samples) = (self.padding(), positions.first().map_or(0, Vec::len));
+        if samples <= padding {
+            return self.filter_all(positions);
+        }
+        let fitted = self.memory().max(padding).min(samples - 1);
+        let continued = (2 * fitted).min(samples - 1);
+        Ok(self.run(positions, continued, |q: &dyn Fn(usize) -> f64| {
+            let slope = slope_at_start(fitted, q);
+            Box::new(move |k| q(k) - 2.0 * slope * k as f64)
+        }))
+    }
+
+    /// Each series, continued at both ends by `padding` samples, forward and backward. `continued` says what a series is k
+    /// samples before its first; of the reversed series it says what comes after the last.
+    fn run<S: AsRef<[f64]>>(
+        &self,
+        series: &[S],
+        padding: usize,
+        continued: impl for<'a> Fn(&'a dyn Fn(usize) -> f64) -> Box<dyn Fn(usize) -> f64 + 'a>,
+    ) -> Vec<Vec<f64>> {
+        let samples = series.first().map_or(0, |s| s.as_ref().len());
         let mut extended = vec![[0.0; LANES]; samples + 2 * padding];
         let mut out = Vec::with_capacity(series.len());
         for group in series.chunks(LANES) {
             for (lane, s) in group.iter().enumerate() {
-                extend_oddly(s.as_ref(), padding, |k, value| extended[k][lane] = value);
+                let s = s.as_ref();
+                let (ahead, reversed) = (|k: usize| s[k], |k: usize| s[samples - 1 - k]);
+                let (before, after) = (continued(&ahead), continued(&reversed));
+                for k in 1..=padding {
+                    extended[padding - k][lane] = before(k);
+                    extended[padding + samples - 1 + k][lane] = after(k);
+                }
+                for (row, value) in extended[padding..].iter_mut().zip(s) {
+                    row[lane] = *value;
+                }
             }
             run(&self.design.sections, extended.iter_mut());
             run(&self.design.sections, extended.iter_mut().rev());
@@ -125,22 +184,38 @@ impl ZeroPhase {
                 out.push(extended[padding..padding + samples].iter().map(|row| row[lane]).collect());
             }
         }
-        Ok(out)
+        out
     }
 }
 
-/// Writes `series`, continued by `padding` samples mirrored through its first and last point.
-fn extend_oddly(series: &[f64], padding: usize, mut write: impl FnMut(usize, f64)) {
-    let (first, last) = (series[0], series[series.len() - 1]);
-    for k in 0..padding {
-        write(k, 2.0 * first - series[padding - k]);
+/// A series mirrored through its first point.
+fn mirrored_through<'a>(series: &'a dyn Fn(usize) -> f64) -> Box<dyn Fn(usize) -> f64 + 'a> {
+    Box::new(move |k| 2.0 * series(0) - series(k))
+}
+
+/// The slope per sample, at sample 0, of the cubic that fits samples 0 to `last` best.
+///
+/// In x = 2k/`last` − 1 it is Σ c_n P_n with orthogonal polynomials P_n of the samples (Gram), made by their recursion; the
+/// slope follows from the same recursion differentiated.
+fn slope_at_start(last: usize, series: &dyn Fn(usize) -> f64) -> f64 {
+    let x = |k: usize| 2.0 * k as f64 / last as f64 - 1.0;
+    let n = last + 1;
+    let (mut before, mut now) = (vec![0.0; n], vec![1.0; n]);
+    let (mut slope_before, mut slope_now) = (0.0, 0.0);
+    let (mut power_before, mut slope) = (1.0, 0.0);
+    for order in 0..=3.min(last) {
+        let power: f64 = now.iter().map(|p| p * p).sum();
+        let along: f64 = now.iter().enumerate().map(|(k, p)| p * series(k)).sum();
+        slope += along / power * slope_now;
+        // x P_n less its part along P_(n−1); its part along P_n vanishes, since the samples lie evenly around 0.
+        let back = if order == 0 { 0.0 } else { power / power_before };
+        let next: Vec<f64> = (0..n).map(|k| x(k) * now[k] - back * before[k]).collect();
+        let slope_next = now[0] + x(0) * slope_now - back * slope_before;
+        (before, now) = (now, next);
+        (slope_before, slope_now) = (slope_now, slope_next);
+        power_before = power;
     }
-    for (k, value) in series.iter().enumerate() {
-        write(padding + k, *value);
-    }
-    for k in 0..padding {
-        write(padding + series.len() + k, 2.0 * last - series[series.len() - 2 - k]);
-    }
+    slope * 2.0 / last as f64
 }
 
 /// State of a section (transposed direct form II) that answers the constant input 1, and its output then.

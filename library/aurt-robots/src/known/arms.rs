@@ -2,6 +2,7 @@
 //!
 //! Where a source gives limits in rad, they stand here in degrees to its digits.
 
+use super::JointNames::{self, Numbered};
 use super::{KnownJoint, KnownRobot};
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -46,6 +47,15 @@ const fn xarm(origin_m: [f64; 3], roll: f64, [low, high, torque]: [f64; 3]) -> K
 
 const UR_SOURCE: &str = "Universal Robots, DH parameters for calculations of kinematics and dynamics; user manuals, joint \
                          ranges and speeds; Max. joint torques";
+/// As the description that the maker publishes names them.
+const UR_NAMES: JointNames = JointNames::Each(&[
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+]);
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
 /// All known robots, by name.
@@ -55,6 +65,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         title: "Franka Research 3",
         source: "Franka Robotics, FCI documentation, robot specifications: Denavit-Hartenberg parameters and limits of FR3; \
                  limits as in franka_ros, fr3/joint_limits.yaml",
+        joint_names: Numbered("fr3_joint"),
         joints: &[
             franka(0.0, 0.0, 0.333, [-2.3093, 2.3093, 2.0, 87.0]),
             franka(-1.0, 0.0, 0.0, [-1.5133, 1.5133, 1.0, 87.0]),
@@ -69,6 +80,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "gen3",
         title: "Kinova Gen3, 7 joints",
         source: "Kinova, ros_kortex, GEN3_URDF_V12.urdf (frames and limits of the Gen3 user guide)",
+        joint_names: Numbered("joint_"),
         joints: &[
             joint([0.0, 0.0, 0.15643], [2.0, 0.0, 0.0], Z, (0.0, 0.0, 0.8727 * RAD, Some(39.0))),
             joint(
@@ -98,6 +110,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "iiwa14",
         title: "KUKA LBR iiwa 14 R820",
         source: "KUKA, LBR iiwa 7 R800, LBR iiwa 14 R820 specification (axis data); frames as in iiwa_stack, iiwa14.xacro",
+        joint_names: Numbered("iiwa_joint_"),
         joints: &[
             joint([0.0, 0.0, 0.1575], [0.0, 0.0, 0.0], Z, (-170.0, 170.0, 85.0, Some(320.0))),
             joint([0.0, 0.0, 0.2025], [1.0, 0.0, 2.0], Z, (-120.0, 120.0, 85.0, Some(320.0))),
@@ -113,6 +126,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         title: "ABB IRB 120-3/0.58",
         source: "ABB, IRB 120 product specification (axis ranges and speeds); frames as in ros-industrial/abb, \
                  irb120_3_58_macro.xacro",
+        joint_names: Numbered("joint_"),
         joints: &[
             joint([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], Z, (-165.0, 165.0, 250.0, None)),
             joint([0.0, 0.0, 0.29], [0.0, 0.0, 0.0], Y, (-110.0, 110.0, 250.0, None)),
@@ -127,6 +141,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         title: "KUKA KR 6 R700 sixx",
         source: "KUKA, KR AGILUS sixx specification (axis data); frames as in ros-industrial/kuka_experimental, \
                  kr6r700sixx_macro.xacro",
+        joint_names: Numbered("joint_a"),
         joints: &[
             joint([0.0, 0.0, 0.4], [0.0, 0.0, 0.0], MINUS_Z, (-170.0, 170.0, 360.0, None)),
             joint([0.025, 0.0, 0.0], [0.0, 0.0, 0.0], Y, (-190.0, 45.0, 300.0, None)),
@@ -141,6 +156,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         title: "Franka Emika Panda",
         source: "Franka Emika, FCI documentation, robot and interface specifications: Denavit-Hartenberg parameters and \
                  limits; limits as in franka_ros, panda/joint_limits.yaml",
+        joint_names: Numbered("panda_joint"),
         joints: &[
             franka(0.0, 0.0, 0.333, [-2.8973, 2.8973, 2.175, 87.0]),
             franka(-1.0, 0.0, 0.0, [-1.7628, 1.7628, 2.175, 87.0]),
@@ -156,6 +172,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         title: "Stäubli TX2-60",
         source: "Stäubli, TX2-60 instruction manual (amplitude, nominal speed); frames as in \
                  ros-industrial/staubli_experimental, tx2_60_macro.xacro",
+        joint_names: Numbered("joint_"),
         joints: &[
             joint([0.0, 0.0, 0.375], [0.0, 0.0, 0.0], Z, (-180.0, 180.0, 435.0, Some(126.0))),
             joint([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], Y, (-127.5, 127.5, 385.0, Some(47.0))),
@@ -169,6 +186,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "ur10e",
         title: "Universal Robots UR10e",
         source: UR_SOURCE,
+        joint_names: UR_NAMES,
         joints: &[
             ur(0.0, 0.0, 0.1807, 120.0, 330.0),
             ur(1.0, 0.0, 0.0, 120.0, 330.0),
@@ -182,6 +200,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "ur16e",
         title: "Universal Robots UR16e",
         source: UR_SOURCE,
+        joint_names: UR_NAMES,
         joints: &[
             ur(0.0, 0.0, 0.1807, 120.0, 330.0),
             ur(1.0, 0.0, 0.0, 120.0, 330.0),
@@ -195,6 +214,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "ur3e",
         title: "Universal Robots UR3e",
         source: UR_SOURCE,
+        joint_names: UR_NAMES,
         joints: &[
             ur(0.0, 0.0, 0.15185, 180.0, 56.0),
             ur(1.0, 0.0, 0.0, 180.0, 56.0),
@@ -208,6 +228,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "ur5e",
         title: "Universal Robots UR5e",
         source: UR_SOURCE,
+        joint_names: UR_NAMES,
         joints: &[
             ur(0.0, 0.0, 0.1625, 180.0, 150.0),
             ur(1.0, 0.0, 0.0, 180.0, 150.0),
@@ -221,6 +242,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "xarm6",
         title: "UFACTORY xArm 6",
         source: "UFACTORY, xarm_ros, xarm6.urdf.xacro (angles written as multiples of 90°)",
+        joint_names: Numbered("joint"),
         joints: &[
             xarm([0.0, 0.0, 0.267], 0.0, [-TURN, TURN, 50.0]),
             xarm([0.0, 0.0, 0.0], -1.0, [-2.059, 2.0944, 50.0]),
@@ -234,6 +256,7 @@ pub const KNOWN_ROBOTS: [KnownRobot; 13] = [
         name: "xarm7",
         title: "UFACTORY xArm 7",
         source: "UFACTORY, xarm_ros, xarm7.urdf.xacro (angles written as multiples of 90°)",
+        joint_names: Numbered("joint"),
         joints: &[
             xarm([0.0, 0.0, 0.267], 0.0, [-TURN, TURN, 50.0]),
             xarm([0.0, 0.0, 0.0], -1.0, [-2.059, 2.0944, 50.0]),

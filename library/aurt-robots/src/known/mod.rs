@@ -20,7 +20,16 @@ pub struct KnownRobot {
     pub title: &'static str,
     /// Where geometry and limits are from.
     pub source: &'static str,
+    joint_names: JointNames,
     joints: &'static [KnownJoint],
+}
+
+/// How the ROS description of a robot names its joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum JointNames {
+    Each(&'static [&'static str]),
+    /// This and a number, counted from 1.
+    Numbered(&'static str),
 }
 
 /// A revolute joint of a known robot.
@@ -84,7 +93,10 @@ impl KnownRobot {
             name: self.name.into(),
             base: "base".into(),
             tip: "flange".into(),
-            joint_names: (0..self.joints.len()).map(|j| format!("joint_{j}")).collect(),
+            joint_names: match self.joint_names {
+                JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
+                JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),
+            },
             joints,
             couplings: Vec::new(),
             limits: limits.collect(),

@@ -104,9 +104,8 @@ impl Injection {
         let data = self.real.preprocessed(&recording)?;
         let mut rows = vec![Vec::new(); self.figures.len()];
         for segment in &data.segments {
-            let kept = segment.rows();
             for (all, series) in rows.iter_mut().zip(segment.measurement.iter().flatten()) {
-                all.extend(series.iter().take(kept));
+                all.extend(series);
             }
         }
         Ok(rows)

@@ -237,10 +237,5 @@ impl OwnModel {
 
 /// Columns after the filter that the measurement has passed, decimated as it was.
 fn filtered(segment: &Segment, columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SimulationError> {
-    let kept = segment.rows();
-    let all = segment
-        .parallel_filter
-        .filter_all(columns)
-        .map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })?;
-    Ok(all.into_iter().map(|c| c.into_iter().step_by(segment.decimation).take(kept).collect()).collect())
+    segment.filtered(columns).map_err(|error| SimulationError::Preprocessing { reason: error.to_string() })
 }

@@ -142,6 +142,7 @@ mod tests {
             velocity_rad_s: None,
             measurement: None,
             unit: MeasurementUnit::NewtonMetre,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         };
         let smoothed = Smoothed::new(&recording, 5.0).unwrap();
@@ -163,6 +164,7 @@ mod tests {
             velocity_rad_s: None,
             measurement: None,
             unit: MeasurementUnit::NewtonMetre,
+            joints: aurt_recording::RecordedJoints::Unnamed,
             report: ReadReport::default(),
         };
         let text = Smoothed::new(&recording, 5.0).unwrap_err().to_string();

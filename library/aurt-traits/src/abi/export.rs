@@ -2,7 +2,7 @@
 
 use std::{
     any::Any,
-    ffi::{CString, c_char, c_void},
+    ffi::{c_char, c_void},
     panic::{AssertUnwindSafe, catch_unwind},
     ptr, slice,
     sync::OnceLock,
@@ -10,7 +10,8 @@ use std::{
 
 use super::{
     ABI_MAJOR, ABI_MINOR, ARM_TERM, COULOMB, Declaration, Description, ErrorBuffer, FAILED, HYSTERESIS,
-    MAGIC, ModelTable, OK, PANICKED, Series, VISCOUS, instance::Instance,
+    MAGIC, ModelTable, OK, PANICKED, Series, VISCOUS,
+    instance::{Instance, c_string},
 };
 use crate::{Columns, ModelEntry, Slot};
 
@@ -77,12 +78,6 @@ fn declare(name: &'static str, version: &'static str) -> Shared {
 
 fn leaked(text: &str) -> *const c_char {
     c_string(text).into_raw()
-}
-
-/// The text up to its first NUL.
-pub(super) fn c_string(text: &str) -> CString {
-    let end = text.find('\0').unwrap_or(text.len());
-    CString::new(&text[..end]).unwrap_or_default()
 }
 
 /// Runs the body of an entry; its failure or panic becomes a code and a message.

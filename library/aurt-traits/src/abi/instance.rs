@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use super::{
     ARM_TERM, COULOMB, ColumnDescription, Description, HYSTERESIS, LINEAR, LOGARITHMIC, ModelTable, NO_ROBOT,
-    Series, ShapeDescription, VISCOUS, configuration::Keyed, export::c_string, no_bodies::NoBodies,
+    Series, ShapeDescription, VISCOUS, configuration::Keyed, no_bodies::NoBodies,
 };
 use crate::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, ModelError, Parameter, Scale,
@@ -221,4 +221,10 @@ fn lines(complaints: &[ModelError]) -> String {
         })
         .collect::<Vec<_>>()
         .join("\n")
+}
+
+/// The text up to its first NUL.
+pub(super) fn c_string(text: &str) -> CString {
+    let end = text.find('\0').unwrap_or(text.len());
+    CString::new(&text[..end]).unwrap_or_default()
 }

@@ -80,7 +80,7 @@ impl Subject {
     /// If the geometry gives no chain.
     pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
         let geometry = &experiment.robot.geometry;
-        let rigid_body = geometry.rigid_body(experiment.robot.gravity_m_s2)?;
+        let rigid_body = experiment.robot.rigid_body()?;
         let any: &dyn Any = &*rigid_body;
         let (joints, couplings) = match any.downcast_ref::<CoupledChain>() {
             Some(coupled) => (coupled.chain().joints().to_vec(), coupled.couplings().to_vec()),
@@ -136,7 +136,8 @@ pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> 
     calibration
         .chain(validation)
         .map(|(source, role)| {
-            let loaded = Loaded::read(source.into(), Some(experiment.joints()), Purpose::Calibration)?;
+            let loaded =
+                Loaded::read(source.into(), Some(&experiment.robot.robot_joints()), Purpose::Calibration)?;
             Ok(Assigned { loaded, role })
         })
         .collect()
@@ -207,7 +208,7 @@ impl Setup {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
         let pipeline = Pipeline {
-            joints: subject.moving_joints(),
+            joints: subject.moving_joints().into(),
             preprocessing: &subject.preprocessing,
             instrument: &subject.instrument,
         };
@@ -266,7 +267,7 @@ impl Setup {
 fn window(loaded: &Loaded) -> Result<Recording, Failure> {
     Ok(match loaded.source.window_s {
         Some(window) => loaded.recording.window(window)?,
-        None => loaded.recording.clone(),
+        None => loaded.recording.clone().into(),
     })
 }
 
@@ -301,6 +302,7 @@ impl Thin {
             velocity_rad_s: None,
             measurement: recording.measurement.as_ref().map(family),
             unit: recording.unit,
+            joints: recording.joints.clone(),
             report: recording.report.clone(),
         }
     }

@@ -34,6 +34,13 @@ pub const TERMS: &[Term] = &[
             timestamp, actual_q_0, q_0, current_0, torque_0 and others.",
     },
     Term {
+        name: "count_ends",
+        title: "count_ends",
+        text: "Whether rows count that have an end of a recording or a gap, at which the robot moves, within the filters' memory; \
+            false by default. Filters have to continue the series there themselves, and predictions and measured rows are off, \
+            by several times their noise. true is the treatment of the paper.",
+    },
+    Term {
         name: "estimator",
         title: "estimator",
         text: "How the estimate is made: \"wls\" (default) weights rows by 1/σ² of their joint, \"ols\" \

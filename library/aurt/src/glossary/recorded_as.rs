@@ -46,8 +46,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "joint_names",
         title: "joint_names",
-        text: "The names of the robot's joints in the order of its chain, for files that name joints (joint states in MCAP). \
-            Robots of a URDF or MJCF file have them; without any, the order of the first message is taken.",
+        text: "The names of the robot's joints, base first; recordings that name joints (joint states in MCAP) are matched by \
+            them. Robots of a URDF or MJCF file and those known by name have them. Under [recordings] and in the table of a \
+            file: what the recording calls these joints, where that differs.",
     },
     Term {
         name: "rate_hz",

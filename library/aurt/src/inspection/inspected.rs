@@ -37,7 +37,8 @@ impl Inspected {
     /// What makes it unfit.
     pub fn new(loaded: Loaded, preprocessing: &Preprocessing) -> Result<Self, Failure> {
         let instrument = Instrument::default();
-        let pipeline = Pipeline { joints: loaded.recording.joints(), preprocessing, instrument: &instrument };
+        let pipeline =
+            Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
         let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
         let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
         Ok(Self { loaded, prepared, joints })
@@ -96,7 +97,7 @@ impl Inspected {
     pub fn still(&self, preprocessing: &Preprocessing) -> Result<NamedRecording, Failure> {
         let preprocessing = Preprocessing { trim_rest: true, ..preprocessing.clone() };
         let pipeline = Pipeline {
-            joints: self.joints.len(),
+            joints: self.loaded.recording.robot_joints(),
             preprocessing: &preprocessing,
             instrument: &Instrument::default(),
         };

@@ -1,5 +1,6 @@
 //! Numbers, tables, running text and JSON as people read them.
 
+pub mod joints;
 pub mod json;
 pub mod number;
 pub mod style;

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     rendering::{
+        joints,
         json::pretty,
         number::{percent, significant},
     },
@@ -186,6 +187,7 @@ fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
 fn series(results: &Results<'_>) -> Section {
     let unit = results.calibration.unit;
     let joints = results.model.joints();
+    let names = results.model.rigid_body().joint_names();
     let points = points_per_series(3 * joints * results.recordings.len());
     let mut order: Vec<&RecordingResult> = results.recordings.iter().collect();
     order.sort_by_key(|r| r.role == Role::Calibration);
@@ -199,7 +201,7 @@ fn series(results: &Results<'_>) -> Section {
                 joint.measured.iter().zip(&joint.predicted).map(|(y, p)| y - p).collect();
             let label = |name, style, values| Series { name, style, values };
             let figure = TimeFigure {
-                title: format!("joint {j}, {}", stem(&recording.label)),
+                title: format!("{}, {}", joints::label(names, j), stem(&recording.label)),
                 name: format!("{}_{}_joint_{j}", stem(&recording.label), recording.role.name()),
                 caption: String::new(),
                 time_s: &time,
@@ -237,6 +239,7 @@ fn series(results: &Results<'_>) -> Section {
 
 fn residuals(results: &Results<'_>) -> Section {
     let judged = judged(results);
+    let names = results.model.rigid_body().joint_names();
     let unit = results.calibration.unit.symbol();
     let blocks = (0..results.model.joints())
         .map(|j| {
@@ -266,7 +269,7 @@ fn residuals(results: &Results<'_>) -> Section {
                 )
             });
             Block::Folded {
-                title: format!("joint {j}"),
+                title: joints::label(names, j),
                 open: j == 0,
                 blocks: vec![Block::Figures(figures.collect())],
             }

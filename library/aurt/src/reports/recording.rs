@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     inspection::joints::JointReport,
-    rendering::{json::pretty, number::significant},
+    rendering::{joints::label, json::pretty, number::significant},
 };
 
 /// What a motion says of the parameters, by their names.
@@ -138,7 +138,7 @@ impl Checked<'_> {
                 }
                 let moves = if self.joints[j].moves() { "" } else { ", at rest" };
                 let figure = TimeFigure {
-                    title: format!("joint {j}{moves}"),
+                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
                     name: format!("recording_joint_{j}"),
                     caption: String::new(),
                     time_s: &time,
@@ -148,7 +148,7 @@ impl Checked<'_> {
                     link: "recording".into(),
                 };
                 Block::Folded {
-                    title: format!("joint {j}{moves}"),
+                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
                     open: self.joints[j].moves(),
                     blocks: vec![Block::Figure(figure.figure(points))],
                 }

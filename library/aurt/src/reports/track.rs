@@ -94,9 +94,13 @@ fn headline(tracked: &Tracked) -> String {
 /// An alarm in words.
 #[must_use]
 pub fn sentence(alarm: &Alarm) -> String {
+    let of = |joint: usize| match &alarm.joint_name {
+        Some(name) => format!("joint {joint} ({name})"),
+        None => format!("joint {joint}"),
+    };
     let what = match (alarm.group, alarm.joint) {
-        (DriftGroup::Friction, Some(joint)) => format!("the friction of joint {joint}"),
-        (DriftGroup::Gain, Some(joint)) => format!("the gain of joint {joint}"),
+        (DriftGroup::Friction, Some(joint)) => format!("the friction of {}", of(joint)),
+        (DriftGroup::Gain, Some(joint)) => format!("the gain of {}", of(joint)),
         _ => "the load on the last link".to_owned(),
     };
     let way = if alarm.rose { "rose" } else { "fell" };

@@ -21,6 +21,8 @@ pub struct DiagnosedSeries {
     pub first_s: f64,
     /// The whole second from which stamps count.
     pub origin_s: f64,
+    /// Names of the joints; empty where they have none.
+    pub joint_names: Vec<String>,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
 }
@@ -73,6 +75,7 @@ impl DiagnosedSeries {
             unit: self.unit,
             time_s: &stamps,
             origin_s: self.origin_s,
+            joint_names: &self.joint_names,
             position_rad: &of(|j| &j.position_rad),
             quantities: quantities.into_iter().filter_map(|(name, s)| Some((name, s?.as_slice()))).collect(),
             flags: vec![("located", located.as_slice()), ("stands_out", stands_out.as_slice())],

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::shapes;
 use crate::rendering::{
+    joints::with_names,
     number::{percent, significant},
     style::{Emphasis, Style},
     table::Table,
@@ -80,11 +81,17 @@ impl Results<'_> {
             "rest_velocity_rad_s": options.rest_velocity_rad_s,
             "f_dyn_hz": self.calibration.f_dyn_hz,
             "sigma": self.calibration.sigma,
+            "joint_names": self.model.rigid_body().joint_names(),
             "samples_per_joint": self.calibration.samples_per_joint,
             "warnings": self.calibration.warnings,
             "notes": self.notes,
             "recordings": self.recordings.iter().map(|r| self.recording_json(r)).collect::<Vec<_>>(),
         });
+        if self.model.rigid_body().joint_names().is_empty()
+            && let Some(entries) = document.as_object_mut()
+        {
+            entries.remove("joint_names");
+        }
         if let Some(report) = &self.calibration.shape_fit {
             document["shape_fit"] = json!(report);
         }
@@ -100,7 +107,7 @@ impl Results<'_> {
         if let Some(report) = &self.calibration.position_bias {
             document["position_bias"] = json!(report);
         }
-        document
+        with_names(document, self.model.rigid_body().joint_names())
     }
 
     fn recording_json(&self, recording: &RecordingResult) -> Value {
@@ -149,6 +156,10 @@ impl Results<'_> {
             self.calibration.f_dyn_hz,
             significant(self.calibration.condition_number, 3),
         );
+        let names = self.model.rigid_body().joint_names();
+        if !names.is_empty() {
+            text.push_str(&wrapped(&format!("joints, from 0: {}", names.join(", "))));
+        }
         for note in self.notes {
             text.push_str(&wrapped(&format!("note: {note}")));
         }

@@ -22,10 +22,10 @@ pub fn sentence(report: &PositionBias) -> String {
             p if p < 1e-3 => "p < 0.001".to_owned(),
             p => format!("p = {p:.3}"),
         };
-        let agree = if test.is_biased() {
-            "do not agree: least squares is biased"
-        } else {
-            "agree"
+        let agree = match (test.is_biased(), test.is_beyond_noise()) {
+            (false, _) => "agree",
+            (true, false) => "do not agree: least squares is biased",
+            (true, true) => "differ by more than the position noise explains",
         };
         format!(
             "; least squares and instrumental variables {agree} (Durbin, Wu, Hausman: χ² = {} with {} degrees of freedom, {probability})",

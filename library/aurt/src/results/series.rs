@@ -50,6 +50,8 @@ pub struct Series {
     pub time_s: Vec<f64>,
     /// Where they begin, whole s.
     pub origin_s: f64,
+    /// Names of the joints; empty where they have none.
+    pub joint_names: Vec<String>,
     /// Positions as recorded, rad or m.
     pub position_rad: Vec<Vec<f64>>,
     /// The measurement in the unit of the model, unfiltered, gains and offsets undone, if there is one.
@@ -86,6 +88,7 @@ impl CalibratedModel {
             label: loaded.source.label.clone(),
             time_s: recording.time_s.clone(),
             origin_s: recording.report.origin_s,
+            joint_names: recording.joints.names().to_vec(),
             position_rad: recording.position_rad.clone(),
             measured: measurement.map(|m| m.iter().enumerate().map(undone).collect()),
             predicted: at_stamps(&recording.time_s, &predictions),
@@ -126,6 +129,7 @@ impl Series {
             unit: self.unit,
             time_s: &self.time_s,
             origin_s: self.origin_s,
+            joint_names: &self.joint_names,
             position_rad: &self.position_rad,
             quantities: quantities.collect(),
             flags: Vec::new(),
@@ -142,6 +146,8 @@ pub(crate) struct Written<'a> {
     /// Stamps, s from `origin_s`, whole s.
     pub time_s: &'a [f64],
     pub origin_s: f64,
+    /// Empty where the joints have none.
+    pub joint_names: &'a [String],
     pub position_rad: &'a [Vec<f64>],
     /// In the unit, by their names.
     pub quantities: Vec<(&'static str, &'a [Vec<f64>])>,
@@ -182,8 +188,9 @@ impl Written<'_> {
                 Ok(parquet(&columns, &all))
             }
             SeriesFormat::Mcap => {
-                let joints: Vec<String> =
-                    (0..self.position_rad.len()).map(|j| format!("joint_{j}")).collect();
+                let numbered = |j: usize| format!("joint_{j}");
+                let name = |j: usize| self.joint_names.get(j).cloned().unwrap_or_else(|| numbered(j));
+                let joints: Vec<String> = (0..self.position_rad.len()).map(name).collect();
                 let named: Vec<(String, &[Vec<f64>])> = (self.quantities.iter().chain(&self.flags))
                     .map(|(name, series)| (format!("/{name}"), *series))
                     .collect();

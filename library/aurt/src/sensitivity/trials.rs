@@ -1,7 +1,9 @@
 //! What is claimed of the recordings with an effect: by the part of a diagnosis that the effect concerns.
 
 use aurt_diagnosis::Prepared;
+use aurt_diagnosis::effects::{self, time_delay};
 use aurt_diagnosis::injection::AddedRows;
+use aurt_diagnosis::vocabulary::Means;
 use aurt_plugins::Registry;
 use aurt_simulation::inject::{Added, Kind};
 
@@ -22,9 +24,9 @@ pub enum Route {
 impl Route {
     /// The route of an effect.
     pub fn of(kind: &Kind) -> Self {
-        match kind.identifier {
-            "saturation" | "dropped_samples" => Self::Faults,
-            "joint_elasticity" => Self::Whole,
+        match effects::find(kind.identifier).map(|e| e.means) {
+            Some(Means::Samples) => Self::Faults,
+            Some(Means::FullRate) => Self::Whole,
             _ => Self::Prepared,
         }
     }
@@ -75,7 +77,7 @@ impl<'a> Trials<'a> {
             // With the delay undone, the rest is what is claimed of the recordings as they are.
             None => {
                 let named = !self.reference.is_unexplained();
-                self.reference.clone().and("time_delay", (0..joints).collect(), named)
+                self.reference.clone().and(time_delay::EFFECT.id, (0..joints).collect(), named)
             }
         })
     }
@@ -90,7 +92,7 @@ impl<'a> Trials<'a> {
             places.map(|place| self.subject.altered(place, &[effect])).collect::<Result<Vec<_>, _>>()?;
         let mut claims = self.reference.clone();
         for fault in self.prepared.faults_of(&altered)? {
-            claims = claims.and(fault.effect, fault.joints, fault.named);
+            claims = claims.and(fault.effect.id, fault.joints, fault.named);
         }
         Ok(claims)
     }

@@ -52,6 +52,7 @@ impl Charted {
 pub(super) struct Follower {
     pub(super) options: TrackOptions,
     parameters: Vec<DriftParameter>,
+    joint_names: Vec<String>,
     sigma: Vec<f64>,
     columns: Vec<Vec<usize>>,
     tracker: Tracker,
@@ -73,6 +74,7 @@ impl Follower {
             options,
             tracker: Tracker::new(parameters.len(), columns.clone(), sigma),
             parameters,
+            joint_names: reference.model.rigid_body().joint_names().to_vec(),
             sigma: sigma.to_vec(),
             columns,
             charts: Vec::new(),
@@ -145,6 +147,7 @@ impl Follower {
                 self.alarms.push(Alarm {
                     group: parameter.group,
                     joint: parameter.joint,
+                    joint_name: parameter.joint.and_then(|joint| self.joint_names.get(joint).cloned()),
                     parameter: parameter.name.clone(),
                     rose: change.rose,
                     since_recording: named(places[0]),

@@ -24,8 +24,11 @@ use crate::{
 };
 
 /// How drift is followed.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct TrackOptions {
+    /// How the recordings are read, where it is another way than the experiment's.
+    #[serde(skip)]
+    pub recorded: RecordedAs,
     /// Length of the windows that are compared with the unchanged machine, s.
     pub window_s: f64,
     /// Mean time of recording between two false alarms of the whole arm, h.
@@ -56,6 +59,9 @@ pub struct Alarm {
     pub group: DriftGroup,
     /// Its joint; none for the load.
     pub joint: Option<usize>,
+    /// That joint's name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_name: Option<String>,
     /// The parameter.
     pub parameter: String,
     /// Whether it rose.
@@ -120,6 +126,7 @@ pub fn track(
             remedy: "calibrate without that term, on recordings without it".into(),
         });
     }
+    calibrated.check_robot_of(experiment)?;
     let calibration = &calibrated.calibration;
     let model = with_load(calibrated, registry)?;
     let mut load = calibration.load.clone();
@@ -137,7 +144,7 @@ pub fn track(
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
-    let mut follower = Follower::new(&reference, &calibration.sigma, options);
+    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
     let mut motions = Vec::new();
     for (recording, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
@@ -155,7 +162,10 @@ pub fn track(
         let label = if is_running { "standard input".to_owned() } else { path.display().to_string() };
         progress.step(label.clone());
         // Files that belong to a recording of the experiment do not belong to these.
-        let alone = |recorded: &RecordedAs| RecordedAs { joined: Vec::new(), ..recorded.clone() };
+        let alone = |recorded: &RecordedAs| RecordedAs {
+            joined: Vec::new(),
+            ..options.recorded.clone().or(recorded)
+        };
         let (unit, columns, recorded) = template
             .as_ref()
             .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), alone(&t.recorded)));

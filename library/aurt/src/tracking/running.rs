@@ -89,8 +89,8 @@ impl<'a> Running<'a> {
             source,
         })?;
         self.follower.begin(self.source.label.clone());
-        let joints = Some(self.calibrated.model.joints());
-        let options = self.source.read_options(joints, Purpose::Calibration);
+        let joints = self.calibrated.pipeline().joints;
+        let options = self.source.read_options(Some(&joints), Purpose::Calibration);
         let mut failed = None;
         let report = read_running(input, &name, &options, ROWS, &mut |piece| {
             self.push(piece, said).map_err(|failure| {
@@ -169,6 +169,7 @@ impl<'a> Running<'a> {
         let recording = beginning(pending, after);
         self.done_s = end_s;
         let Some(last_s) = recording.time_s.last().copied() else { return Ok(()) };
+        let recording = recording.of_robot(&self.calibrated.pipeline().joints)?;
         let prepared = match prepared_of(self.calibrated, &Loaded { source: self.source.clone(), recording })
         {
             Ok(prepared) => prepared,

@@ -4,7 +4,7 @@
 //! vocabulary may have no word for. Each is tried as the joint's friction: in a further stack of equation (6) beside
 //! the joint's own, with the joint's own models in the other slots, on one joint at a time. What the joint's own model
 //! has too much of beside it, its refitted coefficients give back. Models that come with AURT are spoken for by
-//! [`crate::hypotheses::effects`].
+//! [`crate::effects`].
 //!
 //! - `proposals`: which models in which configurations;
 //! - `choose`: when one is taken, and that the vocabulary comes first;
@@ -22,11 +22,11 @@ use aurt_traits::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::hypotheses::effects::{Addition, Presence, Proposal};
 use crate::request::Question;
+use crate::vocabulary::{Effect, Proposal};
 
-/// What stands in the place of an effect's identifier; no effect has it.
-pub(crate) const REGISTERED: &str = "registered_model";
+/// What stands in the place of an effect: friction that the vocabulary may have no word for.
+pub(crate) static REGISTERED: Effect = Effect { id: "registered_model", ..Effect::FRICTION };
 
 /// A registered model that is tried.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,10 +51,10 @@ pub(crate) struct Proposed {
 /// it has shape parameters; and why models could not be tried.
 pub(crate) fn proposals(question: &Question<'_>, registry: &Registry) -> (Vec<Proposed>, Vec<String>) {
     let (mut proposed, mut notes) = (Vec::new(), Vec::new());
-    let asked = registry.models().filter(|listing| {
+    let asked = registry.models().filter(|_| question.considers(&REGISTERED)).filter(|listing| {
         listing.slot != Slot::ArmTerm
             && !listing.origin.is_builtin()
-            && !question.without.iter().any(|w| *w == listing.name || w == REGISTERED)
+            && !question.without.iter().any(|w| *w == listing.name)
     });
     for listing in asked {
         match of_model(question, registry, listing) {
@@ -99,17 +99,11 @@ fn of_model(
                     name: listing.name.clone(),
                     origin: listing.origin.clone(),
                 },
+                // A law of one column takes energy only with a positive coefficient; of several, only the sum has to.
                 proposal: Proposal {
-                    joints: vec![joint],
-                    addition: Addition::Term(term),
-                    // A law of one column takes energy only with a positive coefficient; of several, only the sum has
-                    // to.
                     nonnegative: vec![columns == 1; columns],
-                    presence: Presence::Any,
                     fixed: shapes.clone(),
-                    shapes: Vec::new(),
-                    starts: Vec::new(),
-                    deviations: BTreeMap::new(),
+                    ..Proposal::term(vec![joint], term)
                 },
                 term: built,
             });

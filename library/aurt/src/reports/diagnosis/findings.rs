@@ -1,6 +1,6 @@
 //! What was found, effect by effect.
 
-use aurt_diagnosis::{Finding, RegisteredFinding};
+use aurt_diagnosis::{Finding, RegisteredFinding, effects};
 use aurt_report::{Block, Section, Table};
 use serde_json::Value;
 
@@ -116,13 +116,11 @@ fn registered_blocks(model: &RegisteredFinding) -> Vec<Block> {
 
 /// What an entry of a list is of: a component of a vector or tensor, or a joint.
 fn component(finding: &Finding, parameter: &str, length: usize, entry: usize) -> String {
-    const VECTOR: [&str; 3] = ["x", "y", "z"];
-    const TENSOR: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
-    match (parameter, length) {
-        (_, 3) if parameter.starts_with("com_") || finding.effect == "base_tilt" => VECTOR[entry].into(),
-        (_, 6) if parameter.starts_with("inertia_") && finding.effect == "payload" => TENSOR[entry].into(),
-        _ if length == finding.joints.len() => format!("joint {}", finding.joints[entry]),
-        _ => (entry + 1).to_string(),
+    let known = effects::find(&finding.effect).and_then(|e| e.parameter(parameter));
+    match known.map(|p| p.components).filter(|c| c.len() == length) {
+        Some(components) => components[entry].into(),
+        None if length == finding.joints.len() => format!("joint {}", finding.joints[entry]),
+        None => (entry + 1).to_string(),
     }
 }
 

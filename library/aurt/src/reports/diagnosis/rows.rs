@@ -4,6 +4,7 @@ use aurt_diagnosis::{RecordingSeries, Role};
 use aurt_report::{Axis, Block, Section, Style};
 
 use super::{Diagnosed, role};
+use crate::rendering::joints::label;
 use crate::reports::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem};
 
 impl Diagnosed<'_> {
@@ -28,6 +29,7 @@ impl Diagnosed<'_> {
             Role::Target => 1,
             Role::Calibration => 2,
         });
+        let names = &self.verdict.joint_names;
         let mut blocks = Vec::new();
         for (k, series) in order.into_iter().enumerate() {
             let figures = series.joints.iter().enumerate().map(|(j, joint)| {
@@ -57,7 +59,7 @@ impl Diagnosed<'_> {
                     ],
                 ));
                 let figure = TimeFigure {
-                    title: format!("joint {j}, {}", stem(&series.name)),
+                    title: format!("{}, {}", label(names, j), stem(&series.name)),
                     name: format!("{}_{}_joint_{j}", stem(&series.name), role(series.role)),
                     caption: String::new(),
                     time_s: &series.time_s,
@@ -102,6 +104,7 @@ impl Diagnosed<'_> {
             .filter(|(s, from)| *from < s.time_s.len())
             .collect();
         let joints = self.series.first().map_or(0, |s| s.joints.len());
+        let names = &self.verdict.joint_names;
         let worst = self
             .verdict
             .residual
@@ -136,7 +139,7 @@ impl Diagnosed<'_> {
                     )
                 });
                 Block::Folded {
-                    title: format!("joint {j}"),
+                    title: label(names, j),
                     open: worst.is_some_and(|w| w.joint == j),
                     blocks: vec![Block::Figures(figures.into())],
                 }

@@ -1,13 +1,13 @@
 //! What a verdict says, in the order in which a person asks: has something changed, what is missing, does it hold.
 
 use aurt_diagnosis::{
-    Answer, Finding, Indication, JointResidual, Question, Role, Verdict,
-    effects::{self, Family},
-    in_amperes,
+    Answer, Finding, Indication, JointResidual, Question, Role, Verdict, effects, vocabulary::Family,
 };
-use aurt_traits::MeasurementUnit;
 
-use crate::{rendering::number::significant, reports::parts};
+use crate::{
+    rendering::{joints::label, number::significant},
+    reports::parts,
+};
 
 /// What was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,30 +196,22 @@ fn has_physics(verdict: &Verdict) -> bool {
     verdict.effects.iter().any(|f| f.family != Family::Q)
 }
 
-/// What is said in Nm, in the unit of the measurement.
-fn expressed(said: String, unit: MeasurementUnit) -> String {
-    match unit {
-        MeasurementUnit::NewtonMetre => said,
-        MeasurementUnit::Ampere => in_amperes(&said),
-    }
-}
-
 /// The first of some findings in a few words, and how many more there are.
 fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> {
     let mut found = verdict.effects.iter().filter(|f| which(f));
     let first = found.next()?;
     let effect = effects::find(&first.effect);
-    let named = effect.and_then(|e| e.phrase(&first.parameters)).unwrap_or_else(|| {
-        let title = effect.map_or(first.effect.as_str(), |e| e.title());
+    let phrase = effect.and_then(|e| e.phrase).and_then(|phrase| phrase(&first.parameters, verdict.unit));
+    let named = phrase.unwrap_or_else(|| {
+        let title = effect.map_or(first.effect.as_str(), |e| e.title);
         let title = title.split(" (").next().unwrap_or(title);
         let joints: Vec<String> = first.joints.iter().map(ToString::to_string).collect();
-        match (effect.is_some_and(|e| e.whole_arm()) || first.family == Family::Q, joints.len()) {
+        match (effect.is_some_and(|e| e.is_whole_arm) || first.family == Family::Q, joints.len()) {
             (true, _) => title.to_owned(),
-            (false, 1) => format!("{title} on joint {}", joints[0]),
+            (false, 1) => format!("{title} on {}", label(&verdict.joint_names, first.joints[0])),
             (false, _) => format!("{title} on joints {}", parts::listed(&joints)),
         }
     });
-    let named = expressed(named, verdict.unit);
     Some(match found.count() {
         0 => named,
         1 => format!("{named}, and one more effect"),
@@ -272,7 +264,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
         .filter(|j| held.is_worse(**j))
         .map(|j| {
             let [before, after] = [&held.rms_before, &held.rms_after].map(|of| significant(of[*j], 3));
-            format!("joint {j} ({before} → {after} {unit})")
+            format!("{} ({before} → {after} {unit})", label(&verdict.joint_names, *j))
         })
         .collect();
     if worse.is_empty() {
@@ -288,7 +280,8 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
 
 #[cfg(test)]
 mod tests {
-    use aurt_diagnosis::{Evidence, HeldOut, effects::ParameterValue};
+    use aurt_diagnosis::{Evidence, HeldOut, ParameterValue};
+    use aurt_traits::MeasurementUnit;
 
     use super::*;
 
@@ -312,6 +305,7 @@ mod tests {
 
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
+            joint_names: Vec::new(),
             unit: MeasurementUnit::NewtonMetre,
             verdict: answer,
             structure: None,

@@ -1,0 +1,202 @@
+//! Joints by name: whatever order a bag has, every command that takes a recording does the same with it.
+
+use aurt_recording::{JointTopic, ReadOptions, Recording, mcap, read_recording};
+use serde_json::Value;
+
+use crate::support::{Folder, numbers};
+
+const NAMES: [&str; 2] = ["shoulder", "elbow"];
+const MODEL: [&str; 2] = ["--model", "results/rd_calibrated.json"];
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+/// A bag with the joints of `order` of a recording of two joints; a joint that it does not have rests.
+fn write_bag(folder: &Folder, name: &str, recording: &Recording, order: &[&str]) {
+    let rest = vec![0.0; recording.time_s.len()];
+    let series = |family: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let of = |joint: &&str| NAMES.iter().position(|n| n == joint).map_or(&rest, |j| &family[j]).clone();
+        order.iter().map(of).collect()
+    };
+    let effort = series(recording.measurement.as_ref().unwrap());
+    let topic = JointTopic {
+        name: "/joint_states",
+        position: &series(&recording.position_rad),
+        velocity: &[],
+        effort: &effort,
+    };
+    let path = folder.path(name);
+    let bag = mcap(&path, &recording.time_s, 0.0, &owned(order), &[topic], &[]).unwrap();
+    std::fs::write(path, bag).unwrap();
+}
+
+/// Two recordings of the two-link arm as bags whose joints have an order, and an experiment on them.
+fn recorded(order: &[&str]) -> Folder {
+    let folder = Folder::new();
+    for (name, seed) in [("monday", 1), ("tuesday", 2)] {
+        let scenario = format!(
+            "robot = 'two_link'\nseed = {seed}\n[motion]\nkind = 'multi_sine'\nduration_s = 12.0\nharmonics = 5\n\
+             top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 125\n"
+        );
+        folder.write("scenario.toml", &scenario);
+        folder.aurt(["simulate", "--scenario", "scenario.toml", "--out", "log.csv", "--quiet"]).succeeded();
+        let recording = read_recording(&folder.path("log.csv"), &ReadOptions::default()).unwrap();
+        write_bag(&folder, &format!("{name}.mcap"), &recording, order);
+    }
+    folder.write("mdh.csv", &aurt::simulation::robots::two_link().mdh_csv());
+    folder.write("experiment.toml", &experiment("joint_names = ['shoulder', 'elbow']", ""));
+    folder
+}
+
+fn experiment(robot: &str, recordings: &str) -> String {
+    format!(
+        "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, -9.81, 0.0]\n{robot}\n[joint_dynamics]\n\
+         coulomb = {{ model = 'none' }}\nhysteresis = {{ model = 'sign' }}\n\
+         viscous = {{ model = 'polynomial', powers = [1] }}\n[recordings]\n{recordings}\n\
+         calibration = [{{ file = 'monday.mcap', unit = 'A' }}]\n\
+         validation = [{{ file = 'tuesday.mcap', unit = 'A' }}]\n[preprocess]\nf_dyn_hz = 5.0\n"
+    )
+}
+
+/// Largest difference of two tables with headers.
+fn apart(a: &str, b: &str) -> f64 {
+    let cells = |text: &str| -> Vec<f64> {
+        text.lines()
+            .skip(1)
+            .flat_map(|l| l.split(',').map(|c| c.parse().unwrap()).collect::<Vec<_>>())
+            .collect()
+    };
+    let (a, b) = (cells(a), cells(b));
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// What every command that takes a recording makes of it.
+fn results(folder: &Folder) -> Vec<(&'static str, String)> {
+    let unit = ["--unit", "A"];
+    let run = |arguments: &[&str]| {
+        let run = folder.aurt(arguments.iter().chain(&["--quiet"]));
+        assert!(run.status() < 2, "{arguments:?}: {}", run.stderr());
+    };
+    let with = |first: &[&'static str], more: &[&'static str]| [first, more].concat();
+    let only = |file: &str, key: &str| folder.json(file)[key].to_string();
+    run(&["run", "experiment.toml", "--out", "results"]);
+    run(&[
+        "compile-rbd",
+        "--mdh",
+        "mdh.csv",
+        "--joint-names",
+        "shoulder,elbow",
+        "--gravity",
+        "0",
+        "-9.81",
+        "0",
+        "--out",
+        "rbd.json",
+    ]);
+    run(&["compile-rd", "--model-rbd", "rbd.json", "--experiment", "experiment.toml", "--out", "rd.json"]);
+    run(&with(
+        &["calibrate", "--model", "rd.json", "--data", "monday.mcap"],
+        &[
+            "--topic",
+            "/joint_states",
+            "--out-params",
+            "p.csv",
+            "--out-calibrated-model",
+            "c.json",
+            "--unit",
+            "A",
+        ],
+    ));
+    run(&with(
+        &["predict", "--data", "tuesday.mcap", "--out", "predicted.csv"],
+        &[&MODEL[..], &unit].concat(),
+    ));
+    run(&with(
+        &["simulate", "--motion", "tuesday.mcap", "--out", "moved.csv"],
+        &[&MODEL[..], &unit].concat(),
+    ));
+    run(&with(&["track", "experiment.toml", "--window-s", "2", "tuesday.mcap", "--out", "track"], &MODEL));
+    run(&["diagnose", "experiment.toml", "--out", "diagnosis"]);
+    run(&["gains", "experiment.toml", "--expect", "--out", "gains"]);
+    run(&with(
+        &[
+            "init",
+            "monday.mcap",
+            "--robot",
+            "mdh.csv",
+            "--joint-names",
+            "shoulder,elbow",
+            "--out",
+            "first.toml",
+        ],
+        &["--unit", "A", "--gravity", "0", "-9.81", "0"],
+    ));
+    let check = folder.aurt(["check", "experiment.toml", "--json"]).succeeded().stdout();
+    let check: Value = serde_json::from_str(&check).unwrap();
+    vec![
+        ("run", folder.read("results/predicted_tuesday.csv")),
+        ("calibrate", folder.read("p.csv")),
+        ("predict", folder.read("predicted.csv")),
+        ("simulate", folder.read("moved.csv")),
+        ("track", only("track/track.json", "recordings")),
+        ("diagnose", only("diagnosis/verdict.json", "residual")),
+        ("gains", folder.read("gains/gains.json")),
+        ("init", folder.read("first.toml")),
+        ("check", check["recordings"].to_string()),
+    ]
+}
+
+#[test]
+fn the_order_of_a_bag_changes_nothing_in_any_command() {
+    let expected = results(&recorded(&NAMES));
+    for order in [&["elbow", "shoulder"][..], &["gripper", "elbow", "shoulder"]] {
+        for ((command, found), (_, expected)) in results(&recorded(order)).iter().zip(&expected) {
+            assert!(found == expected, "{command} on {order:?}:\n{found}\n{expected}");
+        }
+    }
+}
+
+/// 90 Nm were once between them: the model did not know its joints' names.
+#[test]
+fn predictions_of_a_saved_model_are_those_of_the_run() {
+    let folder = Folder::new();
+    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/urdf-bag");
+    for name in ["experiment.toml", "ur10e.urdf", "monday.mcap", "tuesday.mcap"] {
+        std::fs::copy(example.join(name), folder.path(name)).unwrap();
+    }
+    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
+    let predict = ["predict", "--data", "tuesday.mcap", "--unit", "A", "--out", "predicted.csv"];
+    folder.aurt(predict.iter().chain(&MODEL)).succeeded();
+    let run = folder.read("results/predicted_tuesday.csv");
+    let difference = apart(&run, &folder.read("predicted.csv"));
+    assert!(difference < 1e-9, "{difference}");
+    // A file of a version that had no names is read as before: in the order of the bag.
+    let mut model = folder.json("results/rd_calibrated.json");
+    let body = &mut model["model"]["rigid_body_dynamics"]["rigid_body"];
+    let names = body.as_object_mut().unwrap().remove("joint_names").unwrap();
+    assert_eq!(names[0], "shoulder_pan_joint");
+    folder.write("results/rd_calibrated.json", &model.to_string());
+    folder.aurt(predict.iter().chain(&MODEL)).succeeded();
+    assert!(apart(&run, &folder.read("predicted.csv")) > 80.0);
+    let metrics = folder.json("results/metrics.json");
+    assert_eq!(metrics["joint_names"][2], "elbow_joint");
+    assert!(folder.read("results/report.html").contains("joint 2 (elbow_joint)"));
+}
+
+#[test]
+fn names_that_cannot_match_are_refused_with_those_of_both_sides() {
+    let folder = recorded(&["a1", "a2"]);
+    let run = ["run", "experiment.toml", "--out", "results"];
+    folder.aurt(run).refused(&["a1, a2", "shoulder, elbow", "joint_names", "--joint-names"]);
+    // Which is which can be said, and names a robot that has no names of its own.
+    folder.write("experiment.toml", &experiment("", "joint_names = ['a1', 'a2']"));
+    folder.aurt(run).succeeded();
+    let model = folder.json("results/rd_calibrated.json");
+    let names = &model["model"]["rigid_body_dynamics"]["rigid_body"]["joint_names"];
+    assert_eq!(names, &serde_json::json!(["a1", "a2"]));
+    assert_eq!(numbers(&folder.json("results/metrics.json")["sigma"]).len(), 2);
+    folder.write("experiment.toml", &experiment("", "joint_names = ['a1', 'a1']"));
+    folder.aurt(["run", "experiment.toml", "--out", "again"]).refused(&["names two joints"]);
+}

@@ -1,0 +1,158 @@
+use aurt_recording::{PositionNoise, ZeroPhase};
+use aurt_traits::RobotModel;
+use rayon::prelude::*;
+
+use super::{
+    hausman::{Hausman, Tested},
+    noise::{acceleration_share, noisier},
+    normal::Normal,
+    report::{JointPositionNoise, Looked},
+    shift::Shift,
+};
+use crate::{
+    CalibrationError, NamedRecording, Solution, System, accumulate_scoped, rows::Observed, statistics::Random,
+};
+
+/// Order of the filter of the positions, one way.
+const FILTER_ORDER: usize = 4;
+/// Motions lie below this share of the parallel cut-off, which is half of f_dyn, and below this frequency, Hz, as far as
+/// the speed with which a joint crosses the lattice is concerned.
+const MOTION_SHARE: f64 = 0.25;
+const MOTION_HZ: f64 = 3.0;
+/// A smaller share of noise in the accelerations is not looked at: it moves coefficients by less than it.
+const NEGLIGIBLE_SHARE: f64 = 1e-4;
+/// Draws of the noise that a bias is shown from, and that it is corrected by.
+pub(crate) const DRAWS: [u64; 2] = [4, 16];
+
+/// Least squares, and what it was fitted to.
+pub(crate) struct Fitted<'a> {
+    pub rows: Observed<'a>,
+    pub system: &'a System,
+    pub weights: &'a [f64],
+    pub solution: &'a Solution,
+}
+
+/// What noise of the positions does. With `thorough` it is drawn often enough for the estimate to be corrected; a shift that is
+/// `known` is not asked for again.
+///
+/// # Errors
+/// [`CalibrationError::NoisyPositions`] if an estimate is to be corrected and noise makes up what the motion shows, and what
+/// models report.
+pub(crate) fn look(
+    fitted: &Fitted<'_>,
+    thorough: bool,
+    known: Option<&Shift>,
+) -> Result<Looked, CalibrationError> {
+    let Fitted { rows, weights, solution, .. } = *fitted;
+    let joints = joints(rows.model, rows.recordings)?;
+    let draws = if matters(&joints) { DRAWS[usize::from(thorough)] } else { 0 };
+    let needed = if known.is_some() && !thorough { 0 } else { draws };
+    let drawn: Vec<System> =
+        (0..needed).into_par_iter().map(|draw| drawn(&rows, draw)).collect::<Result<_, _>>()?;
+    let shift = match known {
+        Some(known) => known.clone(),
+        None => {
+            let solve = |system: &System| system.solve_coefficients_of(weights, |k| solution.excited[k]);
+            let estimates: Vec<Vec<f64>> = drawn.iter().map(solve).collect::<Result<_, _>>()?;
+            Shift::of(rows.model, &[], &solution.coefficients, &estimates)
+        }
+    };
+    let hausman = if draws > 0 { agreement(fitted, &shift)? } else { None };
+    let corrected = if thorough {
+        let plain = Normal::of(fitted.system, weights);
+        let mut corrected = plain.clone();
+        for system in &drawn {
+            corrected.add(&plain, 1.0 / draws as f64);
+            corrected.add(&Normal::of(system, weights), -1.0 / draws as f64);
+        }
+        Some(corrected.solve(&solution.excited).ok_or_else(|| {
+            let worst = joints
+                .iter()
+                .enumerate()
+                .max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
+            let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
+            CalibrationError::NoisyPositions { joint, percent: 100.0 * share }
+        })?)
+    } else {
+        None
+    };
+    Ok(Looked { joints, draws, shift, hausman, corrected })
+}
+
+/// Whether instruments agree, where the recordings are long enough for their filter.
+fn agreement(fitted: &Fitted<'_>, shift: &Shift) -> Result<Option<Hausman>, CalibrationError> {
+    let Fitted { rows, weights, solution, .. } = *fitted;
+    match (Tested { rows, coefficients: &solution.coefficients, weights }).test(shift) {
+        Err(CalibrationError::Recording(_)) => Ok(None),
+        tested => tested,
+    }
+}
+
+/// The filter that the positions of a recording passed.
+fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {
+    let report = &recording.data.report;
+    Ok(ZeroPhase::butterworth(FILTER_ORDER, report.position_cutoff_hz, report.rate_hz)?)
+}
+
+/// Whether noise of the positions is more than negligible at any joint.
+///
+/// # Errors
+/// What filters report.
+pub(crate) fn position_noise_matters(
+    model: &RobotModel,
+    recordings: &[&NamedRecording],
+) -> Result<bool, CalibrationError> {
+    Ok(matters(&joints(model, recordings)?))
+}
+
+fn matters(joints: &[JointPositionNoise]) -> bool {
+    joints.iter().any(|j| j.acceleration_share >= NEGLIGIBLE_SHARE)
+}
+
+fn joints(
+    model: &RobotModel,
+    recordings: &[&NamedRecording],
+) -> Result<Vec<JointPositionNoise>, CalibrationError> {
+    let mut joints: Vec<JointPositionNoise> = (0..model.joints())
+        .map(|_| JointPositionNoise { white_rad: 0.0, step_rad: None, acceleration_share: 0.0 })
+        .collect();
+    for recording in recordings {
+        let filter = position_filter(recording)?;
+        for (joint, noise) in recording.data.position_noise.iter().enumerate().take(joints.len()) {
+            let share = acceleration_share(&recording.data.segments, joint, noise, &filter);
+            if share > joints[joint].acceleration_share {
+                let PositionNoise { white_rad, step_rad, .. } = *noise;
+                joints[joint] = JointPositionNoise { white_rad, step_rad, acceleration_share: share };
+            }
+        }
+    }
+    Ok(joints)
+}
+
+/// The system with the noise added once more.
+fn drawn(rows: &Observed<'_>, draw: u64) -> Result<System, CalibrationError> {
+    let noisier = noisier_recordings(rows.recordings, draw)?;
+    accumulate_scoped(rows.model, &noisier, rows.scopes, rows.load, rows.options)
+}
+
+/// The recordings with the noise of their positions added once more.
+pub(crate) fn noisier_recordings(
+    recordings: &[&NamedRecording],
+    draw: u64,
+) -> Result<Vec<NamedRecording>, CalibrationError> {
+    let mut random = Random::new(draw);
+    recordings
+        .iter()
+        .map(|recording| {
+            let filter = position_filter(recording)?;
+            let report = &recording.data.report;
+            let motion_hz = (MOTION_SHARE * report.parallel_cutoff_hz).min(MOTION_HZ);
+            let smoother = ZeroPhase::butterworth(FILTER_ORDER, motion_hz, report.rate_hz)?;
+            let mut own = (*recording).clone();
+            for segment in &mut own.data.segments {
+                *segment = noisier(segment, &own.data.position_noise, [&filter, &smoother], &mut random)?;
+            }
+            Ok(own)
+        })
+        .collect()
+}

@@ -1,0 +1,139 @@
+use aurt_traits::RobotModel;
+use serde::{Deserialize, Serialize};
+
+use super::{hausman::Hausman, shift::Shift};
+
+/// Beyond this share of noise in accelerations first order is not enough (docs/estimation.md).
+const OVERWHELMING: f64 = 0.5;
+/// A bias of so many standard deviations makes intervals an eighth wider.
+const NOTABLE: f64 = 0.5;
+
+/// What noise of the positions does to least squares.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PositionBias {
+    /// The joints.
+    pub joints: Vec<JointPositionNoise>,
+    /// Draws of the noise; none where it is negligible.
+    pub draws: u64,
+    /// The coefficients that the recordings determine; none where noise is negligible.
+    pub parameters: Vec<ParameterBias>,
+    /// Whether instruments find other coefficients; absent where noise is negligible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hausman: Option<Hausman>,
+}
+
+/// The noise of a joint's position, of its noisiest recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointPositionNoise {
+    /// White noise, rad.
+    pub white_rad: f64,
+    /// Step of the lattice of the encoder, rad.
+    pub step_rad: Option<f64>,
+    /// Share of the noise in the power of the filtered accelerations.
+    pub acceleration_share: f64,
+}
+
+/// A coefficient's bias, which is part of its standard deviation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterBias {
+    /// The coefficient.
+    pub name: String,
+    /// By how much noise of the positions is taken to have shifted it.
+    pub bias: f64,
+    /// The same in standard deviations that other errors give it.
+    pub deviations: f64,
+}
+
+/// What noise of the positions does to an estimate.
+pub(crate) struct Looked {
+    pub joints: Vec<JointPositionNoise>,
+    pub draws: u64,
+    /// What the noise does to least squares when it is added once more.
+    pub shift: Shift,
+    pub hausman: Option<Hausman>,
+    /// The estimate without it and the inverse of the corrected WᵀΩ⁻¹W, column-major, where these were asked for.
+    pub corrected: Option<(Vec<f64>, Vec<f64>)>,
+}
+
+impl PositionBias {
+    /// The bias of least squares; `deviations` are those of other errors.
+    pub(crate) fn of(model: &RobotModel, looked: &Looked, deviations: impl Fn(usize) -> f64) -> Self {
+        let told = |(k, bias): (usize, &f64)| {
+            let deviation = deviations(k);
+            let deviations = if deviation > 0.0 { bias / deviation } else { 0.0 };
+            ParameterBias { name: model.parameters()[k].name.clone(), bias: *bias, deviations }
+        };
+        let shifted = looked.shift.coefficients().iter();
+        let determined = shifted.enumerate().filter(|(k, _)| deviations(*k) > 0.0);
+        Self {
+            joints: looked.joints.clone(),
+            draws: looked.draws,
+            parameters: determined.map(told).collect(),
+            hausman: looked.hausman.clone(),
+        }
+    }
+
+    /// The coefficients whose intervals are wider by it, the worst first.
+    #[must_use]
+    pub fn notable(&self) -> Vec<&ParameterBias> {
+        let mut notable: Vec<&ParameterBias> =
+            self.parameters.iter().filter(|p| p.deviations.abs() > NOTABLE).collect();
+        notable.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+        notable
+    }
+
+    /// What to know where noise is more than corrections hold for.
+    pub(crate) fn overwhelming(&self) -> Option<String> {
+        let worst = self.joints.iter().enumerate();
+        let (joint, noise) =
+            worst.max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share))?;
+        (noise.acceleration_share > OVERWHELMING).then(|| {
+            format!(
+                "position noise makes up {:.0} % of the power of joint {joint}'s accelerations, too much for its effect on the \
+                 estimates to be determined or corrected; use a lower f_dyn",
+                100.0 * noise.acceleration_share
+            )
+        })
+    }
+
+    /// What to know of least squares that was not corrected.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        const NAMED: usize = 3;
+        let notable = self.notable();
+        let differs = self.hausman.as_ref().is_some_and(Hausman::is_biased);
+        let is_beyond = self.hausman.as_ref().is_some_and(Hausman::is_beyond_noise);
+        let mut warnings = Vec::new();
+        if !notable.is_empty() || (differs && !is_beyond) {
+            let which = if notable.is_empty() {
+                "coefficients".to_owned()
+            } else {
+                let worst: Vec<String> = notable
+                    .iter()
+                    .take(NAMED)
+                    .map(|p| format!("{} by {:.1} standard deviations", p.name, p.deviations.abs()))
+                    .collect();
+                format!(
+                    "{} of {} coefficients by more than {NOTABLE} standard deviations ({}{}), included in their intervals",
+                    notable.len(),
+                    self.parameters.len(),
+                    worst.join(", "),
+                    if notable.len() > NAMED { ", …" } else { "" },
+                )
+            };
+            let test = if differs && !is_beyond { "; instrumental variables confirm it" } else { "" };
+            warnings.push(format!(
+                "position noise biases {which}{test}; use a lower f_dyn, `aurt check` suggests a value (`aurt explain \
+                 position_bias`)"
+            ));
+        }
+        if is_beyond {
+            warnings.push(
+                "least squares and instrumental variables differ by more than the measured position noise explains: the model \
+                 lacks a torque, such as rotor inertia or Stribeck friction, or the recordings have an error; `aurt diagnose` \
+                 looks for it (`aurt explain position_bias`)"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+}

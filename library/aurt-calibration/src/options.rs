@@ -1,0 +1,111 @@
+use serde::{Deserialize, Serialize};
+
+/// Which least-squares weights are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimator {
+    /// Weights 1/σ_j² from a first OLS (paper, equations 13 and 14).
+    #[default]
+    Wls,
+    /// All joints weighted alike.
+    Ols,
+    /// As [`Wls`](Self::Wls), then the nearest machine that can exist ([`make_consistent`](crate::make_consistent)).
+    Consistent,
+    /// As [`Wls`](Self::Wls), with the fewest parameters that predict blocks held out as well as all of them.
+    Essential,
+    /// As [`Wls`](Self::Wls), without the bias of noise in the positions (errors in variables), to first order: for study;
+    /// docs/estimation.md has its coverage, which is worse for friction.
+    Eiv,
+    /// Instrumental variables, from the motion behind a lower filter: for study, as `Eiv`.
+    Iv,
+    /// As [`Wls`](Self::Wls), with weights by row in which impacts count little or nothing.
+    Irls,
+}
+
+impl Estimator {
+    /// Whether joints are weighted by their residuals.
+    #[must_use]
+    pub const fn is_weighted(self) -> bool {
+        !matches!(self, Self::Ols)
+    }
+}
+
+/// How the load torque τ_J of load-dependent friction is formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadTorqueChoice {
+    /// From the fitted rigid bodies: a first fit without load dependence supplies them.
+    #[default]
+    Fitted,
+    /// The paper's: the sum of the base regressor's row.
+    Literal,
+}
+
+/// What calibration does with samples at which a joint rests (|q̇_j| at or below the rest velocity), where the
+/// sign of velocity is that of rounding noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rest {
+    /// They count like all others (the paper).
+    #[default]
+    Keep,
+    /// A joint's row is left out of the fit while the joint rests.
+    Exclude,
+}
+
+/// What standard deviations count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Deviations {
+    /// Noise with the memory that the residuals have, recordings that repeat, and misfit that differs from stretch to
+    /// stretch.
+    #[default]
+    Memory,
+    /// Noise that is white before the parallel filter; faster, since the rows are not looked at again.
+    White,
+}
+
+/// Settings of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CalibrationOptions {
+    /// Least-squares weights.
+    pub estimator: Estimator,
+    /// Load torque of load-dependent friction.
+    pub load_torque: LoadTorqueChoice,
+    /// Treatment of resting samples in the fit.
+    pub rest: Rest,
+    /// At and below this |q̇_j| a joint rests, rad/s; validation reports samples above it as moving.
+    pub rest_velocity_rad_s: f64,
+    /// Whether [`calibrate_shapes`](crate::calibrate_shapes) searches the parameters in which models are not linear;
+    /// otherwise, and with [`calibrate`](crate::calibrate), they stay as the model has them.
+    #[serde(default = "yes")]
+    pub fit_shapes: bool,
+    /// What standard deviations count.
+    #[serde(default)]
+    pub deviations: Deviations,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+impl CalibrationOptions {
+    /// Whether what noise of the positions does is told, and part of the deviations.
+    pub(crate) const fn tells_position_bias(&self) -> bool {
+        matches!(self.deviations, Deviations::Memory)
+            && matches!(self.estimator, Estimator::Wls | Estimator::Ols | Estimator::Consistent)
+    }
+}
+
+impl Default for CalibrationOptions {
+    fn default() -> Self {
+        Self {
+            estimator: Estimator::default(),
+            load_torque: LoadTorqueChoice::default(),
+            rest: Rest::default(),
+            rest_velocity_rad_s: 0.03,
+            fit_shapes: true,
+            deviations: Deviations::default(),
+        }
+    }
+}

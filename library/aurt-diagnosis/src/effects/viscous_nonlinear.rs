@@ -1,0 +1,96 @@
+//! `viscous_nonlinear`: speed-dependent friction that is not in proportion to speed.
+//!
+//! # What it is
+//! τ = Σ_i F_v,i b_i(q̇) with b_i = q̇ |q̇|^(i−1), or saturating, τ = F_vs tanh(q̇/v_s). Lubricant shears thin
+//! as it is driven faster, so friction of harmonic drives is concave; churning and air make it convex.
+//!
+//! - `viscous_2`, `viscous_3`: F_v,2 and F_v,3, Nm (s/rad)^i, or
+//! - `saturation_nm`: F_vs ≥ 0, Nm, and `saturation_velocity_rad_s`: v_s, rad/s, usually 0.1–1.
+//!
+//! # How it shows
+//! The residual is curved against velocity and odd in it: of one sign at medium speed, of the other at high
+//! speed, since a straight line was already taken out.
+//!
+//! # Easily confused with
+//! - `temperature_dependent_friction`: fast stretches warm the joint, and less friction at high speed looks
+//!   concave.
+//! - `stribeck` and `presliding_hysteresis`: a saturating law with a small v_s is a smooth Coulomb step.
+//! - `load_dependent_friction`, if speed and load go together in the motion.
+//!
+//! # What to record to be sure
+//! Constant velocities up to the highest in use, in both directions and in random order, at constant
+//! temperature. A cubic law fails beyond the speeds it was fitted to.
+//!
+//! # References
+//! - C. Makkar, W. E. Dixon, W. G. Sawyer, G. Hu (2005), *A new continuously differentiable friction model for
+//!   control systems design*.
+//! - A. C. Bittencourt, S. Gunnarsson (2012), *Static friction in a robot joint – modeling and identification
+//!   of load and temperature effects*.
+
+use serde_json::json;
+
+use crate::effects::viscous;
+use crate::parameters::{FittedColumn, ParameterValue, Parameters};
+use crate::vocabulary::shape::Shape;
+use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit};
+
+/// Powers beside the linear one.
+const POWERS: [u32; 2] = [2, 3];
+
+/// Velocities v_s from which the search for the saturating law begins. Below a quarter of a radian per second it is hard to tell
+/// from dry friction.
+const SATURATION_VELOCITIES_RAD_S: [f64; 3] = [0.25, 0.7, 2.0];
+
+/// Where it is sought: up to a velocity above which the law is a straight line on any arm.
+const SATURATION: Shape =
+    Shape::logarithmic("saturation_velocity_rad_s", "/viscous/saturation_velocity_rad_s", [0.1, 8.0], 0.5);
+
+/// The effect.
+pub static EFFECT: Effect = Effect {
+    id: "viscous_nonlinear",
+    family: Family::V,
+    title: "viscous friction that is not proportional to velocity",
+    decider: "constant velocities over the whole range, at constant temperature",
+    source: include_str!("viscous_nonlinear.rs"),
+    parameters: &[
+        Parameter::new("viscous_2", Unit::One),
+        Parameter::new("viscous_3", Unit::One),
+        Parameter::new("saturation_nm", Unit::Torque),
+        Parameter::new("saturation_velocity_rad_s", Unit::Velocity),
+    ],
+    generalises: &[&viscous::EFFECT],
+    propose,
+    estimate: Some(estimate),
+    ..Effect::FRICTION
+};
+
+fn propose(context: &Context<'_>) -> Vec<Proposal> {
+    let (absent, sign) = (json!({"model": "absent"}), json!({"model": "sign"}));
+    // Concave friction has a negative coefficient beside a larger slope.
+    let power = |j: usize, power: u32| {
+        Proposal::friction(j, absent.clone(), sign.clone(), &[power]).with("power", f64::from(power))
+    };
+    let saturating = |j: usize, velocity: f64| {
+        let law = json!({"model": "saturating", "saturation_velocity_rad_s": velocity});
+        Proposal::stack(j, absent.clone(), sign.clone(), law).bound(&[true]).shaped(SATURATION)
+    };
+    let on = |j: usize| {
+        let mut proposals = POWERS.map(|p| power(j, p)).to_vec();
+        proposals.extend(SATURATION_VELOCITIES_RAD_S.map(|v| saturating(j, v)));
+        proposals
+    };
+    (0..context.joints).flat_map(on).collect()
+}
+
+fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Parameters {
+    let name = match proposal.fixed.get("power") {
+        Some(power) => format!("viscous_{power}"),
+        None => "saturation_nm".to_owned(),
+    };
+    let mut parameters = proposal.fixed_parameters();
+    parameters.remove("power");
+    if let Some((_, value, std)) = fitted.first() {
+        parameters.insert(name, ParameterValue::new(*value, *std));
+    }
+    parameters
+}

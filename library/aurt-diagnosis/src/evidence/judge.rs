@@ -1,0 +1,148 @@
+//! What a score is worth: the best score that chance reaches, and a test on rows that nothing was fitted to.
+
+use crate::evidence::baseline::weighted_fit;
+use crate::evidence::chance::Chance;
+use crate::evidence::null::{ByChance, by_chance};
+use crate::evidence::problem::Problem;
+use crate::evidence::residuals::residuals;
+use crate::hypotheses::group::{Group, Switch};
+use crate::recordings::divided::ConfirmRows;
+use crate::recordings::partition::Partition;
+use crate::recordings::rows::{Layout, RecordingRows};
+use crate::request::SelectionOptions;
+
+/// What was selected, on the rows that it was selected from.
+pub(crate) struct Judge<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) groups: &'a [Group],
+    pub(crate) rows: &'a [RecordingRows],
+    pub(crate) partition: &'a Partition,
+    pub(crate) layout: &'a Layout,
+    pub(crate) floor: &'a [f64],
+    pub(crate) options: &'a SelectionOptions,
+}
+
+impl Judge<'_> {
+    /// The best scores that chance reaches beside a model. The score is selection's, Σ_j ½ n_eff log(before / after), both
+    /// not below the floor.
+    pub(crate) fn scores_by_chance(&self, switches: &[Switch], shares: &[f64]) -> Chance {
+        let effective: Vec<f64> =
+            (0..shares.len()).map(|j| 0.5 * shares[j] * self.problem.rows(j, false)).collect();
+        let score = |before: &[f64], after: &[f64]| -> f64 {
+            let of_joint = |j: usize| {
+                let floor = self.floor[j].max(f64::MIN_POSITIVE);
+                effective[j] * (before[j].max(floor) / after[j].max(floor)).ln()
+            };
+            (0..before.len()).map(of_joint).sum()
+        };
+        let best = |c: &ByChance| {
+            let mut best = vec![0.0_f64; shares.len()];
+            for (group, after) in self.groups.iter().zip(&c.after) {
+                let score = score(&c.before, after);
+                for joint in group.joints.iter().filter(|_| score.is_finite()) {
+                    best[*joint] = best[*joint].max(score);
+                }
+            }
+            best
+        };
+        Chance::new(self.by_chance(switches).iter().map(best).collect())
+    }
+
+    /// The largest value, over all hypotheses, that a measure of improvement has by chance; of one shift each, ascending.
+    pub(crate) fn best_by_chance(
+        &self,
+        switches: &[Switch],
+        measure: impl Fn(&[f64], &[f64]) -> f64,
+    ) -> Vec<f64> {
+        let best = |c: &ByChance| {
+            let scores = c.after.iter().map(|after| measure(&c.before, after));
+            scores.filter(|s| s.is_finite()).fold(0.0, f64::max)
+        };
+        let mut scores: Vec<f64> = self.by_chance(switches).iter().map(best).collect();
+        scores.sort_by(f64::total_cmp);
+        scores
+    }
+
+    fn by_chance(&self, switches: &[Switch]) -> Vec<ByChance> {
+        let (fit, weights) = weighted_fit(self.problem, switches, self.floor);
+        let left: Vec<Vec<Vec<f64>>> =
+            self.rows.iter().map(|r| residuals(r, self.layout, switches, &fit.coefficients)).collect();
+        let residual = (self.rows, self.partition, &left[..]);
+        by_chance(self.problem, switches, self.groups, &weights, residual, self.options.null_shifts)
+    }
+
+    /// The probability that rows which nothing was fitted to favour a group as much by chance: squared errors without
+    /// and with it, in units of what the model leaves, differ from piece to piece of the held-out rows; each difference
+    /// could as well have the other sign. None where there are too few pieces to tell.
+    pub(crate) fn p_confirm(&self, confirm: &ConfirmRows, all: &[Switch], group: &Group) -> Option<f64> {
+        let rest: Vec<Switch> = all.iter().filter(|s| !group.switches.contains(s)).copied().collect();
+        let [with, without] =
+            [all, &rest].map(|s| (s, weighted_fit(self.problem, s, self.floor).0.coefficients));
+        let mut errors: Vec<[Vec<f64>; 2]> = Vec::new();
+        let rows: usize = confirm.to_judge().iter().map(RecordingRows::rows).sum();
+        let length = (rows / PIECES).max(1);
+        for recording in confirm.to_judge() {
+            let left = [&with, &without].map(|(s, beta)| residuals(recording, self.layout, s, beta));
+            for piece in 0..recording.rows() / length {
+                let span = piece * length..(piece + 1) * length;
+                errors.push(left.each_ref().map(|left| {
+                    left.iter().map(|joint| joint[span.clone()].iter().map(|e| e * e).sum()).collect()
+                }));
+            }
+        }
+        if errors.len() < FEWEST_PIECES {
+            return None;
+        }
+        let joints = self.floor.len();
+        let level = |j: usize| {
+            let mean = errors.iter().map(|e| e[0][j]).sum::<f64>() / (errors.len() * length) as f64;
+            mean.max(self.floor[j]).max(f64::MIN_POSITIVE)
+        };
+        let levels: Vec<f64> = (0..joints).map(level).collect();
+        let difference = |e: &[Vec<f64>; 2]| (0..joints).map(|j| (e[1][j] - e[0][j]) / levels[j]).sum();
+        Some(by_sign(&errors.iter().map(difference).collect::<Vec<f64>>()))
+    }
+}
+
+/// Held-out rows are compared in about so many pieces: 2¹⁰ ways to give them signs.
+const PIECES: usize = 10;
+/// With fewer no probability is below one in fifty.
+const FEWEST_PIECES: usize = 6;
+
+/// Share of all ways to give differences signs whose sum is at least that of the differences (Fisher's randomisation
+/// test of pairs).
+fn by_sign(differences: &[f64]) -> f64 {
+    let observed: f64 = differences.iter().sum();
+    let ways = 1_u32 << differences.len().min(16);
+    let slack = 1e-12 * differences.iter().map(|d| d.abs()).sum::<f64>();
+    let as_large = (0..ways)
+        .filter(|way| {
+            let signed = differences.iter().enumerate().map(|(k, d)| if way >> k & 1 == 1 { -d } else { *d });
+            signed.sum::<f64>() >= observed - slack
+        })
+        .count();
+    as_large as f64 / f64::from(ways)
+}
+
+/// The value that a share of ascending ones does not exceed.
+pub(crate) fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let place = (share * ascending.len() as f64).ceil() as usize;
+    place.checked_sub(1).and_then(|k| ascending.get(k)).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_of_one_sign_are_no_chance() {
+        assert_eq!(by_sign(&[1.0, 2.0, 0.5, 1.0, 3.0, 0.1]), 1.0 / 64.0);
+        assert!(by_sign(&[1.0, -1.2, 0.5, -0.4, 0.1, -0.3]) > 0.3);
+    }
+
+    #[test]
+    fn a_quantile_is_one_of_the_values() {
+        let chance = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!([quantile(&chance, 0.95), quantile(&chance, 0.5), quantile(&[], 0.5)], [4.0, 2.0, 0.0]);
+    }
+}

@@ -1,0 +1,248 @@
+//! Rows that are missing, repeated, held or corrupt.
+//!
+//! - *Missing*: the distance of two stamps spans a further period, and no shorter distance beside it makes up for
+//!   it, as it does where a single stamp is late.
+//! - *Repeated*: a stamp that is there already.
+//! - *Held*: a new stamp with old values. Noisy measurements do not repeat on all joints at once, so where they do,
+//!   and the arm goes on afterwards, the row is an old one. Positions alone that repeat are old if the motion
+//!   before and after makes at least two steps of an encoder in a row's time: a true encoder cannot stand still
+//!   then.
+//! - *Corrupt*: dropped by the reader, or a measurement that leaps away for a single row.
+
+use super::{CERTAIN, Fault, log10_poisson_tail, resolution, windows_s};
+use crate::effects::dropped_samples;
+use crate::parameters::{ParameterValue, Parameters};
+use aurt_recording::{Recording, white_level};
+
+/// Faulty rows below this number are not worth a word.
+const FEWEST: usize = 3;
+
+/// Share of faulty rows from which on they can explain a mismatch.
+const SUFFICIENT_SHARE: f64 = 0.002;
+
+/// Stamps nearer than this share of a period are one.
+const SAME_STAMP: f64 = 0.05;
+
+/// A period of an irregular clock is at most this multiple of its median.
+const LONGEST_PERIOD: f64 = 1.4;
+
+/// Encoder steps that a joint has to make per row before a row without any counts as held.
+const STEPS_PER_ROW: f64 = 2.0;
+
+/// A run of identical rows up to this long is a fault even where the arm hardly moves. Longer ones at rest are
+/// those of a drive that is switched off.
+const LONGEST_BURST_ROWS: usize = 20;
+
+/// Share of the way that a joint must have made during the rows in question.
+const CAUGHT_UP: f64 = 0.5;
+
+/// Rows on either side over which the motion is measured.
+const MOTION_ROWS: usize = 4;
+
+/// Factor between a spike and the white noise, and between a spike and the slope of its neighbourhood.
+const SPIKE: f64 = 40.0;
+
+pub(super) struct RowFaults {
+    pub(super) fault: Option<Fault>,
+    pub(super) spoilt: Vec<bool>,
+    pub(super) gaps_s: Vec<[f64; 2]>,
+}
+
+pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
+    let time = &recording.time_s;
+    let period_s = median_distance(time);
+    let mut spoilt = vec![false; time.len()];
+    let (missing, gaps_s) = missing(recording, period_s);
+    let repeated = mark(&mut spoilt, |k| k > 0 && time[k] - time[k - 1] <= SAME_STAMP * period_s);
+    let held_rows = held(recording, &spoilt);
+    let held = mark(&mut spoilt, |k| held_rows[k]);
+    let spikes = spikes(recording);
+    let corrupt = mark(&mut spoilt, |k| spikes[k]) + recording.report.dropped_rows;
+    // Rows that the reader dropped have left gaps of their own.
+    let missing = missing.saturating_sub(recording.report.dropped_rows);
+    let faulty = missing + repeated + held + corrupt;
+    let share = faulty as f64 / (time.len() + missing + recording.report.dropped_rows).max(1) as f64;
+    let fault = (faulty >= FEWEST).then(|| {
+        let counts = [("missing", missing), ("repeated", repeated), ("held", held), ("corrupt", corrupt)];
+        let words: Vec<String> =
+            counts.iter().filter(|(_, n)| *n > 0).map(|(kind, n)| format!("{n} {kind}")).collect();
+        let mut parameters: Parameters =
+            counts.iter().map(|(kind, n)| ((*kind).to_owned(), ParameterValue::exact(*n))).collect();
+        parameters.insert("share".to_owned(), ParameterValue::exact(share));
+        Fault {
+            effect: &dropped_samples::EFFECT,
+            joints: (0..recording.joints()).collect(),
+            recording: name.to_owned(),
+            windows_s: all_windows(time, &spoilt, &gaps_s),
+            parameters,
+            share,
+            log10_probability: CERTAIN,
+            suffices: share >= SUFFICIENT_SHARE,
+            sentence: format!("{name}: {} rows ({:.2} % in all)", words.join(", "), 100.0 * share),
+        }
+    });
+    RowFaults { fault, spoilt, gaps_s }
+}
+
+/// Marks further samples; how many were not marked yet.
+fn mark(spoilt: &mut [bool], is_bad: impl Fn(usize) -> bool) -> usize {
+    let mut count = 0;
+    for (k, bad) in spoilt.iter_mut().enumerate() {
+        if !*bad && is_bad(k) {
+            *bad = true;
+            count += 1;
+        }
+    }
+    count
+}
+
+fn median_distance(time: &[f64]) -> f64 {
+    let mut distances: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
+    if distances.is_empty() {
+        return 0.0;
+    }
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Number of missing rows and the stretches in which they are; what was left out on purpose is not missing.
+fn missing(recording: &Recording, period_s: f64) -> (usize, Vec<[f64; 2]>) {
+    let time = &recording.time_s;
+    let mut distances: Vec<f64> =
+        time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > SAME_STAMP * period_s).collect();
+    if distances.len() < 10 {
+        return (0, Vec::new());
+    }
+    let at = distances.len() * 9 / 10;
+    let usual = *distances.select_nth_unstable_by(at, f64::total_cmp).1;
+    let longest = usual.clamp(period_s, LONGEST_PERIOD * period_s);
+    let mut count = 0;
+    let mut gaps = Vec::new();
+    for (k, w) in time.windows(2).enumerate() {
+        let distance = w[1] - w[0];
+        if distance <= 1.5 * longest || recording.report.left_out_s.contains(&[w[0], w[1]]) {
+            continue;
+        }
+        // A late stamp is followed, and an early one preceded, by a distance that is short by as much.
+        let before = k.checked_sub(1).map_or(period_s, |p| w[0] - time[p]);
+        let after = time.get(k + 2).map_or(period_s, |t| t - w[1]);
+        let made_up = (period_s - before).max(0.0) + (period_s - after).max(0.0);
+        let rows = ((distance - made_up) / period_s).round() as usize;
+        if rows >= 2 {
+            count += rows - 1;
+            gaps.push([w[0], w[1]]);
+        }
+    }
+    (count, gaps)
+}
+
+/// Rows that repeat positions, measurements or both while the robot moves on.
+fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
+    let n = recording.samples();
+    let mut held = vec![false; n];
+    let same = |family: &[Vec<f64>], k: usize| family.iter().all(|s| s[k] == s[k - 1]);
+    let usual: Vec<f64> = recording.position_rad.iter().map(|q| usual_step(q)).collect();
+    let still: Vec<bool> =
+        (0..n).map(|k| k > 0 && !repeated[k] && same(&recording.position_rad, k)).collect();
+    let frozen: Vec<bool> = match &recording.measurement {
+        Some(measurement) if measurements_never_agree(measurement) => {
+            (0..n).map(|k| k > 0 && !repeated[k] && same(measurement, k)).collect()
+        }
+        _ => vec![false; n],
+    };
+    let mut k = 1;
+    while k < n {
+        if !(still[k] || frozen[k]) {
+            k += 1;
+            continue;
+        }
+        let end = (k..n).find(|e| !(still[*e] || frozen[*e])).unwrap_or(n);
+        let steps = if frozen[k..end].contains(&true) { None } else { Some(usual.as_slice()) };
+        let identical = (k..end).all(|row| still[row] && frozen[row]);
+        if identical && end - k <= LONGEST_BURST_ROWS || moves_on(recording, steps, k, end) {
+            held[k..end].fill(true);
+        }
+        k = end;
+    }
+    held
+}
+
+/// The step of an encoder as far as its readings tell: of the steps between rows, the smallest tenth. What is
+/// written to a file may be converted and rounded, so the smallest difference of all can be a fraction of it.
+fn usual_step(position: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = position.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+    if steps.is_empty() {
+        return f64::INFINITY;
+    }
+    let at = steps.len() / 10;
+    *steps.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+/// Whether it is practically impossible that the measurements of all joints repeat at once by chance: the
+/// probabilities of the single ones, taken where not all repeat, multiply.
+fn measurements_never_agree(measurement: &[Vec<f64>]) -> bool {
+    let n = measurement.first().map_or(0, Vec::len);
+    let mut repeats = vec![0_usize; measurement.len()];
+    let mut rows = 0;
+    for k in 1..n {
+        if measurement.iter().all(|s| s[k] == s[k - 1]) {
+            continue;
+        }
+        rows += 1;
+        for (count, series) in repeats.iter_mut().zip(measurement) {
+            *count += usize::from(series[k] == series[k - 1]);
+        }
+    }
+    let probability: f64 = repeats.iter().map(|c| (*c as f64 + 0.5) / (f64::from(rows) + 1.0)).product();
+    log10_poisson_tail(probability * n as f64, 1) < -2.0
+}
+
+/// Whether some joint has gone on during the rows `first..end` as fast as before and after them: where a joint
+/// really rested, it has not. With `steps`, its motion has to make several of these in a row's time as well, before
+/// and after, in one direction.
+fn moves_on(recording: &Recording, steps: Option<&[f64]>, first: usize, end: usize) -> bool {
+    let time = &recording.time_s;
+    let n = time.len();
+    let (from, to) = ((first - 1).saturating_sub(MOTION_ROWS), (end + MOTION_ROWS).min(n) - 1);
+    if from + 1 >= first || to <= end {
+        return false;
+    }
+    let pause_s = (time[end] - time[first - 1]) / (end - first + 1) as f64;
+    recording.position_rad.iter().enumerate().any(|(joint, q)| {
+        let slope = |a: usize, b: usize| (q[b] - q[a]) / (time[b] - time[a]).max(f64::MIN_POSITIVE);
+        let (before, during, after) = (slope(from, first - 1), slope(first - 1, end), slope(end, to));
+        let slower = before.abs().min(after.abs());
+        let fast = steps.is_none_or(|s| before * after > 0.0 && slower * pause_s >= STEPS_PER_ROW * s[joint]);
+        fast && during != 0.0 && during.abs() > CAUGHT_UP * before.abs().max(after.abs())
+    })
+}
+
+/// Rows in which a measurement leaps away from both neighbours and is back in the next.
+fn spikes(recording: &Recording) -> Vec<bool> {
+    let n = recording.samples();
+    let mut found = vec![false; n];
+    for series in recording.measurement.iter().flatten() {
+        let noise = white_level(series).max(resolution(series));
+        for k in 2..n.saturating_sub(2) {
+            let [a, b, here, c, d] = [series[k - 2], series[k - 1], series[k], series[k + 1], series[k + 2]];
+            let leap = (here - 0.5 * (b + c)).abs();
+            let around = (a - b).abs().max((b - c).abs()).max((c - d).abs());
+            found[k] |= leap > SPIKE * noise.max(around);
+        }
+    }
+    found
+}
+
+/// The windows of spoilt samples and of gaps, merged.
+fn all_windows(time: &[f64], spoilt: &[bool], gaps_s: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut marked = spoilt.to_vec();
+    for [from, to] in gaps_s {
+        for stamp in [from, to] {
+            let k = time.partition_point(|t| t < stamp);
+            if let Some(mark) = marked.get_mut(k) {
+                *mark = true;
+            }
+        }
+    }
+    windows_s(time, &marked)
+}

@@ -1,0 +1,151 @@
+//! Terms that, added to a model, would describe an effect.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::parameters::{ParameterValue, Parameters};
+use crate::recordings::rows::{Instrument, RecordingRows};
+use crate::vocabulary::shape::Shape;
+
+/// What effects may look at when they propose terms.
+#[derive(Debug, Clone, Copy)]
+pub struct Context<'a> {
+    /// Number of joints.
+    pub joints: usize,
+    /// Number of links, which are more than the joints where joints follow others.
+    pub links: usize,
+    /// The recordings' rows.
+    pub recordings: &'a [RecordingRows],
+    /// Residual of the baseline, `[recording][joint]`.
+    pub residual: &'a [Vec<Vec<f64>>],
+    /// Indices of the baseline's standard inertial parameters and their fitted values.
+    pub inertial: &'a [(usize, f64)],
+    /// The travel of each joint below which positions are not told apart, rad.
+    pub resolution_rad: &'a [f64],
+}
+
+/// In which recordings an effect may be present.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Presence {
+    /// Tried in all recordings and, where there are targets, in these alone.
+    Any,
+    /// Tried in the target recordings alone: a change.
+    Change,
+}
+
+/// Something that, added to the model, would describe an effect.
+#[derive(Debug, Clone)]
+pub struct Proposal {
+    /// The joints whose physics it is; of a whole-arm effect, all.
+    pub joints: Vec<usize>,
+    /// What is added.
+    pub addition: Addition,
+    /// Whether each coefficient is physically bound to be ≥ 0; shorter lists are filled with false.
+    pub nonnegative: Vec<bool>,
+    /// In which recordings.
+    pub presence: Presence,
+    /// Parameters that the proposal fixes (partner, ratio, link, order).
+    pub fixed: BTreeMap<String, f64>,
+    /// Those of them that the recordings decide, once the proposal is taken; `fixed` and the term hold their values.
+    pub shapes: Vec<Shape>,
+    /// The values from which their search begins.
+    pub starts: Vec<f64>,
+    /// Standard deviations of those that were estimated.
+    pub deviations: BTreeMap<String, f64>,
+}
+
+/// The two kinds of additions.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Addition {
+    /// An arm term, as its configuration in an experiment.
+    Term(Value),
+    /// A column of the instrument.
+    Instrument(usize, Instrument),
+}
+
+impl Proposal {
+    /// A term on some joints, in any recordings, whose coefficients may have any sign.
+    pub(crate) fn term(joints: Vec<usize>, term: Value) -> Self {
+        Self {
+            joints,
+            addition: Addition::Term(term),
+            nonnegative: Vec::new(),
+            presence: Presence::Any,
+            fixed: BTreeMap::new(),
+            shapes: Vec::new(),
+            starts: Vec::new(),
+            deviations: BTreeMap::new(),
+        }
+    }
+
+    /// A further stack of equation (6) on one joint, with the given powers of velocity.
+    pub(crate) fn friction(joint: usize, coulomb: Value, hysteresis: Value, powers: &[u32]) -> Self {
+        Self::stack(joint, coulomb, hysteresis, json!({ "model": "polynomial", "powers": powers }))
+    }
+
+    /// A further stack of equation (6) on one joint.
+    pub(crate) fn stack(joint: usize, coulomb: Value, hysteresis: Value, viscous: Value) -> Self {
+        let term = json!({
+            "model": "joint_friction", "joints": [joint], "coulomb": coulomb, "hysteresis": hysteresis,
+            "viscous": viscous,
+        });
+        Self::term(vec![joint], term)
+    }
+
+    /// A column of a joint's instrument.
+    pub(crate) fn instrument(joints: Vec<usize>, joint: usize, which: Instrument) -> Self {
+        Self { addition: Addition::Instrument(joint, which), ..Self::term(joints, Value::Null) }
+    }
+
+    /// The same, some of whose coefficients are physically bound to be ≥ 0.
+    pub(crate) fn bound(self, nonnegative: &[bool]) -> Self {
+        Self { nonnegative: nonnegative.to_vec(), ..self }
+    }
+
+    /// The same in the target recordings only.
+    pub(crate) fn as_change(self) -> Self {
+        Self { presence: Presence::Change, ..self }
+    }
+
+    /// The same with a parameter that the recordings decide; the term holds the value to start from.
+    pub(crate) fn shaped(mut self, shape: Shape) -> Self {
+        if let Addition::Term(term) = &self.addition
+            && let Some(value) = shape.value(term)
+        {
+            self.fixed.insert(shape.name.to_owned(), value);
+            self.starts.push(value);
+            self.shapes.push(shape);
+        }
+        self
+    }
+
+    /// The same with a parameter that it fixes.
+    pub(crate) fn with(mut self, name: &str, value: f64) -> Self {
+        self.fixed.insert(name.to_owned(), value);
+        self
+    }
+
+    /// The proposal's shapes at other values, with their standard deviations where these are known.
+    pub(crate) fn reshaped(&mut self, values: &[f64], deviations: &[Option<f64>]) {
+        for ((shape, value), deviation) in self.shapes.iter().zip(values).zip(deviations) {
+            if let Addition::Term(term) = &mut self.addition {
+                shape.set(term, *value);
+            }
+            self.fixed.insert(shape.name.to_owned(), *value);
+            match deviation {
+                Some(std) => self.deviations.insert(shape.name.to_owned(), *std),
+                None => self.deviations.remove(shape.name),
+            };
+        }
+    }
+
+    /// The parameters that the proposal fixes, as a finding reports them.
+    pub(crate) fn fixed_parameters(&self) -> Parameters {
+        let of = |(name, value): (&String, &f64)| {
+            let std = self.deviations.get(name).copied();
+            (name.clone(), ParameterValue::new(*value, std))
+        };
+        self.fixed.iter().map(of).collect()
+    }
+}

@@ -1,0 +1,206 @@
+//! Which series of a recording is which joint of a robot.
+
+use std::ops::Deref;
+use std::path::Path;
+
+use crate::{Recording, RecordingError};
+
+/// The joints of a robot that recordings are brought into the order of.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RobotJoints {
+    /// Their number N.
+    pub count: usize,
+    /// Their N names, base first; empty where they have none.
+    pub names: Vec<String>,
+}
+
+/// What a recording says of the joints that its series belong to.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RecordedJoints {
+    /// Nothing: they are in the order of the robot's.
+    #[default]
+    Unnamed,
+    /// Their names, by which they are matched.
+    Named(Vec<String>),
+    /// The names that the user stated for the robot's joints, in the robot's order: matched by name where the robot has the
+    /// same, else in this order.
+    Stated(Vec<String>),
+}
+
+/// A recording whose series are those of a robot's joints, in the robot's order: what commands work with, so that none of
+/// them can take one joint for another. [`Recording::of_robot`] makes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotRecording(Recording);
+
+impl Deref for RobotRecording {
+    type Target = Recording;
+
+    fn deref(&self) -> &Recording {
+        &self.0
+    }
+}
+
+impl From<RobotRecording> for Recording {
+    fn from(recording: RobotRecording) -> Self {
+        recording.0
+    }
+}
+
+impl RobotRecording {
+    /// The joints that it has, as those of a robot.
+    #[must_use]
+    pub fn robot_joints(&self) -> RobotJoints {
+        RobotJoints { count: self.joints(), names: self.joints.names().to_vec() }
+    }
+}
+
+impl RecordedJoints {
+    /// The names, series after series; empty where there are none.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Unnamed => &[],
+            Self::Named(names) | Self::Stated(names) => names,
+        }
+    }
+}
+
+impl From<usize> for RobotJoints {
+    /// So many joints without names.
+    fn from(count: usize) -> Self {
+        Self { count, names: Vec::new() }
+    }
+}
+
+impl RobotJoints {
+    /// The joints of rigid bodies.
+    #[must_use]
+    pub fn of(body: &dyn aurt_traits::RigidBodyRegressor) -> Self {
+        Self { count: body.joints(), names: body.joint_names().to_vec() }
+    }
+
+    /// The names to look for in a file for which the user stated `stated`: those, unless they are the robot's own in another
+    /// order.
+    pub(crate) fn wanted<'a>(&'a self, stated: Option<&'a [String]>) -> &'a [String] {
+        match stated {
+            Some(stated) if !self.has_all(stated) => stated,
+            _ => &self.names,
+        }
+    }
+
+    fn has_all(&self, names: &[String]) -> bool {
+        names.len() == self.names.len() && names.iter().all(|name| self.names.contains(name))
+    }
+
+    /// For each joint of the robot the series that is its; none if they are in its order already.
+    fn places(&self, path: &Path, recorded: &RecordedJoints) -> Result<Option<Vec<usize>>, RecordingError> {
+        let names = match recorded {
+            RecordedJoints::Named(names) if !self.names.is_empty() => names,
+            RecordedJoints::Stated(names) if self.has_all(names) => names,
+            _ => return Ok(None),
+        };
+        let places = places(&self.names, names).map_err(|lacking| RecordingError::JointNames {
+            path: path.to_owned(),
+            recorded: names.clone(),
+            wanted: self.names.clone(),
+            lacking,
+        })?;
+        Ok(Some(places)
+            .filter(|p| p.len() != names.len() || p.iter().enumerate().any(|(k, place)| k != *place)))
+    }
+}
+
+/// The place of each wanted name among names, or the first that is not there once and only once.
+pub(crate) fn places(wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
+    let place = |wanted: &String| {
+        let mut places = names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(k, _)| k);
+        places.next().filter(|_| places.next().is_none()).ok_or_else(|| wanted.clone())
+    };
+    wanted.iter().map(place).collect()
+}
+
+impl Recording {
+    /// The same recording with the series of a robot's joints alone, in the robot's order: matched by name where both have
+    /// names, else as they are.
+    ///
+    /// # Errors
+    /// [`RecordingError::JointNames`] if the recording lacks a joint of the robot; [`RecordingError::Count`] if nothing has
+    /// names and the numbers of joints differ.
+    pub fn of_robot(mut self, robot: &RobotJoints) -> Result<RobotRecording, RecordingError> {
+        if let Some(places) = robot.places(&self.file, &self.joints)? {
+            let take = |series: &Vec<Vec<f64>>| places.iter().map(|place| series[*place].clone()).collect();
+            self.position_rad = take(&self.position_rad);
+            self.velocity_rad_s = self.velocity_rad_s.as_ref().map(take);
+            self.measurement = self.measurement.as_ref().map(take);
+            self.report.remarks.push(format!("joints by name, in this order: {}", robot.names.join(", ")));
+        } else if self.joints() != robot.count {
+            let names = self.joints.names();
+            let named = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+            return Err(RecordingError::Count {
+                what: format!("{}: joints{named}", self.file.display()),
+                expected: robot.count,
+                found: self.joints(),
+            });
+        }
+        if !robot.names.is_empty() {
+            self.joints = RecordedJoints::Named(robot.names.clone());
+        }
+        Ok(RobotRecording(self))
+    }
+
+    /// The same with names for its joints, series after series.
+    ///
+    /// # Errors
+    /// [`RecordingError::Count`] if there is not one for each joint.
+    pub fn with_joint_names(self, names: Vec<String>) -> Result<Self, RecordingError> {
+        if names.len() != self.joints() {
+            let what = format!("{}: joint names", self.file.display());
+            return Err(RecordingError::Count { what, expected: self.joints(), found: names.len() });
+        }
+        Ok(Self { joints: RecordedJoints::Named(names), ..self })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(names: &[&str]) -> Vec<String> {
+        names.iter().map(|&name| name.to_owned()).collect()
+    }
+
+    fn recording(joints: RecordedJoints) -> Recording {
+        let position = (0..joints.names().len().max(2)).map(|j| vec![j as f64; 2]).collect();
+        Recording { joints, ..Recording::from_arrays(vec![0.0, 1.0], position).unwrap() }
+    }
+
+    fn order(recording: &Recording) -> Vec<f64> {
+        recording.position_rad.iter().map(|series| series[0]).collect()
+    }
+
+    #[test]
+    fn series_are_matched_by_name_where_both_sides_have_names() {
+        let robot = RobotJoints { count: 2, names: names(&["a", "b"]) };
+        let of = |joints| recording(joints).of_robot(&robot);
+        assert_eq!(order(&of(RecordedJoints::Named(names(&["c", "b", "a"]))).unwrap()), [2.0, 1.0]);
+        assert_eq!(order(&of(RecordedJoints::Stated(names(&["b", "a"]))).unwrap()), [1.0, 0.0]);
+        // Stated names that are not the robot's say which is which by their order.
+        let stated = of(RecordedJoints::Stated(names(&["y", "x"]))).unwrap();
+        assert_eq!((order(&stated), stated.joints.names()), (vec![0.0, 1.0], robot.names.as_slice()));
+        assert_eq!(order(&of(RecordedJoints::Unnamed).unwrap()), [0.0, 1.0]);
+        let nameless = recording(RecordedJoints::Named(names(&["b", "a"]))).of_robot(&2.into()).unwrap();
+        assert_eq!((order(&nameless), nameless.joints.names().join("")), (vec![0.0, 1.0], "ba".to_owned()));
+    }
+
+    #[test]
+    fn what_cannot_be_matched_is_refused_with_both_sides() {
+        let robot = RobotJoints { count: 2, names: names(&["elbow_joint", "b"]) };
+        for recorded in [&["b", "elbow_jiont"][..], &["b", "elbow_joint", "elbow_joint"]] {
+            let error = recording(RecordedJoints::Named(names(recorded))).of_robot(&robot).unwrap_err();
+            let text = error.to_string();
+            assert!(text.contains(&recorded.join(", ")) && text.contains("elbow_joint, b"), "{text}");
+            assert!(text.contains("joint_names"), "{text}");
+        }
+        assert!(recording(RecordedJoints::Unnamed).of_robot(&3.into()).is_err());
+    }
+}

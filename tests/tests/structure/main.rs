@@ -1,0 +1,182 @@
+//! Imports run one way: between houses, between the crates of ARCHITECTURE.md's table, between the rooms of the diagnosis, and
+//! between the files of every crate. Folders stay small enough to be read.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+mod files;
+mod paths;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde_json::Value;
+
+use files::{Modules, sources};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// Crates that are being cleaned; the list ends empty.
+const NOT_YET: &[&str] = &["aurt", "aurt-calibration", "aurt-cli", "aurt-recording", "aurt-report"];
+
+/// The houses, from what anyone may use to what nobody may.
+const HOUSES: [&str; 3] = ["library", "application", "laboratory"];
+
+/// Most source files of a folder.
+const MOST_FILES: usize = 20;
+
+/// Lists of one kind, one of it a file.
+const LISTS: &[&str] = &[
+    "application/aurt-cli/src/commands",
+    "application/aurt-cli/tests/command_line",
+    "library/aurt-diagnosis/src/effects",
+    "library/aurt-simulation/src/effects",
+];
+
+/// Whether a crate is one of ours, by its name.
+fn is_ours(name: &str) -> bool {
+    name == "aurt" || name.starts_with("aurt-")
+}
+
+/// The crates of each row's last column; `None` where it says `all`.
+fn allowed() -> BTreeMap<String, Option<BTreeSet<String>>> {
+    let page = std::fs::read_to_string(Path::new(ROOT).join("ARCHITECTURE.md")).unwrap();
+    let names = |cell: &str| -> BTreeSet<String> {
+        cell.split('`').skip(1).step_by(2).filter(|n| is_ours(n)).map(str::to_owned).collect()
+    };
+    page.lines()
+        .filter(|line| line.starts_with("| `aurt"))
+        .map(|line| {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let may_import = (cells[3] != "all").then(|| names(cells[3]));
+            (names(cells[1]).pop_first().unwrap(), may_import)
+        })
+        .collect()
+}
+
+/// One of our crates.
+struct Crate {
+    /// Its folder below the root.
+    folder: PathBuf,
+    /// Those of ours that it depends on, tests and build scripts aside.
+    imports: BTreeSet<String>,
+}
+
+/// Our crates by name.
+fn crates() -> BTreeMap<String, Crate> {
+    let output = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()))
+        .args(["metadata", "--no-deps", "--offline", "--format-version", "1"])
+        .current_dir(ROOT)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let root = Path::new(metadata["workspace_root"].as_str().unwrap());
+    let list = |value: &Value| value.as_array().unwrap().clone();
+    list(&metadata["packages"])
+        .into_iter()
+        .map(|package| {
+            let imports = list(&package["dependencies"])
+                .into_iter()
+                .filter(|d| d["kind"].is_null())
+                .map(|d| d["name"].as_str().unwrap().to_owned())
+                .filter(|name| is_ours(name))
+                .collect();
+            let manifest = Path::new(package["manifest_path"].as_str().unwrap()).strip_prefix(root).unwrap();
+            let folder = manifest.parent().unwrap().to_owned();
+            (package["name"].as_str().unwrap().to_owned(), Crate { folder, imports })
+        })
+        .filter(|(name, _)| is_ours(name))
+        .collect()
+}
+
+#[test]
+fn crates_import_what_the_architecture_page_allows() {
+    let (allowed, crates) = (allowed(), crates());
+    assert!(crates.len() >= 8, "{:?}", crates.keys());
+    for (name, Crate { imports, .. }) in &crates {
+        let Some(row) = allowed.get(name) else {
+            // Plugins of users, which the examples stand for, may import the vocabulary alone.
+            let vocabulary = BTreeSet::from(["aurt-traits".to_owned()]);
+            assert!(imports.is_subset(&vocabulary), "{name} is not on the page and imports {imports:?}");
+            continue;
+        };
+        let Some(may) = row else { continue };
+        let beyond: Vec<_> = imports.difference(may).collect();
+        assert!(beyond.is_empty(), "{name} imports {beyond:?}, which ARCHITECTURE.md does not allow");
+    }
+    let missing: Vec<_> = allowed.keys().filter(|name| !crates.contains_key(*name)).collect();
+    assert!(missing.is_empty(), "ARCHITECTURE.md lists {missing:?}, which do not exist");
+}
+
+/// The rooms of the diagnosis in the order in which the table of its `lib.rs` lists them.
+fn rooms() -> Vec<String> {
+    let lib = std::fs::read_to_string(Path::new(ROOT).join("library/aurt-diagnosis/src/lib.rs")).unwrap();
+    lib.lines()
+        .filter_map(|line| {
+            line.strip_prefix("//! | [`")?
+                .split('`')
+                .next()
+                .map(|room| room.trim_start_matches("mod@").to_owned())
+        })
+        .collect()
+}
+
+#[test]
+fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
+    let rooms = rooms();
+    assert!(rooms.len() >= 10, "{rooms:?}");
+    let place = |room: &str| rooms.iter().position(|r| r == room);
+    let modules = Modules::read(&Path::new(ROOT).join("library/aurt-diagnosis/src"));
+    let later = |file: &str, from: &str| {
+        let room = file.split('/').next().unwrap_or_default();
+        place(room).is_some_and(|own| place(from).is_some_and(|other| other > own))
+    };
+    let back: Vec<_> =
+        modules.folders_imported().into_iter().filter(|(file, from)| later(file, from)).collect();
+    assert!(back.is_empty(), "files that import from a later room: {back:#?}");
+}
+
+#[test]
+fn houses_import_only_from_houses_before_them() {
+    let crates = crates();
+    let house =
+        |name: &str| HOUSES.iter().position(|h| crates.get(name).is_some_and(|c| c.folder.starts_with(h)));
+    for (name, own) in crates.iter().filter(|(name, _)| !NOT_YET.contains(&name.as_str())) {
+        let Some(place) = house(name) else { continue };
+        let later: Vec<_> = own.imports.iter().filter(|i| house(i).is_some_and(|h| h > place)).collect();
+        assert!(later.is_empty(), "{name} is of the {} and imports {later:?}", HOUSES[place]);
+    }
+}
+
+#[test]
+fn no_files_of_a_crate_import_one_another_in_a_circle() {
+    let mut found = Vec::new();
+    for (name, own) in crates().iter().filter(|(name, _)| !NOT_YET.contains(&name.as_str())) {
+        let src = Path::new(ROOT).join(&own.folder).join("src");
+        let circles = Modules::read(&src).circles();
+        found.extend(circles.into_iter().map(|circle| format!("{name}: {circle}")));
+    }
+    assert!(
+        found.is_empty(),
+        "files import one another in a circle; move what both need into a file of its own:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn no_folder_has_more_files_than_one_reads() {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (_, own) in crates().iter().filter(|(name, _)| !NOT_YET.contains(&name.as_str())) {
+        for path in sources(&Path::new(ROOT).join(&own.folder)) {
+            let folder = path.parent().unwrap().strip_prefix(ROOT).unwrap().display().to_string();
+            *counts.entry(folder).or_default() += 1;
+        }
+    }
+    counts.retain(|folder, count| *count > MOST_FILES && !LISTS.contains(&folder.as_str()));
+    assert!(
+        counts.is_empty(),
+        "folders with more than {MOST_FILES} files that are no list of one kind: {counts:#?}"
+    );
+}
