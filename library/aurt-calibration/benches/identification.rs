@@ -37,7 +37,7 @@ fn main() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("recording.csv");
     workload::write_csv(&file, joints, samples);
-    let read = ReadOptions { joints: Some(joints), ..ReadOptions::default() };
+    let read = ReadOptions { joints: Some(joints.into()), ..ReadOptions::default() };
     let options = |load_torque| CalibrationOptions { load_torque, ..CalibrationOptions::default() };
     let preprocessing = PreprocessOptions::new(10.0);
 

@@ -4,6 +4,11 @@ use std::{
     fs::{self, File},
     io::{Error, ErrorKind, Read, Result},
     path::Path,
+};
+#[cfg(unix)]
+use std::{
+    io::{Write, copy, pipe},
+    os::fd::OwnedFd,
     sync::mpsc,
     time::Duration,
 };
@@ -13,22 +18,31 @@ pub const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Largest saved model, verdict or plan of a sweep.
 pub const MOST_MODEL_BYTES: u64 = 1 << 30;
 
-/// How long a pipe may be without a writer.
+/// How long a pipe may be without a writer, or its writer without a word.
+#[cfg(unix)]
 const PIPE_PATIENCE: Duration = Duration::from_secs(5);
 
 /// Opens a file to be read: a regular one, or a pipe that somebody writes to (`<(zcat a.csv.gz)`).
 ///
 /// # Errors
-/// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices and sockets,
-/// which may never end; [`ErrorKind::TimedOut`] for a pipe without a writer within five seconds.
+/// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices, sockets and files
+/// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds.
 pub fn open(path: &Path) -> Result<File> {
-    let kind = fs::metadata(path)?.file_type();
+    let metadata = fs::metadata(path)?;
+    let kind = metadata.file_type();
     if kind.is_file() {
+        #[cfg(unix)]
+        if is_of_kernel(&metadata) {
+            let reason =
+                "it is not a regular file but one of the kernel; save its contents to a file and name that";
+            return Err(Error::new(ErrorKind::InvalidInput, reason));
+        }
         return File::open(path);
     }
     if kind.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder; name a file in it"));
     }
+    #[cfg(unix)]
     if is_pipe(kind) {
         return open_pipe(path);
     }
@@ -44,19 +58,39 @@ fn is_pipe(kind: fs::FileType) -> bool {
     kind.is_fifo()
 }
 
-#[cfg(not(unix))]
-const fn is_pipe(_: fs::FileType) -> bool {
-    false
+/// Whether a file that calls itself regular is made up by the kernel while it is read; some wait for events.
+#[cfg(unix)]
+fn is_of_kernel(metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let device = |folder: &str| fs::metadata(folder).ok().map(|folder| folder.dev());
+    // Without these file systems their folders, if there are any, are of an ordinary one.
+    let of_kernel = ["/proc", "/sys"].map(device).contains(&Some(metadata.dev()));
+    of_kernel && device("/") != Some(metadata.dev())
 }
 
-/// Opening a pipe waits until somebody writes to it, so another thread waits. It is left behind where nobody comes; it
-/// holds nothing but the path.
+/// Opening a pipe waits until somebody writes to it, and reading it until something was written, so another thread waits
+/// and hands on what comes. It is left behind where nothing comes; it holds nothing but the path.
+#[cfg(unix)]
 fn open_pipe(path: &Path) -> Result<File> {
     let (send, opened) = mpsc::channel();
     let owned = path.to_owned();
     std::thread::spawn(move || {
-        // Nobody listens any more if it took too long.
-        let _ = send.send(File::open(owned));
+        let begun = File::open(owned).and_then(|mut source| {
+            let mut first = vec![0; 1 << 16];
+            let bytes = source.read(&mut first)?;
+            first.truncate(bytes);
+            let (reader, writer) = pipe()?;
+            Ok((source, first, writer, File::from(OwnedFd::from(reader))))
+        });
+        // In every case below nobody may listen any more: it took too long, or has read enough.
+        let _ = match begun {
+            Err(error) => send.send(Err(error)).map_err(Error::other),
+            Ok((mut source, first, mut writer, file)) => send
+                .send(Ok(file))
+                .map_err(Error::other)
+                .and_then(|()| writer.write_all(&first))
+                .and_then(|()| copy(&mut source, &mut writer).map(drop)),
+        };
     });
     opened.recv_timeout(PIPE_PATIENCE).unwrap_or_else(|_| {
         let seconds = PIPE_PATIENCE.as_secs();
@@ -166,5 +200,28 @@ mod tests {
         });
         assert_eq!(read_text(&path, 100).unwrap(), "schema = 1");
         writer.join().unwrap();
+        // Somebody has opened it to write, and does not.
+        let silent = std::thread::spawn({
+            let path = path.clone();
+            move || {
+                let file = fs::OpenOptions::new().write(true).open(path).unwrap();
+                std::thread::sleep(2 * PIPE_PATIENCE);
+                drop(file);
+            }
+        });
+        let begin = std::time::Instant::now();
+        assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
+        assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
+        silent.join().unwrap();
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn files_of_the_kernel_are_refused() {
+        for path in ["/proc/kmsg", "/proc/cpuinfo"] {
+            let error = open(Path::new(path)).unwrap_err();
+            assert_eq!(error.kind(), ErrorKind::InvalidInput);
+            assert!(error.to_string().contains("not a regular file"), "{error}");
+        }
     }
 }

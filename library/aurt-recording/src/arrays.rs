@@ -2,13 +2,15 @@
 
 use std::collections::HashMap;
 use std::io::{self, Read};
-use std::path::Path;
 
-use crate::csv::{Table, Visit, is_time};
-use crate::{ColumnRef, ReadOptions, Recording, RecordingError};
-
-/// Numbers that arrays of one file may have together: 4 GiB in memory.
-const MOST_NUMBERS: usize = 1 << 29;
+use crate::csv::families::is_time;
+use crate::csv::table::{MOST_COLUMNS, Table};
+use crate::error::RecordingError;
+use crate::format::Visit;
+use crate::memory::Memory;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
+use crate::selection::ColumnRef;
 
 /// An array of numbers in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,7 +45,7 @@ pub(crate) type Load<'a> = &'a mut dyn FnMut(&[usize]) -> Result<HashMap<usize, 
 
 /// A file of arrays that is being read.
 pub(crate) struct ArrayFile<'a> {
-    pub(crate) path: &'a Path,
+    pub(crate) memory: Memory<'a>,
     pub(crate) format: &'a str,
     pub(crate) options: &'a ReadOptions,
     pub(crate) arrays: Vec<Array>,
@@ -98,8 +100,8 @@ impl ArrayFile<'_> {
         for (place, array) in self.arrays.iter().enumerate() {
             let Some([rows, others]) = array.axes() else { continue };
             let (count, sample_first) = match samples {
-                Some(n) if rows == n => (others, true),
-                Some(n) if others == n => (rows, false),
+                Some(n) if rows == n && others <= MOST_COLUMNS => (others, true),
+                Some(n) if others == n && rows <= MOST_COLUMNS => (rows, false),
                 _ => {
                     unfit.push(array.described());
                     continue;
@@ -117,28 +119,25 @@ impl ArrayFile<'_> {
                 }));
             }
         }
-        let mut table = Table::new(self.path, names, columns.len(), self.options).map_err(|error| {
+        let mut table = Table::new(self.memory, names, columns.len(), self.options).map_err(|error| {
             let missing = matches!(error, RecordingError::MissingColumn { .. });
             if missing && !unfit.is_empty() { self.misfit(&unfit, samples) } else { error }
         })?;
         if !unfit.is_empty() {
             let samples = samples.unwrap_or(0);
-            table.remark(format!("not read, since no axis has {samples} samples: {}", unfit.join(", ")));
+            table.remark(format!(
+                "not read, since they do not have one row or column for each of the {samples} samples, or have more than {MOST_COLUMNS} columns: {}",
+                unfit.join(", ")
+            ));
         }
         let wanted: Vec<Column> = table.wanted().into_iter().map(|c| columns[c]).collect();
         let mut needed: Vec<usize> = wanted.iter().map(|c| c.array).collect();
         needed.sort_unstable();
         needed.dedup();
         let numbers = needed.iter().fold(0_usize, |sum, k| sum.saturating_add(self.arrays[*k].numbers()));
-        if numbers > MOST_NUMBERS {
-            return Err(RecordingError::Malformed {
-                path: self.path.to_owned(),
-                place: "its arrays".to_owned(),
-                reason: format!("{numbers} numbers are needed, and arrays are read {MOST_NUMBERS} at most"),
-                remedy: "split the recording, or write it as CSV or MCAP, which are read piece by piece"
-                    .to_owned(),
-            });
-        }
+        // The arrays, and the rows that are taken from them.
+        let bytes = (numbers as u64).saturating_mul(16);
+        self.memory.claim(&format!("the {numbers} numbers of its arrays"), bytes)?;
         let loaded = load(&needed)?;
         let series: Vec<(&[f64], Column)> =
             wanted.iter().map(|c| (loaded.get(&c.array).map_or(&[][..], Vec::as_slice), *c)).collect();
@@ -175,7 +174,7 @@ impl ArrayFile<'_> {
 
     fn misfit(&self, unfit: &[String], samples: Option<usize>) -> RecordingError {
         RecordingError::Columns {
-            path: self.path.to_owned(),
+            path: self.memory.path().to_owned(),
             line: 0,
             reason: format!(
                 "the time axis has {} samples, and no axis of {} has as many",

@@ -24,11 +24,11 @@ pub enum RecordingError {
     Directory {
         /// The path.
         path: PathBuf,
-        /// The recordings that lie in it, by their names.
+        /// The recordings in it, by name.
         inside: Vec<String>,
     },
     /// The file has no rows.
-    #[error("{path} holds no rows of data ({found}); a recording has a header line and one row per sample", path = path.display())]
+    #[error("{path} has no data rows ({found}); a recording has a header line and one row per sample", path = path.display())]
     NoRows {
         /// The file.
         path: PathBuf,
@@ -178,6 +178,22 @@ pub enum RecordingError {
         reason: String,
         /// What to do.
         remedy: String,
+    },
+    /// Reading would take more memory than the size of the file allows.
+    #[error(
+        "{path}: {what} would take {needed} MB of memory, and {allowed} MB are allowed for a file of this size (20 times its size \
+         and 200 MB); split the recording, or write it as CSV or MCAP and read it in pieces (--stream-above 0)",
+        path = path.display(), needed = megabytes(*needed_bytes), allowed = megabytes(*allowed_bytes)
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What would take it.
+        what: String,
+        /// Memory that would be needed, in bytes.
+        needed_bytes: u64,
+        /// Memory that is allowed, in bytes.
+        allowed_bytes: u64,
     },
     /// A file that is not what its format says.
     #[error("{path}, {place}: {reason}; {remedy}", path = path.display())]
@@ -354,7 +370,7 @@ pub enum RecordingError {
     /// Nothing moves.
     #[error(
         "{path}: no joint moves faster than {threshold_rad_s} rad/s (fastest: joint {joint} with {fastest_rad_s:.3e} rad/s), \
-         so nothing is left after cutting the rest; record a motion, or lower rest_velocity_rad_s",
+         so nothing remains after rest is removed; record a motion, or lower rest_velocity_rad_s",
         path = path.display()
     )]
     AtRest {
@@ -405,6 +421,11 @@ fn list(names: &[String]) -> String {
         text.push_str(&format!(" and {} more", names.len() - SHOWN));
     }
     text
+}
+
+/// Bytes in MB, rounded up.
+const fn megabytes(bytes: u64) -> u64 {
+    bytes.div_ceil(1_000_000)
 }
 
 /// The place of a header; files that are no text have none (line 0).

@@ -1,15 +1,19 @@
 use std::path::Path;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 /// Formats that are known but not read: their first bytes, their name, and how to get from them to one that is.
-const FOREIGN: [(&[u8], &str, &str); 6] = [
-    (
-        b"SQLite format 3\0",
-        "a rosbag2 in SQLite (.db3)",
-        "convert its folder to MCAP: `rosbags-convert --src FOLDER --dst NEW --dst-storage mcap` (pip install rosbags), or \
-         `ros2 bag convert` with storage_id: mcap",
-    ),
+const FOREIGN: &[(&[u8], &str, &str)] = &[
+    #[cfg(not(feature = "mcap"))]
+    (b"\x89MCAP0", "MCAP", "build aurt-recording with its feature `mcap`"),
+    #[cfg(not(feature = "mcap"))]
+    (b"SQLite format 3\0", "SQLite", "build aurt-recording with its feature `mcap`, if it is a bag of ROS 2"),
+    #[cfg(not(feature = "parquet"))]
+    (b"PAR1", "Parquet", "build aurt-recording with its feature `parquet`"),
+    #[cfg(not(feature = "numpy"))]
+    (b"\x93NUMPY", "an array of NumPy", "build aurt-recording with its feature `numpy`"),
+    #[cfg(not(feature = "matlab"))]
+    (b"MATLAB 5.0", "a MAT-file", "build aurt-recording with its feature `matlab`"),
     (
         b"#ROSBAG V2.0",
         "a bag of ROS 1",
@@ -28,7 +32,7 @@ const FOREIGN: [(&[u8], &str, &str); 6] = [
     (b"PK\x03\x04\x14\0\x06\0", "an Excel workbook", "save it as CSV"),
     (
         b"version https://git-lfs",
-        "a pointer of Git LFS in place of the file",
+        "a Git LFS pointer instead of the file",
         "fetch the file itself: `git lfs pull` in its repository",
     ),
 ];
@@ -43,7 +47,7 @@ pub(crate) fn refuse(path: &Path, beginning: &[u8]) -> Result<(), RecordingError
         Some((_, name, remedy)) => Err(RecordingError::Malformed {
             path: path.to_owned(),
             place: "its first bytes".to_owned(),
-            reason: format!("it is {name}, which is not read"),
+            reason: format!("it is {name}, which is not supported"),
             remedy: (*remedy).to_owned(),
         }),
     }

@@ -1,4 +1,4 @@
-//! The formats that recordings are read from: one a file, and a line in [`FORMATS`].
+//! What a format of recordings is, and the file that it reads.
 
 use std::{
     fmt::Debug,
@@ -7,13 +7,12 @@ use std::{
     path::Path,
 };
 
-use crate::{
-    ReadOptions, ReadReport, Recording, RecordingError, csv::Csv, foreign, joined, lerobot::DataSet,
-    matlab::Matlab, mcap_bag::McapBag, numpy::NumPy, parquet::Parquet,
-};
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
-/// Every format, in the order in which their claims to a file are heard.
-pub const FORMATS: &[&dyn RecordingFormat] = &[&NumPy, &Matlab, &McapBag, &Parquet, &Csv];
+/// Gets the recording piece by piece.
+pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), RecordingError>;
 
 /// Bytes of a file that are looked at to find out what it is.
 pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
@@ -42,7 +41,7 @@ pub trait RecordingFormat: Debug + Send + Sync {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError>;
 }
 
@@ -102,91 +101,6 @@ impl<'a> RecordingInput<'a> {
     pub fn reader(&self) -> impl Read {
         Cursor::new(self.beginning.as_slice()).chain(&self.file)
     }
-
-    fn format(&self) -> &'static dyn RecordingFormat {
-        let ending = self.path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let by_content = FORMATS.iter().find(|format| format.recognises(&self.beginning));
-        let by_name = || FORMATS.iter().find(|f| ending.as_deref().is_some_and(|e| f.endings().contains(&e)));
-        *by_content.or_else(by_name).unwrap_or(&(&Csv as &dyn RecordingFormat))
-    }
-}
-
-/// Reads a recording from a file of any of the [`FORMATS`], or from the folder (or the `meta/info.json`) of a LeRobot data
-/// set, together with those that
-/// [belong to it](crate::RecordedAs::joined): rows of the common time span, joined by their stamps.
-///
-/// # Errors
-/// A file that cannot be read, and what its format reports (for text: [`Csv`]). Each error names the file, the place and
-/// what to do.
-pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    if !options.recorded.joined.is_empty() {
-        return joined::read(path, options);
-    }
-    read_in_pieces(path, options, usize::MAX, &mut |_| Ok(()))
-}
-
-/// Reads rows as they come, from a pipe or from a file that grows, in pieces of `piece_rows` rows; `name` is what
-/// messages call it. Returns the report on all of them once the input ends.
-///
-/// # Errors
-/// As [`read_recording`], and what `visit` returns.
-pub fn read_running(
-    mut file: File,
-    name: &Path,
-    options: &ReadOptions,
-    piece_rows: usize,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
-) -> Result<ReadReport, RecordingError> {
-    options.validate()?;
-    let mut beginning = Vec::new();
-    let read = file.by_ref().take(BEGINNING_BYTES as u64).read_to_end(&mut beginning);
-    read.map_err(|source| unreadable(name, source))?;
-    let options = ReadOptions { is_running: true, ..options.clone() };
-    let input = RecordingInput { path: name, beginning, bytes: 0, file };
-    let last = input.format().read(input, &options, piece_rows, visit)?;
-    visit(&last)?;
-    Ok(last.report)
-}
-
-/// Rows of a piece of a recording that is read piece by piece.
-const PIECE_ROWS: usize = 1 << 16;
-
-/// Reads a recording as [`read_recording`] does and hands it over in consecutive pieces.
-///
-/// # Errors
-/// As [`read_recording`], and what `visit` returns.
-pub(crate) fn read_pieces(
-    path: &Path,
-    options: &ReadOptions,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
-) -> Result<ReadReport, RecordingError> {
-    if let Some(other) = options.recorded.joined.first() {
-        return Err(RecordingError::Joined {
-            path: path.to_owned(),
-            other: other.file.clone(),
-            reason: "files are joined as a whole, and the recordings are too large for that".into(),
-            remedy: "read them whole with a higher --stream-above, or join them into one file first".into(),
-        });
-    }
-    let last = read_in_pieces(path, options, PIECE_ROWS, visit)?;
-    visit(&last)?;
-    Ok(last.report)
-}
-
-/// Reads one file or data set; pieces of `piece_rows` rows go to `visit`, the last is returned.
-pub(crate) fn read_in_pieces(
-    path: &Path,
-    options: &ReadOptions,
-    piece_rows: usize,
-    visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
-) -> Result<Recording, RecordingError> {
-    options.validate()?;
-    if let Some(data_set) = DataSet::named(path)? {
-        return data_set.read(options, piece_rows, visit);
-    }
-    let input = RecordingInput::open(path)?;
-    foreign::refuse(path, &input.beginning)?;
-    input.format().read(input, options, piece_rows, visit)
 }
 
 /// Why a file cannot be read, with what to do.
@@ -195,7 +109,7 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
         std::io::ErrorKind::NotFound => "no such file; check the path",
         std::io::ErrorKind::PermissionDenied => "reading it is not permitted; check the file's permissions",
         std::io::ErrorKind::InvalidInput => {
-            "it is a device or a socket; save the recording to a file and name that"
+            "it is not a regular file (a device, a socket or a file of the kernel); save the recording to a file and name that"
         }
         std::io::ErrorKind::TimedOut => {
             "it is a pipe that nobody writes to within 5 s; start its writer first"
@@ -206,33 +120,4 @@ pub(crate) fn unreadable(path: &Path, source: std::io::Error) -> RecordingError 
         _ => "it cannot be read",
     };
     RecordingError::Unreadable { path: path.to_owned(), remedy, source }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_and_endings_are_told_apart() {
-        let mut endings: Vec<&str> = FORMATS.iter().flat_map(|f| f.endings().iter().copied()).collect();
-        let count = endings.len();
-        endings.sort_unstable();
-        endings.dedup();
-        assert_eq!(endings.len(), count, "two formats have one ending");
-        assert!(endings.iter().all(|e| e.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit())));
-    }
-
-    #[test]
-    fn a_file_without_mark_or_known_ending_is_text() {
-        let folder = tempfile::tempdir().unwrap();
-        for name in ["a.csv", "a.CSV", "a", "a.unknown"] {
-            let path = folder.path().join(name);
-            std::fs::write(&path, "time,q_0\n0,1\n").unwrap();
-            let input = RecordingInput::open(&path).unwrap();
-            assert_eq!(input.format().name(), "CSV");
-            let mut text = String::new();
-            input.reader().read_to_string(&mut text).unwrap();
-            assert_eq!(text, "time,q_0\n0,1\n");
-        }
-    }
 }

@@ -1,14 +1,13 @@
 //! Recordings that lie in several files: positions in one, measurements in another, joined by their time stamps.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use aurt_traits::MeasurementUnit;
-
-use crate::format::read_recording;
-use crate::{
-    ColumnSelection, Quantity, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError, RobotJoints,
-    TimeUnit,
-};
+use crate::error::RecordingError;
+use crate::formats::read_whole;
+use crate::read_options::ReadOptions;
+use crate::recorded_as::{Quantity, RecordedAs, TimeUnit};
+use crate::recording::{ReadReport, Recording};
+use crate::robot_joints::RobotJoints;
 
 /// Stamps this much of a period apart are of one moment: text rounds them, and two drives of one bus are not nearer.
 const SAME_MOMENT_PERIODS: f64 = 1e-3;
@@ -19,21 +18,6 @@ const WIDEST_PERIODS: f64 = 3.0;
 /// Periods that differ by less are of one rate.
 const ONE_RATE: f64 = 1.01;
 
-/// A file with other quantities of the motion whose positions another file has.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JoinedFile {
-    /// The file.
-    pub file: PathBuf,
-    /// Unit of the measurement; `None`: that of the recording, else from the column names.
-    pub unit: Option<MeasurementUnit>,
-    /// Columns that are not to be found by their names.
-    pub columns: ColumnSelection,
-    /// What the file does not tell of itself.
-    pub recorded: RecordedAs,
-    /// What is added to its stamps, in s, so that they are of the first file's clock.
-    pub clock_offset_s: f64,
-}
-
 /// Reads a recording whose measurements or velocities are in [`RecordedAs::joined`] files.
 ///
 /// Rows are those of the common time span. Where the stamps of the slower file have partners in the other, rows with equal
@@ -42,11 +26,11 @@ pub struct JoinedFile {
 /// of its periods apart; rows without such neighbours are left out.
 ///
 /// # Errors
-/// As [`read_recording`]; [`RecordingError::Joined`] if a quantity is in two files or the files have no common time.
+/// As [`read_recording`](crate::read_recording); [`RecordingError::Joined`] if a quantity is in two files or the files have no common time.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     let alone = |recorded: &RecordedAs| RecordedAs { joined: Vec::new(), ..recorded.clone() };
     let own = ReadOptions { needs_measurement: false, recorded: alone(&options.recorded), ..options.clone() };
-    let mut whole = read_recording(path, &own)?;
+    let mut whole = read_whole(path, &own)?;
     whole.report = of_file(&whole);
     let last = options.recorded.joined.len();
     for (place, other) in options.recorded.joined.iter().enumerate() {
@@ -60,7 +44,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
             needs_measurement: still_missing,
             ..options.clone()
         };
-        let mut part = read_recording(&other.file, &part)?;
+        let mut part = read_whole(&other.file, &part)?;
         part.report = of_file(&part);
         whole = join(whole, part, other.clock_offset_s)?;
     }

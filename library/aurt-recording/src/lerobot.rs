@@ -10,11 +10,18 @@ use aurt_traits::MeasurementUnit;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::csv::{ColumnRef, ColumnsRef};
-use crate::format::{RecordingInput, unreadable};
+use crate::error::RecordingError;
+use crate::foreign;
+use crate::format::RecordingFormat;
+use crate::format::RecordingInput;
+use crate::format::unreadable;
+use crate::memory::Memory;
 use crate::parquet::{BETWEEN_EPISODES_S, Parquet};
+use crate::read_options::ReadOptions;
+use crate::recording::RecordedJoints;
+use crate::recording::Recording;
 use crate::robot_joints::places;
-use crate::{ReadOptions, RecordedJoints, Recording, RecordingError, RecordingFormat, foreign};
+use crate::selection::{ColumnRef, ColumnsRef};
 
 /// Where a data set describes itself.
 const INFO: &str = "meta/info.json";
@@ -77,14 +84,8 @@ impl Feature {
     }
 }
 
-/// Whether a path names a LeRobot data set: its folder, or its `meta/info.json`.
-#[must_use]
-pub fn is_lerobot(path: &Path) -> bool {
-    folder_of(path).is_some()
-}
-
-/// The folder of the data set that a path names.
-fn folder_of(path: &Path) -> Option<PathBuf> {
+/// The folder of the data set that a path names: the folder itself, or its `meta/info.json`.
+pub(crate) fn folder_of(path: &Path) -> Option<PathBuf> {
     if path.is_dir() {
         return path.join(INFO).is_file().then(|| path.to_owned());
     }
@@ -105,7 +106,7 @@ impl DataSet {
             path: file.clone(),
             place: format!("line {}", error.line()),
             reason: format!("it does not describe a LeRobot data set: {error}"),
-            remedy: "copy it anew, or name the files under data/ one by one".into(),
+            remedy: "copy it again, or name the files under data/ one by one".into(),
         })?;
         let mut files = Vec::new();
         collect(&folder.join("data"), DEEPEST, &mut files);
@@ -130,13 +131,17 @@ impl DataSet {
         piece_rows: usize,
         visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
     ) -> Result<Recording, RecordingError> {
-        let (options, remarks, joints) = self.selected(options)?;
+        let (mut options, remarks, joints) = self.selected(options)?;
+        let sizes = self.files.iter().filter_map(|file| file.metadata().ok());
+        let memory = Memory::of(&self.folder, sizes.map(|file| file.len()).sum(), &options);
         let mut all: Option<Recording> = None;
         let mut clock = Clock::default();
         for file in &self.files {
+            let held = all.as_ref().filter(|_| piece_rows == usize::MAX).map_or(0, Recording::bytes);
+            options.memory_bytes = Some(memory.allowed_bytes().saturating_sub(held));
             let input = RecordingInput::open(file)?;
             foreign::refuse(file, &input.beginning)?;
-            clock.begins_anew();
+            clock.begins_again();
             let mut recording = Parquet.read(input, &options, piece_rows, &mut |piece| {
                 let mut piece = piece.clone();
                 piece.joints.clone_from(&joints);
@@ -154,7 +159,7 @@ impl DataSet {
             });
         }
         let Some(mut all) = all else {
-            return Err(self.refused("it has no files", "download it anew"));
+            return Err(self.refused("it has no files", "download it again"));
         };
         all.file = self.folder.clone();
         all.joints = joints;
@@ -308,7 +313,7 @@ struct Clock {
 }
 
 impl Clock {
-    fn begins_anew(&mut self) {
+    fn begins_again(&mut self) {
         self.shift_s = None;
     }
 
@@ -330,21 +335,9 @@ impl Clock {
 
 /// Both recordings as one.
 fn joined(mut before: Recording, next: Recording) -> Recording {
-    let next = after(&before, next);
-    let families = |all: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>| {
-        all.iter_mut().zip(more).for_each(|(series, more)| series.extend(more));
-    };
-    before.time_s.extend(next.time_s);
-    families(&mut before.position_rad, next.position_rad);
-    before.velocity_rad_s = before.velocity_rad_s.zip(next.velocity_rad_s).map(|(mut all, more)| {
-        families(&mut all, more);
-        all
-    });
-    before.measurement = before.measurement.zip(next.measurement).map(|(mut all, more)| {
-        families(&mut all, more);
-        all
-    });
-    before.report = next.report;
+    let mut next = after(&before, next);
+    before.report = std::mem::take(&mut next.report);
+    before.extend(next);
     before
 }
 

@@ -33,48 +33,77 @@
 //! ```
 //!
 //! Joints count from 0. Units are SI.
+//!
+//! # Features
+//! Text is always read. The others are on by default: `mcap` (bags of ROS 2: MCAP, SQLite, folders), `parquet`, `lerobot`,
+//! `numpy`, `matlab`.
 
+#![cfg_attr(
+    not(all(feature = "mcap", feature = "parquet", any(feature = "matlab", feature = "numpy"))),
+    expect(dead_code, reason = "what several formats share is there for each of them")
+)]
+
+#[cfg(any(feature = "matlab", feature = "numpy"))]
 mod arrays;
+#[cfg(feature = "mcap")]
+mod bag;
 mod csv;
 mod error;
 mod foreign;
 mod format;
+mod formats;
 mod joined;
-mod joint_state;
+#[cfg(feature = "lerobot")]
 mod lerobot;
 mod long;
+#[cfg(feature = "matlab")]
 mod matlab;
-mod mcap_bag;
+mod memory;
 mod noise;
+#[cfg(feature = "numpy")]
 mod numpy;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod preprocess;
+mod read_options;
+mod reading;
 mod recorded_as;
 mod recording;
 mod robot_joints;
+mod selection;
 mod spread;
+#[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
-pub use csv::{ColumnRef, ColumnSelection, ColumnsRef, Csv, ReadOptions};
+#[cfg(feature = "mcap")]
+pub use bag::Bag;
+pub use csv::Csv;
 pub use error::RecordingError;
-pub use format::{FORMATS, RecordingFormat, RecordingInput, read_recording, read_running};
-pub use joined::JoinedFile;
-pub use lerobot::is_lerobot;
+pub use format::{RecordingFormat, RecordingInput};
+pub use formats::{FORMATS, is_recording_folder};
 pub use long::{LongPrepared, LongRecording, LongSegment, Stretch};
+#[cfg(feature = "matlab")]
 pub use matlab::Matlab;
-pub use mcap_bag::McapBag;
 pub use noise::{
     Interpolation, Interpolator, MedianSpectrum, PositionNoise, SpectrumBand, WhiteAndMarkov,
     acceleration_gain, lattice_step, velocity_gain, white_level, white_level_at,
 };
+#[cfg(feature = "numpy")]
 pub use numpy::NumPy;
+#[cfg(feature = "parquet")]
 pub use parquet::Parquet;
 pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
-pub use recorded_as::{AngleUnit, CurrentUnit, Quantity, RecordedAs, TimeUnit};
-pub use recording::{DroppedRow, ReadReport, Recording};
-pub use robot_joints::{RecordedJoints, RobotJoints, RobotRecording};
+pub use read_options::ReadOptions;
+pub use reading::{read_recording, read_running};
+pub use recorded_as::{AngleUnit, CurrentUnit, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
+pub use robot_joints::{RobotJoints, RobotRecording};
+pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
-pub use written::{JointTopic, mcap, parquet};
+#[cfg(feature = "parquet")]
+pub use written::parquet;
+#[cfg(feature = "mcap")]
+pub use written::{JointTopic, mcap};

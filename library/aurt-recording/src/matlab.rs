@@ -9,7 +9,12 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::error::RecordingError;
+use crate::format::Visit;
+use crate::format::{RecordingFormat, RecordingInput};
+use crate::memory::Memory;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
 /// Bytes before the first variable.
 const PREAMBLE: usize = 128;
@@ -21,8 +26,8 @@ const MATRIX: u32 = 14;
 /// MATLAB's `.mat` files of versions 5 to 7: `save("log.mat", "t", "q", "current")`.
 ///
 /// Real numeric variables are read, one row or one column per sample, and those in structures of one element (`log.q`
-/// is `q`); texts, cells, sparse and complex variables are passed over. Names are those of text columns: `q` of n × 6 is
-/// `q_0` … `q_5`. Variables that are needed are held in memory, at most 2²⁹ numbers. Version 7.3 is HDF5 and is refused.
+/// is `q`); texts, cells, sparse and complex variables are skipped. Names are those of text columns: `q` of n × 6 is
+/// `q_0` … `q_5`. Variables that are needed are held in memory, others are not unpacked. Version 7.3 is HDF5 and is refused.
 ///
 /// The crates that read these files hold all of a file and decompress it without bound, hence this reader.
 #[derive(Debug, Clone, Copy)]
@@ -46,9 +51,10 @@ impl RecordingFormat for Matlab {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let path = input.path;
+        let memory = Memory::of(path, input.bytes, options);
         let refused = |reason: &str| RecordingError::Malformed {
             path: path.to_owned(),
             place: "its first bytes".to_owned(),
@@ -56,16 +62,16 @@ impl RecordingFormat for Matlab {
             remedy: "save it in MATLAB with save(\"log.mat\", \"t\", \"q\", \"current\", \"-v7\")".to_owned(),
         };
         if is_7_3(&input.beginning) {
-            return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not read"));
+            return Err(refused("it is a MAT-file of version 7.3 (HDF5), which is not supported"));
         }
         if !is_level_5(&input.beginning) {
-            return Err(refused("it is no MAT-file of version 5 to 7"));
+            return Err(refused("it is not a MAT-file of version 5 to 7"));
         }
         let big_endian = input.beginning.get(PREAMBLE - 2..PREAMBLE) == Some(b"MI");
         let mut arrays = Vec::new();
         let mut scan = Scan { big_endian, found: &mut arrays, needed: &[], loaded: HashMap::new() };
         scan.file(BufReader::new(input.rewound()?)).map_err(|p| malformed(path, &p))?;
-        let file = ArrayFile { path, format: "MATLAB, version 5 to 7", options, arrays };
+        let file = ArrayFile { memory, format: "MATLAB, version 5 to 7", options, arrays };
         file.read(piece_rows, visit, &mut |needed| {
             let mut again = Vec::new();
             let mut scan = Scan { big_endian, found: &mut again, needed, loaded: HashMap::new() };
@@ -94,10 +100,10 @@ fn malformed(path: &Path, problem: &Problem) -> RecordingError {
     let place =
         problem.after.as_ref().map_or_else(|| "first variable".into(), |n| format!("after variable `{n}`"));
     let reason = match problem.error.kind() {
-        io::ErrorKind::UnexpectedEof => "the file breaks off".to_owned(),
+        io::ErrorKind::UnexpectedEof => "the file is truncated".to_owned(),
         _ => format!("it cannot be read: {}", problem.error),
     };
-    let remedy = "copy the file anew, or save it again with -v7".to_owned();
+    let remedy = "copy the file again, or save it again with -v7".to_owned();
     RecordingError::Malformed { path: path.to_owned(), place, reason, remedy }
 }
 
@@ -200,7 +206,7 @@ impl Scan<'_> {
         let name = field.map_or_else(|| String::from_utf8_lossy(&written).into_owned(), str::to_owned);
         let numbers = shape.iter().try_fold(1_usize, |product, n| product.checked_mul(*n));
         let numbers =
-            numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are absurd")))?;
+            numbers.ok_or_else(|| io::Error::other(format!("the dimensions of `{name}` are too large")))?;
         match class {
             6..=15 if bits & COMPLEX == 0 => self.numeric(&mut source, name, shape, numbers)?,
             STRUCTURE if numbers == 1 && depth < 4 => {
@@ -221,7 +227,7 @@ impl Scan<'_> {
             }
             _ => {}
         }
-        skip(&mut source)
+        Ok(())
     }
 
     /// The numbers of a variable, which may be stored in a smaller type than the variable has.

@@ -10,7 +10,12 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use crate::arrays::{Array, ArrayFile, Kind, Numbers};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput};
+use crate::error::RecordingError;
+use crate::format::Visit;
+use crate::format::{RecordingFormat, RecordingInput};
+use crate::memory::Memory;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -22,7 +27,7 @@ const HEADER_LIMIT: usize = 1 << 16;
 ///
 /// Arrays have one row per sample, or one column; 4- and 8-byte floats, integers and booleans of either byte order are
 /// read, 1-D for single columns. Names are those of text columns: `q` of shape (n, 6) is `q_0` … `q_5`. Arrays that
-/// hold other things are passed over. Arrays that are needed are held in memory, at most 2²⁹ numbers.
+/// hold other things are skipped. Arrays that are needed are held in memory, others are not unpacked.
 #[derive(Debug, Clone, Copy)]
 pub struct NumPy;
 
@@ -51,15 +56,16 @@ impl RecordingFormat for NumPy {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let path = input.path;
+        let memory = Memory::of(path, input.bytes, options);
         if input.beginning.starts_with(MAGIC) {
             let mut source = BufReader::new(input.rewound()?);
             let header = Header::read(&mut source).map_err(|p| malformed(path, "its header", &p))?;
             let array = header.array(None);
             let count = array.shape.iter().product();
-            let file = ArrayFile { path, format: "NumPy array", options, arrays: vec![array] };
+            let file = ArrayFile { memory, format: "NumPy array", options, arrays: vec![array] };
             return file.read(piece_rows, visit, &mut |_| {
                 let values = header.numbers.read(&mut source, count);
                 Ok(HashMap::from([(0, values.map_err(|e| malformed(path, "the array", &Problem::from(e)))?)]))
@@ -77,7 +83,7 @@ impl RecordingFormat for NumPy {
             }
         }
         let found: Vec<usize> = arrays.iter().map(|a| a.shape.iter().product()).collect();
-        let file = ArrayFile { path, format: "NumPy archive", options, arrays };
+        let file = ArrayFile { memory, format: "NumPy archive", options, arrays };
         file.read(piece_rows, visit, &mut |needed| {
             let mut loaded = HashMap::new();
             for place in needed {
@@ -139,16 +145,14 @@ impl From<io::Error> for Problem {
 fn malformed(path: &Path, place: &str, problem: &Problem) -> RecordingError {
     let again = "save it again with numpy.savez";
     let (reason, remedy) = match problem {
-        Problem::CutOff => {
-            ("it breaks off before the end that its header states".to_owned(), "copy the file anew")
-        }
-        Problem::Unreadable(error) => (format!("it cannot be read: {error}"), "copy the file anew"),
+        Problem::CutOff => ("it is shorter than its header states".to_owned(), "copy the file again"),
+        Problem::Unreadable(error) => (format!("it cannot be read: {error}"), "copy the file again"),
         Problem::Archive(error) => {
-            (format!("the zip archive cannot be read: {error}"), "copy it anew, or save it again")
+            (format!("the zip archive cannot be read: {error}"), "copy it again, or save it again")
         }
-        Problem::NoArray => ("there is no header of an array".to_owned(), again),
+        Problem::NoArray => ("the header of the array is missing".to_owned(), again),
         Problem::Kind(kind) => (
-            format!("numbers of type {kind} are not read"),
+            format!("numbers of type {kind} are not supported"),
             "save floats or integers, the fields of a structured array as arrays of their own",
         ),
     };

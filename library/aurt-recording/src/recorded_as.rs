@@ -1,6 +1,10 @@
 use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
 
-use crate::{JoinedFile, RecordingError};
+use aurt_traits::MeasurementUnit;
+
+use crate::error::RecordingError;
+use crate::selection::ColumnSelection;
 
 /// The unit of positions and, per second, of velocities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +86,21 @@ pub struct RecordedAs {
     pub take: Option<Vec<Quantity>>,
     /// Files that hold other quantities of the same motion.
     pub joined: Vec<JoinedFile>,
+}
+
+/// A file with other quantities of the motion whose positions another file has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JoinedFile {
+    /// The file.
+    pub file: PathBuf,
+    /// Unit of the measurement; `None`: that of the recording, else from the column names.
+    pub unit: Option<MeasurementUnit>,
+    /// Columns that are not to be found by their names.
+    pub columns: ColumnSelection,
+    /// What the file does not tell of itself.
+    pub recorded: RecordedAs,
+    /// What is added to its stamps, in s, so that they are of the first file's clock.
+    pub clock_offset_s: f64,
 }
 
 /// What a number is multiplied with and then divided by. Both steps are exact where the unit allows it, so that

@@ -1,12 +1,9 @@
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
+use std::{ops::Range, path::PathBuf};
 
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use crate::{RecordedJoints, RecordingError};
+use crate::error::RecordingError;
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
 /// leave gaps, but they never go backwards.
@@ -32,6 +29,30 @@ pub struct Recording {
     pub report: ReadReport,
 }
 
+/// What a recording says of the joints that its series belong to.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RecordedJoints {
+    /// Nothing: they are in the order of the robot's.
+    #[default]
+    Unnamed,
+    /// Their names, by which they are matched.
+    Named(Vec<String>),
+    /// The names that the user stated for the robot's joints, in the robot's order: matched by name where the robot has the
+    /// same, else in this order.
+    Stated(Vec<String>),
+}
+
+impl RecordedJoints {
+    /// The names, series after series; empty where there are none.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        match self {
+            Self::Unnamed => &[],
+            Self::Named(names) | Self::Stated(names) => names,
+        }
+    }
+}
+
 /// What was found and done while a recording was read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ReadReport {
@@ -45,7 +66,7 @@ pub struct ReadReport {
     pub dropped: Vec<DroppedRow>,
     /// Number of rows that were left out.
     pub dropped_rows: usize,
-    /// Choices and oddities that a person should know, as sentences.
+    /// Choices made and irregularities found, as sentences.
     pub remarks: Vec<String>,
     /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
     #[serde(skip)]
@@ -100,14 +121,6 @@ impl ReadReport {
 }
 
 impl Recording {
-    /// Reads a recording whose columns have their usual names.
-    ///
-    /// # Errors
-    /// As [`read_recording`](crate::read_recording).
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordingError> {
-        crate::read_recording(path.as_ref(), &crate::ReadOptions::default())
-    }
-
     /// A recording from arrays: stamps in s, angles in rad as `[joint][sample]`.
     ///
     /// # Errors
@@ -172,6 +185,13 @@ impl Recording {
     #[must_use]
     pub fn samples(&self) -> usize {
         self.time_s.len()
+    }
+
+    /// Memory that its numbers take, in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let families = [Some(&self.position_rad), self.velocity_rad_s.as_ref(), self.measurement.as_ref()];
+        let columns = 1 + families.into_iter().flatten().map(Vec::len).sum::<usize>();
+        8 * (columns * self.samples()) as u64
     }
 
     /// Time from the first to the last stamp, in s.

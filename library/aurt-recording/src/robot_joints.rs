@@ -3,7 +3,8 @@
 use std::ops::Deref;
 use std::path::Path;
 
-use crate::{Recording, RecordingError};
+use crate::error::RecordingError;
+use crate::recording::{RecordedJoints, Recording};
 
 /// The joints of a robot that recordings are brought into the order of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -12,19 +13,6 @@ pub struct RobotJoints {
     pub count: usize,
     /// Their N names, base first; empty where they have none.
     pub names: Vec<String>,
-}
-
-/// What a recording says of the joints that its series belong to.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum RecordedJoints {
-    /// Nothing: they are in the order of the robot's.
-    #[default]
-    Unnamed,
-    /// Their names, by which they are matched.
-    Named(Vec<String>),
-    /// The names that the user stated for the robot's joints, in the robot's order: matched by name where the robot has the
-    /// same, else in this order.
-    Stated(Vec<String>),
 }
 
 /// A recording whose series are those of a robot's joints, in the robot's order: what commands work with, so that none of
@@ -51,17 +39,6 @@ impl RobotRecording {
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
         RobotJoints { count: self.joints(), names: self.joints.names().to_vec() }
-    }
-}
-
-impl RecordedJoints {
-    /// The names, series after series; empty where there are none.
-    #[must_use]
-    pub fn names(&self) -> &[String] {
-        match self {
-            Self::Unnamed => &[],
-            Self::Named(names) | Self::Stated(names) => names,
-        }
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use crate::{
-    ReadOptions, Recording, RecordingError,
-    format::{read_in_pieces, read_recording},
-};
+use crate::error::RecordingError;
+use crate::formats::read_in_pieces;
+use crate::read_options::ReadOptions;
+use crate::reading::read_recording;
+use crate::recording::Recording;
 
 /// Rows of a stretch: 16 s at 1 kHz, several motions of most robots, hundreds of times what filters need.
 const STRETCH_ROWS: usize = 1 << 14;

@@ -15,7 +15,7 @@ use aurt_recording::{
 use aurt_traits::MeasurementUnit::Ampere;
 
 const JOINTS: [&str; 6] = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"];
-const FILES: [&str; 13] = [
+const FILES: [&str; 16] = [
     "stored.npz",
     "compressed.npz",
     "transposed.npz",
@@ -25,6 +25,9 @@ const FILES: [&str; 13] = [
     "zstd.mcap",
     "lz4.mcap",
     "plain.mcap",
+    "packed_file_bag/packed_file_bag.db3.zstd",
+    "packed_messages_bag/metadata.yaml",
+    "split_bag",
     "snappy.parquet",
     "zstd.parquet",
     "split.parquet",
@@ -43,7 +46,7 @@ fn options(name: &str) -> ReadOptions {
         options.columns =
             ColumnSelection { time, position: range(1, 6), velocity: None, measurement: range(7, 12) };
     }
-    if name.ends_with("mcap") {
+    if name.ends_with("mcap") || name.contains("bag") {
         options.recorded.joint_names = Some(JOINTS.map(str::to_owned).to_vec());
     }
     options
@@ -119,8 +122,32 @@ fn a_bag_that_breaks_off_is_read_as_far_as_it_goes() {
         assert!((10..120).contains(&rows), "{name}: {rows}");
         assert_eq!(read.time_s, whole.time_s[..rows], "{name}");
         assert_eq!(read.position_rad[5], whole.position_rad[5][..rows], "{name}");
-        assert!(read.report.remarks.iter().any(|r| r.contains("breaks off")), "{:?}", read.report.remarks);
+        assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
     }
+}
+
+#[test]
+fn a_database_whose_last_messages_are_in_a_journal_is_refused() {
+    let made = tempfile::tempdir().unwrap();
+    let path = made.path().join("log.db3");
+    std::fs::copy(folder().join("split_bag/split_bag_1.db3"), &path).unwrap();
+    assert_eq!(read_recording(&path, &options("bag")).unwrap().samples(), 80);
+    std::fs::write(made.path().join("log.db3-wal"), [0; 32]).unwrap();
+    let text = read_recording(&path, &options("bag")).unwrap_err().to_string();
+    assert!(text.contains("log.db3-wal") && text.contains("PRAGMA journal_mode=DELETE"), "{text}");
+}
+
+#[test]
+fn a_database_that_breaks_off_is_read_up_to_there() {
+    let whole = read_recording(&folder().join("split_bag/split_bag_1.db3"), &options("bag")).unwrap();
+    let made = tempfile::tempdir().unwrap();
+    let path = made.path().join("cut.db3");
+    let bytes = std::fs::read(folder().join("split_bag/split_bag_1.db3")).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() * 3 / 4]).unwrap();
+    let read = read_recording(&path, &options("bag")).unwrap();
+    assert!((20..80).contains(&read.samples()), "{}", read.samples());
+    assert_eq!(read.position_rad[5], whole.position_rad[5][..read.samples()]);
+    assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
 }
 
 /// Files cut anywhere and with any byte changed are read or refused, never a panic, never a number that is not finite.
@@ -128,9 +155,15 @@ fn a_bag_that_breaks_off_is_read_as_far_as_it_goes() {
 fn damaged_files_are_refused_or_read() {
     let made = tempfile::tempdir().unwrap();
     let mut refused = 0;
-    for name in FILES {
-        let bytes = std::fs::read(folder().join(name)).unwrap();
-        let path = made.path().join(name);
+    let databases = ["split_bag/split_bag_1.db3", "packed_messages_bag/packed_messages_bag.db3"];
+    for name in FILES.into_iter().chain(databases) {
+        let source = folder().join(name);
+        if source.is_dir() {
+            continue;
+        }
+        let bytes = std::fs::read(source).unwrap();
+        let path = made.path().join(Path::new(name).file_name().unwrap());
+        let shown = path.file_name().unwrap().to_str().unwrap().to_owned();
         for k in 0..60 {
             let at = k * bytes.len() / 60;
             let mut changed = bytes.clone();
@@ -141,7 +174,7 @@ fn damaged_files_are_refused_or_read() {
                     Ok(recording) => recording.validate().unwrap(),
                     Err(error) => {
                         refused += 1;
-                        assert!(error.to_string().contains(name), "{error}");
+                        assert!(error.to_string().contains(&shown) || shown == "metadata.yaml", "{error}");
                     }
                 }
             }

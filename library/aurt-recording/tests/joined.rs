@@ -222,6 +222,7 @@ fn a_file_without_anything_to_join_and_recordings_longer_than_memory_are_refused
 }
 
 #[test]
+#[cfg(feature = "parquet")]
 fn formats_mix_and_clocks_since_1970_agree() {
     // The MCAP file counts from its first whole second, the text does not.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats");

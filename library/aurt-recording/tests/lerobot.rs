@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use aurt_recording::{
-    ColumnRef, ColumnsRef, LongRecording, ReadOptions, RecordedAs, is_lerobot, read_recording,
+    ColumnRef, ColumnsRef, LongRecording, ReadOptions, RecordedAs, is_recording_folder, read_recording,
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -52,7 +52,7 @@ const STAMPS: [f64; 12] = [0.0, 0.25, 0.5, 10.5, 10.75, 11.0, 21.0, 21.25, 21.5,
 fn all_episodes_of_all_files_follow_each_other() {
     let folder = data_set(&|_| ());
     for path in [folder.path().to_owned(), folder.path().join("meta/info.json")] {
-        assert!(is_lerobot(&path));
+        assert!(is_recording_folder(&path));
         let read = read_recording(&path, &options(None)).unwrap();
         assert_eq!(read.time_s, STAMPS);
         let once = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];

@@ -180,3 +180,30 @@ fn no_folder_has_more_files_than_one_reads() {
         "folders with more than {MOST_FILES} files that are no list of one kind: {counts:#?}"
     );
 }
+
+#[test]
+fn circles_are_found_through_groups_and_re_exports_but_not_in_tests_or_between_a_parent_and_its_children() {
+    let circles = |files: &[(&str, &str)]| {
+        let src = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = src.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        Modules::read(src.path()).circles()
+    };
+    let b = ("b.rs", "/* crate::c */ use super::a::Aye as Eye; pub struct Bee; // crate::d\n");
+    let grouped =
+        ("a.rs", "use crate::{b::{self, Bee}, other}; pub struct Aye(Bee, &'static str, \"crate::e\");");
+    assert_eq!(circles(&[b, grouped]), ["a.rs → b.rs → a.rs"]);
+    let root = ("lib.rs", "mod a; mod b; pub use b::Bee;");
+    let re_exported = ("a.rs", "pub struct Aye; fn f() -> crate::Bee { loop {} }");
+    assert_eq!(circles(&[root, b, re_exported]), ["a.rs → b.rs → a.rs"]);
+    let tested = ("a.rs", "pub struct Aye;\n#[cfg(test)]\nmod tests { use crate::b::Bee; }");
+    assert_eq!(circles(&[root, b, tested]), [""; 0]);
+    let parent = ("p/mod.rs", "mod c; use c::See; pub struct Pea(See);");
+    let child = ("p/c.rs", "use super::Pea; use crate::q::Queue; pub struct See;");
+    assert_eq!(circles(&[parent, child, ("q.rs", "pub struct Queue;")]), [""; 0]);
+    let round = ("q.rs", "pub struct Queue(crate::p::Pea);");
+    assert_eq!(circles(&[parent, child, round]), ["q.rs → p/mod.rs → p/c.rs → q.rs"]);
+}

@@ -6,7 +6,7 @@ use std::{
 };
 
 use aurt_files::clipped;
-use aurt_recording::is_lerobot;
+use aurt_recording::is_recording_folder;
 
 use super::{errors::Complaint, joint_count::JointCheck, paths};
 use crate::{Node, NodeKind, Span, suggestion};
@@ -230,7 +230,7 @@ impl<'n, 'r> Section<'n, 'r> {
 
     /// The file of a recording, or the folder of a LeRobot data set.
     pub(super) fn recording_of(&self, key: &str, node: &Node) -> Option<PathBuf> {
-        self.path_of(key, node, "a file or a LeRobot data set (with meta/info.json)", &is_lerobot)
+        self.path_of(key, node, "a file, a bag of ROS 2 (with metadata.yaml) or a LeRobot data set (with meta/info.json)", &is_recording_folder)
     }
 
     /// A file, or a folder that is `accepted`.

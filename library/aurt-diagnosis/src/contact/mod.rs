@@ -81,7 +81,7 @@ pub struct ContactRows<'a> {
     pub rows: &'a RecordingRows,
     /// Stamp of the recording's first sample, s: windows count from it.
     pub origin_s: f64,
-    /// Residual of a fit, `[joint][row]`, best of one in which the recording took no part.
+    /// Residual of a fit, `[joint][row]`, best of one that leaves out the recording.
     pub residual: &'a [Vec<f64>],
     /// Columns of each link's force, from [`force_columns`].
     pub forces: &'a [ForceColumns],

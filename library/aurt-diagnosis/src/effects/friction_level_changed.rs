@@ -47,7 +47,7 @@ pub static EFFECT: Effect = Effect {
     propose: |context| {
         let (level, shape) = (json!({"model": "none"}), json!({"model": "sign"}));
         (0..context.joints)
-            .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[1]).as_change())
+            .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[1]).of_targets())
             .collect()
     },
     estimate: Some(estimate),

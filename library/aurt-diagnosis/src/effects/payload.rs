@@ -62,7 +62,7 @@ pub static EFFECT: Effect = Effect {
 fn propose(context: &Context<'_>) -> Vec<Proposal> {
     let on = |link: usize| {
         let term = json!({"model": "payload", "link": link});
-        Proposal::term((0..context.joints).collect(), term).as_change().with("link", link as f64)
+        Proposal::term((0..context.joints).collect(), term).of_targets().with("link", link as f64)
     };
     (0..context.links).map(on).collect()
 }

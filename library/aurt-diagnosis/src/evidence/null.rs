@@ -1,9 +1,9 @@
 //! What chance finds: the same search on residuals that have nothing to do with the columns.
 //!
-//! The residual of a model is shifted in circles against the columns, in every recording by the same share of its length.
+//! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length.
 //! It keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone, unless
-//! the motion repeats after just that time. How well the best of all hypotheses then does tells what a score is worth:
-//! that many were tried is paid for. The moments of the columns stay; only their products with the residual are new.
+//! the motion repeats after just that time. The best score of all hypotheses
+//! then gives the significance of a score, corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
 
 use aurt_calibration::products_of_columns;
 use rayon::prelude::*;

@@ -233,7 +233,7 @@ fn spikes(recording: &Recording) -> Vec<bool> {
     found
 }
 
-/// The windows of spoilt samples and of gaps, merged.
+/// The windows of corrupt samples and of gaps, merged.
 fn all_windows(time: &[f64], spoilt: &[bool], gaps_s: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut marked = spoilt.to_vec();
     for [from, to] in gaps_s {

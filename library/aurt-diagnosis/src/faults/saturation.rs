@@ -45,7 +45,7 @@ struct Side {
     log10_probability: f64,
 }
 
-/// The joints that are clipped, and which of their samples, `[joint][sample]`. Samples that are spoilt anyway do not
+/// The joints that are clipped, and which of their samples, `[joint][sample]`. Samples that are corrupt anyway do not
 /// count.
 pub(super) fn find(name: &str, recording: &Recording, spoilt: &[bool]) -> (Vec<Fault>, Vec<Vec<bool>>) {
     let samples = recording.samples();

@@ -95,7 +95,7 @@ pub struct Investigation {
     pub before_gears: Option<BeforeGears>,
     /// The delay that was undone before everything else here, if any.
     pub late: Option<Late>,
-    /// Contacts with the surroundings; their windows took no part in selection.
+    /// Contacts with the surroundings; their windows are left out of selection.
     pub contacts: Vec<Contact>,
     /// What selection found and what passed every test after it.
     pub selection: Selection,

@@ -1,7 +1,7 @@
 //! The search for a joint's gear, and what is claimed of it.
 //!
 //! Shapes are found on one half of the blocks of time and judged on the other, and the other way round: what is counted is the
-//! log-likelihood that a prediction gains on rows which had no part in it. Frequency, damping and play are found by variable
+//! log-likelihood that a prediction gains on held-out rows. Frequency, damping and play are found by variable
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
 use aurt_calibration::in_standard_errors;
@@ -11,7 +11,7 @@ use super::rows::PARTS;
 use super::shape::{Inertia, Shape};
 use crate::error::DiagnosisError;
 
-/// Least gain in log-likelihood on rows that had no part in it, nats. The starts are some fifty shapes of each of seven
+/// Least gain in log-likelihood on held-out rows, nats. The starts are some fifty shapes of each of seven
 /// joints: where nothing is there, the best of them gains less than 1 on other rows (it is as likely to lose).
 pub(super) const LEAST_GAIN: f64 = 12.0;
 /// Least mean of the gain over the parts of blocks, in standard errors: less is reached by
@@ -53,7 +53,7 @@ pub(super) struct Found {
     pub amplitude_std: f64,
     /// Standard deviations of the shape's freedoms.
     pub shape_std: [f64; 4],
-    /// Gain in log-likelihood on rows that had no part in the fit: over all, over reference and target recordings.
+    /// Gain in log-likelihood on held-out rows: over all, over reference and target recordings.
     pub gain: f64,
     pub gains: [f64; 2],
     /// Mean gain of the parts of blocks in standard errors.

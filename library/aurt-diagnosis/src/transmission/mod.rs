@@ -4,7 +4,7 @@
 //! is no evidence; what is *predicted* is. The link of a joint is simulated, driven by the measured motion of its motor
 //! (`link`); the torque that this asks of all drives is set against what the fitted model leaves at the recording's own
 //! rate, on rows that are white (`whiten`, `rows`), beside what the noise of the encoders and the rigid model explain
-//! (`against`); and it counts by what it gains on blocks of time that had no part in the fit (`claim`).
+//! (`against`); and it counts by what it gains on held-out blocks of time (`claim`).
 //!
 //! Joints that rest, or have just reversed, started or stopped, are left out: the sign of dry friction jumps there.
 
@@ -47,7 +47,7 @@ pub struct Shaking {
     pub joint: usize,
     /// Whether the calibration recordings show it, and whether the targets do.
     pub present: [bool; 2],
-    /// Gain in log-likelihood on rows that had no part in the fit, nats.
+    /// Gain in log-likelihood on held-out rows, nats.
     pub score: f64,
     /// Stiffness of the gear or of its flanks and its standard deviation, Nm/rad (A/rad of a current).
     pub stiffness_nm_rad: [f64; 2],

@@ -1,7 +1,7 @@
 //! Which of the four answers a diagnosis gives, to each of its two questions.
 //!
 //! What was selected describes the data better than the model does; whether it *is* what is missing is another
-//! question. It is not where much of the mismatch stays, where held-out data deny it, or where it takes more
+//! question. It is not where much of the mismatch stays, where held-out data contradict it, or where it takes more
 //! coincidences than happen at once.
 
 use crate::evidence::account::{Left, accounts_for};

@@ -20,7 +20,7 @@ const UNTOUCHED: f64 = 0.05;
 pub(crate) struct OfQuestion {
     /// Over the rows that fit.
     pub(crate) fitted: Vec<Left>,
-    /// Over those that took no part.
+    /// Over held-out rows.
     pub(crate) confirmed: Vec<Left>,
 }
 
@@ -168,7 +168,7 @@ impl Of<'_> {
         (errors[0][joint] / self.rows(0, joint).max(1.0) * given_back).sqrt()
     }
 
-    /// Sums of squares that a model without a fault leaves of the rows that took no part: the noise of those recordings
+    /// Sums of squares that a model without a fault leaves of the held-out rows: the noise of those recordings
     /// (no less than the reference of the rows that fit), and the variance of its prediction, since its coefficients are
     /// known no better than the rows that fit tell. The variance is the jackknife's over blocks of time, which sees the
     /// memory and the misfit of the residual: (B − 1)/B Σ_b (w·β_b − w·β̄)², w a row.
@@ -187,7 +187,7 @@ impl Of<'_> {
         sums
     }
 
-    /// Sums of squares over the rows that took no part, before and after, and how many there are of each joint.
+    /// Sums of squares over the held-out rows, before and after, and how many there are of each joint.
     fn confirmed(&self, before: &Model, after: &Model) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let joints = self.investigation.problem.joints();
         let (mut was, mut is, mut counts) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);

@@ -9,9 +9,9 @@ use crate::vocabulary::{Effect, Family};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// What is left is noise.
+    /// The residual is noise.
     NoMismatch,
-    /// The missing physics has a name.
+    /// The missing physics was identified.
     Named,
     /// A class of effects that these data cannot separate.
     Ambiguous,
@@ -176,7 +176,7 @@ pub struct Evidence {
     /// What it had to exceed.
     pub threshold: f64,
     /// Probability that the best of all hypotheses on its joints reaches such a score by chance: the same search on residuals
-    /// shifted in circles against the motion.
+    /// circularly shifted against the motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces
@@ -226,7 +226,7 @@ pub struct JointResidual {
     pub windows_s: Vec<[f64; 2]>,
 }
 
-/// The improvement on held-out data.
+/// The improvement on held-out data: rows used neither in selection nor in fitting.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// The data used.

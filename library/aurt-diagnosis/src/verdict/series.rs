@@ -15,7 +15,7 @@ pub struct RecordingSeries {
     pub name: String,
     /// Its part.
     pub role: Role,
-    /// First row that took no part in selection or fitting; the number of rows where all did.
+    /// First held-out row; the number of rows where there are none.
     pub held_out_from: usize,
     /// Time of each row since the recording's first stamp, s.
     pub time_s: Vec<f64>,

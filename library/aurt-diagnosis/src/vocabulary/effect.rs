@@ -61,6 +61,9 @@ pub enum Means {
     Windows,
 }
 
+/// What the fitted coefficients of a proposal mean, on a joint with the given friction of its own.
+pub type Estimate = fn(&Proposal, &[FittedColumn], &OwnFriction) -> Parameters;
+
 /// A physical effect that a model may lack: everything that the rest of a diagnosis has to know of it.
 #[derive(Debug)]
 pub struct Effect {
@@ -106,7 +109,7 @@ pub struct Effect {
     /// Terms that would describe the effect on this robot; none where it is found by other means.
     pub propose: fn(&Context<'_>) -> Vec<Proposal>,
     /// Its parameters beside the joint's own friction, where they are not the fitted coefficients themselves.
-    pub estimate: Option<fn(&Proposal, &[FittedColumn], &OwnFriction) -> Parameters>,
+    pub estimate: Option<Estimate>,
     /// The effect with its first parameters as a phrase, where title and a list of parameters are hard to read.
     pub phrase: Option<fn(&Parameters, MeasurementUnit) -> Option<String>>,
     /// Why no machine has these parameters, beyond the signs of [`Parameter::never_negative`]. The length is the longest

@@ -104,7 +104,7 @@ impl Proposal {
     }
 
     /// The same in the target recordings only.
-    pub(crate) fn as_change(self) -> Self {
+    pub(crate) fn of_targets(self) -> Self {
         Self { presence: Presence::Change, ..self }
     }
 

@@ -1,8 +1,9 @@
 //! The clock of a file, and the units that its names imply.
 
-use crate::csv::columns::Search;
 use crate::csv::families::{self, Families, NameParts};
-use crate::{AngleUnit, RecordedAs, RecordingError, TimeUnit};
+use crate::csv::search::Search;
+use crate::error::RecordingError;
+use crate::recorded_as::{AngleUnit, RecordedAs, TimeUnit};
 
 /// Where the time stamps are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

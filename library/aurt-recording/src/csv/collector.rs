@@ -1,10 +1,11 @@
 use std::path::Path;
 
-use crate::csv::ReadOptions;
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
 use crate::csv::plausibility::{self, Finding, Turns};
-use crate::{DroppedRow, RecordingError};
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
+use crate::recording::DroppedRow;
 
 /// Corrupt rows of which line and reason are kept; of more, only the number.
 const KEPT_DETAILS: usize = 10_000;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use aurt_traits::MeasurementUnit;
 
-use crate::TimeUnit;
+use crate::recorded_as::TimeUnit;
 
 /// Names of a time column in s, the preferred first.
 pub(super) const TIME: [&str; 8] =

@@ -1,8 +1,8 @@
 use aurt_traits::MeasurementUnit;
 
-use crate::RecordingError;
-use crate::csv::columns::Search;
 use crate::csv::families::{self, Families};
+use crate::csv::search::Search;
+use crate::error::RecordingError;
 
 impl Search<'_> {
     /// The measurement's columns and unit.

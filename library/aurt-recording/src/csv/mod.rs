@@ -4,137 +4,32 @@ mod clock;
 mod collector;
 mod columns;
 mod dialect;
-mod families;
+pub(crate) mod families;
 mod header;
 mod lines;
 mod measurement;
 mod number;
 mod plausibility;
 mod rows;
-mod table;
+mod search;
+pub(crate) mod table;
 
 use std::io::Read;
 use std::path::Path;
 
-use aurt_traits::MeasurementUnit;
-
-pub use crate::csv::columns::{ColumnRef, ColumnSelection, ColumnsRef};
-pub(crate) use crate::csv::families::is_time;
-pub(crate) use crate::csv::table::{Table, Visit};
-
 use crate::csv::collector::Collector;
-use crate::csv::columns::Search;
 use crate::csv::dialect::Dialect;
 use crate::csv::header::Header;
 use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
+use crate::csv::search::Search;
 use crate::csv::table::{recording, report};
-use crate::format::{BEGINNING_BYTES, unreadable};
-use crate::{
-    ReadReport, RecordedAs, RecordedJoints, Recording, RecordingError, RecordingFormat, RecordingInput,
-    RobotJoints,
-};
-
-/// What to read, and what to put up with.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReadOptions {
-    /// The joints of the robot; `None`: as many as there are position columns.
-    pub joints: Option<RobotJoints>,
-    /// Columns that are not to be found by their names.
-    pub columns: ColumnSelection,
-    /// Unit of the measurement; `None`: from the column names.
-    pub unit: Option<MeasurementUnit>,
-    /// What the file does not tell of itself.
-    pub recorded: RecordedAs,
-    /// Whether a file without positions is an error.
-    pub needs_position: bool,
-    /// Whether a recording without measurement is an error.
-    pub needs_measurement: bool,
-    /// Share of rows that may be corrupt (finite but absurd values, time going back); they are dropped and
-    /// reported. More is an error.
-    pub max_corrupt_share: f64,
-    /// Positions beyond this are corrupt, in rad.
-    pub position_limit_rad: f64,
-    /// Velocities beyond this are corrupt, in rad/s.
-    pub velocity_limit_rad_s: f64,
-    /// Measurements beyond this are corrupt, in the measurement's unit.
-    pub measurement_limit: f64,
-    /// Whether rows come from a machine that runs on: a needed cell that is no finite number makes its row corrupt
-    /// instead of ending the reading, and the share of corrupt rows is judged at every piece, since no end may come.
-    pub is_running: bool,
-}
-
-impl Default for ReadOptions {
-    fn default() -> Self {
-        Self {
-            joints: None,
-            columns: ColumnSelection::default(),
-            unit: None,
-            recorded: RecordedAs::default(),
-            needs_position: true,
-            needs_measurement: true,
-            max_corrupt_share: 0.01,
-            position_limit_rad: 1e4,
-            velocity_limit_rad_s: 1e4,
-            measurement_limit: 1e6,
-            is_running: false,
-        }
-    }
-}
-
-impl ReadOptions {
-    /// The names of the robot's joints; empty where they have none.
-    pub(crate) fn robot_names(&self) -> &[String] {
-        self.joints.as_ref().map_or(&[], |robot| &robot.names)
-    }
-
-    /// The names of the joints to be read, in the robot's order; empty where nothing names them.
-    pub(crate) fn joint_names(&self) -> &[String] {
-        let stated = self.recorded.joint_names.as_deref();
-        match &self.joints {
-            Some(robot) => robot.wanted(stated),
-            None => stated.unwrap_or_default(),
-        }
-    }
-
-    /// The joints of series that are in the order of [`Self::joint_names`], or, without any, those of `found`.
-    pub(crate) fn joints_read(&self, found: &[String]) -> RecordedJoints {
-        if !self.robot_names().is_empty() {
-            return RecordedJoints::Named(self.robot_names().to_vec());
-        }
-        match &self.recorded.joint_names {
-            Some(stated) => RecordedJoints::Stated(stated.clone()),
-            None if found.is_empty() => RecordedJoints::Unnamed,
-            None => RecordedJoints::Named(found.to_vec()),
-        }
-    }
-
-    /// The number of the robot's joints, where it is known.
-    pub(crate) fn joint_count(&self) -> Option<usize> {
-        self.joints.as_ref().map(|robot| robot.count)
-    }
-
-    pub(crate) fn validate(&self) -> Result<(), RecordingError> {
-        self.recorded.validate()?;
-        let value = self.max_corrupt_share;
-        if !(0.0..=1.0).contains(&value) {
-            let remedy = "it is a share between 0 and 1";
-            return Err(RecordingError::InvalidOption { option: "max_corrupt_share", value, remedy });
-        }
-        let limits = [
-            ("position_limit_rad", self.position_limit_rad),
-            ("velocity_limit_rad_s", self.velocity_limit_rad_s),
-            ("measurement_limit", self.measurement_limit),
-        ];
-        for (option, value) in limits {
-            if value.is_nan() || value <= 0.0 {
-                let remedy = "it must be a positive number";
-                return Err(RecordingError::InvalidOption { option, value, remedy });
-            }
-        }
-        Ok(())
-    }
-}
+use crate::error::RecordingError;
+use crate::format::BEGINNING_BYTES;
+use crate::format::unreadable;
+use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::read_options::ReadOptions;
+use crate::recording::{ReadReport, Recording};
 
 /// Text files with one row per sample.
 ///
@@ -165,7 +60,7 @@ impl RecordingFormat for Csv {
     }
 
     fn recognises(&self, _beginning: &[u8]) -> bool {
-        // Text has no mark of its own; it is what is read when nothing else claims a file.
+        // Text has no signature; it is what remains when no other format recognises a file.
         false
     }
 
@@ -174,7 +69,7 @@ impl RecordingFormat for Csv {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let reader = Reader { path: input.path, options, piece_rows };
         reader.read(input.reader(), &input.beginning, input.bytes, visit)
@@ -194,7 +89,7 @@ impl Reader<'_> {
         source: impl Read,
         sample: &[u8],
         bytes: u64,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         if sample.starts_with(&[0xff, 0xfe]) || sample.starts_with(&[0xfe, 0xff]) {
             return Err(self.no_rows("it is UTF-16 text; save it as UTF-8"));

@@ -2,21 +2,27 @@
 
 use std::path::Path;
 
-use crate::csv::ReadOptions;
 use crate::csv::collector::{Collected, Collector};
-use crate::csv::columns::{Search, Selected};
+use crate::csv::columns::Selected;
 use crate::csv::header::Header;
-use crate::{ReadReport, RecordedJoints, Recording, RecordingError};
+use crate::csv::search::Search;
+use crate::error::RecordingError;
+use crate::format::Visit;
+use crate::memory::Memory;
+use crate::read_options::ReadOptions;
+use crate::recording::RecordedJoints;
+use crate::recording::{ReadReport, Recording};
+
+/// Columns that an array or a list may have; longer ones have no number for each joint.
+pub(crate) const MOST_COLUMNS: usize = 4096;
 
 /// Rows that room is made for at once; a file may claim more than it holds.
 const ROOM_ROWS: usize = 1 << 16;
 
-/// Gets the recording piece by piece.
-pub(crate) type Visit<'a> = &'a mut dyn FnMut(&Recording) -> Result<(), RecordingError>;
-
 /// A table of numbers whose columns are known and whose rows are still to come.
 pub(crate) struct Table<'a> {
     path: &'a Path,
+    memory: Memory<'a>,
     options: &'a ReadOptions,
     header: Header,
     selected: Selected,
@@ -28,14 +34,15 @@ impl<'a> Table<'a> {
     /// # Errors
     /// Columns that are missing, ambiguous, or do not fit the robot.
     pub(crate) fn new(
-        path: &'a Path,
+        memory: Memory<'a>,
         names: Vec<String>,
         columns: usize,
         options: &'a ReadOptions,
     ) -> Result<Self, RecordingError> {
+        let path = memory.path();
         let header = Header { names, columns, line: 0, is_data: false };
         let selected = Search { path, header: &header, options }.run()?;
-        Ok(Self { path, options, header, selected })
+        Ok(Self { path, memory, options, header, selected })
     }
 
     /// The columns that a row has, in its order.
@@ -56,6 +63,16 @@ impl<'a> Table<'a> {
     /// Adds what a person should know.
     pub(crate) fn remark(&mut self, remark: String) {
         self.selected.remarks.push(remark);
+    }
+
+    /// Refuses a table whose rows would not fit into memory, where they are not read in pieces.
+    ///
+    /// # Errors
+    /// [`RecordingError::TooLarge`].
+    pub(crate) fn make_room(&self, rows: u64, piece_rows: usize) -> Result<(), RecordingError> {
+        let width = self.selected.all().len() as u64 + 1;
+        let held = rows.min(piece_rows as u64);
+        self.memory.claim(&format!("its {rows} rows"), held.saturating_mul(8 * width))
     }
 
     /// Reads rows until `next` has no more: it fills the row and says whether there was one.
@@ -85,6 +102,10 @@ impl<'a> Table<'a> {
             }
             let number = collector.rows() + 1;
             collector.add(&mut row, number);
+            // Not every format says beforehand how many rows there are.
+            if collector.held().is_multiple_of(ROOM_ROWS) {
+                self.make_room(collector.held() as u64, piece_rows)?;
+            }
             if collector.held() >= piece_rows {
                 let series = collector.piece(false);
                 visit(&recording(self.path, &self.selected, series, ReadReport::default()))?;

@@ -2,14 +2,16 @@ use std::ops::Range;
 
 use aurt_traits::Motion;
 
-use super::{LongRecording, uniform::Uniform};
+use crate::error::RecordingError;
+use crate::long::recording::LongRecording;
+use crate::long::uniform::Uniform;
+use crate::preprocess::Decimation;
+use crate::preprocess::PreprocessOptions;
+use crate::preprocess::ZeroPhase;
 use crate::preprocess::differentiate::{inner_acceleration, velocity};
 use crate::preprocess::span::Memory;
+use crate::preprocess::{DroppedSegment, PreprocessReport, SegmentReport, ZeroPhaseBank};
 use crate::preprocess::{Which, filter, shortest_between_gaps};
-use crate::{
-    Decimation, DroppedSegment, PreprocessOptions, PreprocessReport, RecordingError, SegmentReport,
-    ZeroPhase, ZeroPhaseBank,
-};
 
 /// Motion samples of a stretch; memory is a few times their size.
 const STRETCH: usize = 1 << 15;

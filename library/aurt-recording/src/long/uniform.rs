@@ -1,9 +1,11 @@
 use std::ops::Range;
 
-use super::LongRecording;
-use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, median, to_digits};
+use crate::error::RecordingError;
+use crate::long::recording::LongRecording;
+use crate::noise::median::median;
+use crate::preprocess::PreprocessOptions;
+use crate::preprocess::clock::{ClockReport, UNIFORM_TOLERANCE, to_digits};
 use crate::preprocess::resample::SAME_STAMP;
-use crate::{PreprocessOptions, RecordingError};
 
 /// Samples read at once; the median distance of stamps is that of the first ones.
 const AT_ONCE: usize = 1 << 16;

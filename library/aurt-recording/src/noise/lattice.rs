@@ -1,8 +1,8 @@
 //! The lattice on which an encoder puts its values.
 
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
-/// Fewest changes of value from which a lattice is told.
+/// Fewest changes of value from which a lattice is detected.
 const FEWEST: usize = 20;
 /// A change is on the lattice if it is a multiple to this share of the step: files round angles once more.
 const OFF: f64 = 0.1;

@@ -6,6 +6,7 @@ mod fourier;
 mod interpolation;
 mod lattice;
 mod markov;
+pub(crate) mod median;
 mod position;
 mod response;
 mod spectrum;

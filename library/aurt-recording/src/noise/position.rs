@@ -2,7 +2,7 @@
 
 use super::lattice::lattice_step;
 use super::white::level_and_order;
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
 /// Bins of the lattice error's spectrum between 0 and half the sampling rate.
 const BINS: usize = 512;
@@ -15,7 +15,7 @@ const FOLDED_BIN: u32 = (1 << 31) / BINS as u32;
 const HALF_SPEED_S: f64 = 0.04;
 /// Fractional part of the golden ratio.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// White noise is told from the lattice's own error where the differences have this many times its power.
+/// White noise is distinguished from the lattice's own error where the differences have this many times its power.
 const BEYOND_LATTICE: f64 = 1.3;
 
 /// Noise of a series of positions as recorded, before any interpolation and filter.
@@ -164,7 +164,7 @@ impl SawTooth {
 mod tests {
     use super::super::fourier::tests::Normal;
     use super::PositionNoise;
-    use crate::ZeroPhase;
+    use crate::preprocess::ZeroPhase;
     use crate::preprocess::differentiate::inner_acceleration;
 
     fn motion(seconds: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {

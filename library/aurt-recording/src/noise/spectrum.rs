@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::fourier;
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
 /// Lowest bin that counts: the trend that is taken off each piece, and the window, belong to those below.
 const LOWEST_BIN: usize = 2;
@@ -18,7 +18,7 @@ const MOST_JOLTS: usize = 4;
 /// Share of a bin's power that shapes leave of it, at least; less says nothing of the rest.
 const LEAST_LEFT: f64 = 0.1;
 
-/// Periodograms of pieces of one length, of which medians are taken: a burst spoils few pieces, a line few bins.
+/// Periodograms of pieces of one length, of which medians are taken: a burst affects few pieces, a line few bins.
 #[derive(Debug, Clone)]
 pub struct MedianSpectrum {
     rate_hz: f64,
@@ -66,8 +66,8 @@ impl MedianSpectrum {
         let length = self.length();
         let mut start = 0;
         while start + length <= series.len() {
-            if let Some(spoilt) = (start..start + length).rev().find(|k| !usable(*k)) {
-                start = spoilt + 1;
+            if let Some(corrupt) = (start..start + length).rev().find(|k| !usable(*k)) {
+                start = corrupt + 1;
                 continue;
             }
             self.pieces.push(self.periodogram(&series[start..start + length], &[]));

@@ -1,6 +1,6 @@
 //! The white part of a series, beneath its motion.
 
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 
 /// The difference operator whose output is taken as noise: of fourth order, so that motion far below half the
 /// sampling rate is gone.
@@ -16,7 +16,7 @@ const LONGEST: usize = 9;
 /// A higher order must show this much less: two estimates from a hundred chunks differ by some per cent.
 const LESS: f64 = 0.93;
 
-/// Differences in one chunk: long enough for a mean square, short enough that an impact spoils few chunks.
+/// Differences in one chunk: long enough for a mean square, short enough that an impact affects few chunks.
 const CHUNK: usize = 32;
 
 /// Stamps whose distances differ by less than this share are even, and the coefficients of one difference serve all. The

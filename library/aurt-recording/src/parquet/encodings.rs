@@ -73,7 +73,7 @@ pub(super) fn runs(mut bytes: Bytes<'_>, width: u32, count: usize) -> Option<Vec
             let value = raw.iter().rev().fold(0_u32, |v, b| v << 8 | u32::from(*b));
             values.resize(values.len() + groups.min(left), value);
         } else {
-            // The last group may lack what nobody needs.
+            // The last group may lack values that are not needed.
             let most = groups.checked_mul(width as usize)?;
             let group = bytes.take(most.min(bytes.0.len()))?;
             let there = (group.len() * 8 / width as usize).min(left);

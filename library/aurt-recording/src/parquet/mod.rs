@@ -13,16 +13,19 @@ use std::fs::File;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::csv::{Table, Visit};
+use crate::csv::table::{MOST_COLUMNS, Table};
+use crate::error::RecordingError;
+use crate::format::{RecordingFormat, RecordingInput, Visit};
+use crate::memory::Memory;
 use crate::parquet::footer::{Footer, Leaf, Number};
 use crate::parquet::pages::{Column, Problem};
-use crate::{ReadOptions, Recording, RecordingError, RecordingFormat, RecordingInput, TimeUnit};
+use crate::read_options::ReadOptions;
+use crate::recorded_as::TimeUnit;
+use crate::recording::Recording;
 
 const MAGIC: &[u8] = b"PAR1";
 /// Bytes that a footer may have.
 const FOOTER_LIMIT: u64 = 1 << 28;
-/// Numbers that a list may have to be a joint's each.
-const LONGEST_LIST: usize = 4096;
 /// The column that LeRobot counts its episodes in.
 const EPISODE: &str = "episode_index";
 /// Time between two episodes; no filter reaches across it.
@@ -55,10 +58,11 @@ impl RecordingFormat for Parquet {
         input: RecordingInput<'_>,
         options: &ReadOptions,
         piece_rows: usize,
-        visit: &mut dyn FnMut(&Recording) -> Result<(), RecordingError>,
+        visit: Visit<'_>,
     ) -> Result<Recording, RecordingError> {
         let footer = footer(&input)?;
-        Reader { path: input.path, file: input.rewound()?, options, footer }.read(piece_rows, visit)
+        let memory = Memory::of(input.path, input.bytes, options);
+        Reader { path: input.path, memory, file: input.rewound()?, options, footer }.read(piece_rows, visit)
     }
 }
 
@@ -72,8 +76,8 @@ fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
     };
     let cut = || {
         refused(
-            "the file breaks off or is no Parquet file, and without its end none of its columns can be found",
-            "copy or write the file anew; a recording that may break off is better kept as MCAP or CSV",
+            "the file is truncated or not Parquet: its footer, which lists the columns, is missing",
+            "copy or write the file again; for recordings that may be truncated use MCAP or CSV",
         )
     };
     if input.beginning.starts_with(b"PARE") {
@@ -97,6 +101,7 @@ fn footer(input: &RecordingInput<'_>) -> Result<Footer, RecordingError> {
 
 struct Reader<'a> {
     path: &'a Path,
+    memory: Memory<'a>,
     file: &'a File,
     options: &'a ReadOptions,
     footer: Footer,
@@ -108,7 +113,7 @@ impl Reader<'_> {
         let (mut names, mut places, mut unfit) = (Vec::new(), Vec::new(), Vec::new());
         for (k, leaf) in leaves.iter().enumerate() {
             let width = if leaf.listed.is_some() { self.first_row(leaf)?.len() } else { 1 };
-            if width > LONGEST_LIST {
+            if width > MOST_COLUMNS {
                 unfit.push(format!("{} (lists of {width})", leaf.name));
                 continue;
             }
@@ -124,7 +129,7 @@ impl Reader<'_> {
             return Err(RecordingError::NoRows { path: self.path.to_owned(), found });
         }
         let count = names.len();
-        let mut table = Table::new(self.path, names, count, self.options)?;
+        let mut table = Table::new(self.memory, names, count, self.options)?;
         let wanted: Vec<(usize, usize)> = table.wanted().iter().map(|column| places[*column]).collect();
         if !unfit.is_empty() {
             table.remark(format!("not read: {}", unfit.join(", ")));
@@ -133,7 +138,7 @@ impl Reader<'_> {
         needed.sort_unstable();
         needed.dedup();
         let time = table.time().map(|column| places[column].0);
-        let mut columns = Vec::new();
+        let (mut columns, open) = (Vec::new(), needed.len());
         let mut begins = vec![0; leaves.len()];
         let (mut row_width, mut origin_s) = (0, 0.0);
         for k in needed {
@@ -144,7 +149,7 @@ impl Reader<'_> {
             }
             begins[k] = row_width;
             row_width += width;
-            columns.push((self.column(&leaf, Some(width)), width, leaf.name));
+            columns.push((self.column(&leaf, Some(width)).among(open), width, leaf.name));
         }
         let mut episodes = self.episodes(&leaves, time.is_some());
         if episodes.is_some() {
@@ -152,6 +157,7 @@ impl Reader<'_> {
                 "episodes by `{EPISODE}` follow each other at a distance of {BETWEEN_EPISODES_S} s"
             ));
         }
+        table.make_room(self.footer.rows, piece_rows)?;
         let (mut left, mut values) = (self.footer.rows, vec![0.0; row_width]);
         let sources: Vec<usize> = wanted.iter().map(|(leaf, part)| begins[*leaf] + part).collect();
         let mut recording = table.read("Parquet".to_owned(), piece_rows, visit, &mut |row| {
@@ -179,7 +185,7 @@ impl Reader<'_> {
     fn column(&self, leaf: &Leaf, width: Option<usize>) -> Column<'_> {
         let groups = self.footer.groups.iter().filter(|(rows, _)| *rows > 0);
         let chunks: Vec<_> = groups.map(|(_, chunks)| chunks[leaf.place]).collect();
-        Column::new(self.file, leaf, &chunks, width)
+        Column::new(self.file, self.memory, leaf, &chunks, width)
     }
 
     fn first_row(&self, leaf: &Leaf) -> Result<Vec<f64>, RecordingError> {
@@ -203,7 +209,7 @@ impl Reader<'_> {
             begin.first().copied().filter(|s| s.abs() * 1e9 > 9_007_199_254_740_992.0).map(f64::floor);
         if let Some(second) = second {
             leaf.number = Number::Stamp { per_second, origin: (second as i64).saturating_mul(per_second) };
-            table.remark(format!("time counts from {second} s, so that stamps keep their nanoseconds"));
+            table.remark(format!("time starts at {second} s, so that stamps keep nanosecond resolution"));
         }
         Ok(second.unwrap_or(0.0))
     }
@@ -218,9 +224,10 @@ impl Reader<'_> {
 
     fn failed(&self, column: &str, problem: Problem) -> RecordingError {
         let (reason, remedy) = match problem {
-            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file anew"),
+            Problem::TooLarge(error) => return error,
+            Problem::Damaged(reason) => (reason.to_owned(), "copy or write the file again"),
             Problem::Unknown(what) => (
-                format!("it has {what}, which are not read"),
+                format!("it has {what}, which are not supported"),
                 "write it as pandas does, with compression \"snappy\", \"gzip\" or \"zstd\"",
             ),
             Problem::Lengths { expected, found } => (
@@ -237,7 +244,7 @@ impl Reader<'_> {
     }
 }
 
-/// Episodes whose stamps begin anew.
+/// Episodes whose stamps begin again.
 struct Episodes<'a> {
     column: Column<'a>,
     current: Option<u64>,

@@ -4,6 +4,8 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use flate2::read::MultiGzDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
+use crate::error::RecordingError;
+use crate::memory::Memory;
 use crate::parquet::encodings::{Bytes, bits, differences, plain, runs, split};
 use crate::parquet::footer::{Chunk, Leaf, Number};
 use crate::parquet::thrift::Thrift;
@@ -24,6 +26,8 @@ pub(super) enum Problem {
     Damaged(&'static str),
     /// It is written in a way that is not read.
     Unknown(String),
+    /// A page that would take too much memory.
+    TooLarge(RecordingError),
     /// Lists of different lengths.
     Lengths { expected: usize, found: usize },
 }
@@ -51,6 +55,9 @@ impl Read for Stretch<'_> {
 #[derive(Debug)]
 pub(super) struct Column<'a> {
     file: &'a File,
+    memory: Memory<'a>,
+    /// Columns that hold a page each at the same time.
+    open: u64,
     leaf: Leaf,
     /// The chunks still to come, the next one last.
     chunks: Vec<Chunk>,
@@ -81,10 +88,18 @@ struct Head {
 
 impl<'a> Column<'a> {
     /// The numbers of a column in lists of `width`, or of as many as the first has.
-    pub(super) fn new(file: &'a File, leaf: &Leaf, chunks: &[Chunk], width: Option<usize>) -> Self {
+    pub(super) fn new(
+        file: &'a File,
+        memory: Memory<'a>,
+        leaf: &Leaf,
+        chunks: &[Chunk],
+        width: Option<usize>,
+    ) -> Self {
         let width = if leaf.listed.is_some() { width } else { Some(1) };
         Self {
             file,
+            memory,
+            open: 1,
             leaf: leaf.clone(),
             chunks: chunks.iter().rev().copied().collect(),
             source: None,
@@ -95,6 +110,11 @@ impl<'a> Column<'a> {
             width,
             in_list: None,
         }
+    }
+
+    /// The same, among so many columns that are read at the same time.
+    pub(super) fn among(self, columns: usize) -> Self {
+        Self { open: columns as u64, ..self }
     }
 
     /// The numbers of the first row.
@@ -120,7 +140,7 @@ impl<'a> Column<'a> {
 
     /// Reads a page of numbers; false after the last.
     fn page(&mut self) -> Result<bool, Problem> {
-        const CUT: Problem = Problem::Damaged("a page breaks off or cannot be what it claims");
+        const CUT: Problem = Problem::Damaged("a page is truncated or inconsistent with its header");
         loop {
             let ended = match &mut self.source {
                 Some(source) => source.fill_buf().map_err(|_| CUT)?.is_empty(),
@@ -144,6 +164,11 @@ impl<'a> Column<'a> {
             {
                 return Err(CUT);
             }
+            // The numbers of this page and of those of the other columns; while it is decoded its bytes, levels and places.
+            let needed = head.count as u64 * (8 * self.open + 20) + head.unpacked as u64;
+            self.memory
+                .claim(&format!("a page of column {}", self.leaf.name), needed)
+                .map_err(Problem::TooLarge)?;
             let mut packed = Vec::new();
             source.by_ref().take(head.packed as u64).read_to_end(&mut packed).map_err(|_| CUT)?;
             if packed.len() as i64 != head.packed {
@@ -177,7 +202,7 @@ impl<'a> Column<'a> {
 
     /// Takes the numbers of a page.
     fn data(&mut self, head: &Head, body: &[u8]) -> Result<(), Problem> {
-        const CUT: Problem = Problem::Damaged("the levels of a page cannot be what they claim");
+        const CUT: Problem = Problem::Damaged("the levels of a page are inconsistent with its header");
         const RLE: i64 = 3;
         let count = head.count as usize;
         let mut bytes = Bytes(body);
@@ -241,7 +266,8 @@ impl<'a> Column<'a> {
     }
 
     fn numbers(&self, mut bytes: Bytes<'_>, encoding: i64, count: usize) -> Result<Vec<f64>, Problem> {
-        const CUT: Problem = Problem::Damaged("the numbers of a page break off or cannot be what they claim");
+        const CUT: Problem =
+            Problem::Damaged("the numbers of a page are truncated or inconsistent with its header");
         let number = self.leaf.number;
         match encoding {
             0 => plain(bytes, number, count),
@@ -332,7 +358,7 @@ fn unpack(codec: i64, packed: Vec<u8>, size: usize) -> Result<Vec<u8>, Problem> 
                 3 => "LZO",
                 4 => "Brotli",
                 5 => "the old LZ4",
-                _ => "something unknown",
+                _ => "an unknown codec",
             };
             return Err(Problem::Unknown(format!("pages compressed with {name}")));
         }

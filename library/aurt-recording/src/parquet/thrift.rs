@@ -37,7 +37,7 @@ impl<R: Read> Thrift<R> {
     }
 
     /// Hands each field of a structure to `take` with its number and kind; fields that it does not read (`false`) are
-    /// passed over.
+    /// skipped.
     pub(super) fn fields(&mut self, take: &mut dyn FnMut(&mut Self, i16, u8) -> Option<bool>) -> Option<()> {
         let mut id = 0_i16;
         loop {

@@ -2,12 +2,12 @@ use std::ops::Range;
 
 use aurt_traits::Dispatch;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 use crate::preprocess::bank_kernel::{
-    CHUNK, Lanes, PackRows, PackSamples, PackState, Sums, WIDTH, run_backward, take_in,
+    CHUNK, Lanes, PackRows, PackSamples, PackState, Sums, run_backward, take_in,
 };
 use crate::preprocess::complex::Complex;
-use crate::preprocess::modes::{Modes, State};
+use crate::preprocess::modes::{Modes, State, WIDTH};
 use crate::preprocess::zero_phase::ZeroPhase;
 
 /// Part of an output that future samples may still contribute when a row is delivered.

@@ -7,10 +7,7 @@
 
 use aurt_traits::Dispatch;
 
-use crate::preprocess::modes::ModeGroup;
-
-/// Columns in a pack, and weights per sample: two modes, real and imaginary part, forward and backward.
-pub(super) const WIDTH: usize = 8;
+use crate::preprocess::modes::{ModeGroup, WIDTH};
 
 /// Blocks that one call takes in at most.
 pub(super) const CHUNK: usize = 16;

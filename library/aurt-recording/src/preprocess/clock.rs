@@ -2,7 +2,10 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::{PreprocessOptions, Recording, RecordingError};
+use crate::error::RecordingError;
+use crate::noise::median::median;
+use crate::preprocess::options::PreprocessOptions;
+use crate::recording::Recording;
 
 /// Share of a period by which stamps may lie off a uniform grid and still count as uniform.
 pub(crate) const UNIFORM_TOLERANCE: f64 = 0.02;
@@ -124,12 +127,6 @@ impl Clock {
         };
         Ok(Self { report, rate_hz, resample, max_gap_s, runs })
     }
-}
-
-/// The median of at least one value; the values are reordered.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The common period of all runs if every stamp lies within tolerance of its run's grid.

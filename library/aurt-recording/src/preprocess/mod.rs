@@ -9,6 +9,7 @@ mod decimate;
 pub(crate) mod differentiate;
 mod modes;
 mod options;
+mod refusal;
 mod report;
 pub(crate) mod resample;
 mod segment;
@@ -28,10 +29,13 @@ pub use zero_phase::ZeroPhase;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::error::RecordingError;
+use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
-use crate::preprocess::segment::{Plan, Refusal};
+use crate::preprocess::refusal::Refusal;
+use crate::preprocess::segment::Plan;
 use crate::preprocess::zero_phase::CUTOFF_RANGE;
-use crate::{PositionNoise, Recording, RecordingError};
+use crate::recording::Recording;
 
 /// Order of both Butterworth filters, one way (paper, section IV).
 const FILTER_ORDER: usize = 4;

@@ -1,6 +1,8 @@
-use crate::preprocess::bank_kernel::WIDTH;
 use crate::preprocess::butterworth::Butterworth;
 use crate::preprocess::complex::Complex;
+
+/// Columns in a pack, and weights per sample: two modes, real and imaginary part, forward and backward.
+pub(super) const WIDTH: usize = 8;
 
 /// A zero-phase low-pass taken apart into first-order modes, one for each pole p of the one-way filter H.
 ///

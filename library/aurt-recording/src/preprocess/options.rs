@@ -1,6 +1,7 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{RecordingError, ZeroPhase};
+use crate::error::RecordingError;
+use crate::preprocess::zero_phase::ZeroPhase;
 
 /// How a recording is preprocessed (paper, section IV).
 ///

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 
-use crate::Recording;
-use crate::preprocess::clock::median;
+use crate::noise::median::median;
 use crate::preprocess::spline::CubicSpline;
+use crate::recording::Recording;
 
 /// Share of the median distance of stamps below which two stamps are one: a curve through both samples would turn
 /// the noise between them into a steep slope.

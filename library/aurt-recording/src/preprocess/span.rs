@@ -1,7 +1,9 @@
 use std::ops::Range;
 
-use crate::preprocess::segment::Refusal;
-use crate::preprocess::{PreprocessOptions, SegmentReport, ZeroPhase};
+use crate::preprocess::options::PreprocessOptions;
+use crate::preprocess::refusal::Refusal;
+use crate::preprocess::report::SegmentReport;
+use crate::preprocess::zero_phase::ZeroPhase;
 
 /// Samples from which filtered series are what they would be if the recording did not end; see [`ZeroPhase::memory`].
 #[derive(Debug, Clone, Copy)]

@@ -1,4 +1,4 @@
-use crate::RecordingError;
+use crate::error::RecordingError;
 use crate::preprocess::butterworth::{Butterworth, Section};
 
 /// Series that are filtered side by side, one in each lane.

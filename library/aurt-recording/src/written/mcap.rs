@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Bytes of messages after which a chunk ends.

@@ -1,7 +1,11 @@
-//! Writing series of numbers in formats that this crate reads: for plots and other programs.
+//! Files that other programs open.
 
+#[cfg(feature = "mcap")]
 mod mcap;
+#[cfg(feature = "parquet")]
 mod parquet;
 
+#[cfg(feature = "mcap")]
 pub use mcap::{JointTopic, mcap};
+#[cfg(feature = "parquet")]
 pub use parquet::parquet;

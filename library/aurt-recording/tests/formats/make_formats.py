@@ -1,7 +1,7 @@
 """One recording in every format that AURT reads: `make_formats.py recording.csv folder`.
 
 The files beside this script are the first 120 rows of `exciting_motion.csv` of `aurt demo`. Needs NumPy, SciPy,
-mcap-ros2-support for bags, and PyArrow for Parquet; formats whose packages are missing are left out, with a line.
+mcap-ros2-support and rosbags for bags, and PyArrow for Parquet; formats whose packages are missing are left out, with a line.
 """
 
 import pathlib
@@ -75,6 +75,86 @@ uint32 nanosec"""
             writer.finish()
 
 try:
+    import shutil
+    import sqlite3
+
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+    from rosbags.rosbag2 import Writer as BagWriter
+    from rosbags.typesys import Stores, get_typestore
+except ImportError:
+    print("left out: SQLite bags (no rosbags)")
+else:
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = store.types
+
+    def messages(frame="base"):
+        """Stamp of the recorder, topic, type and bytes of every message."""
+        for k in range(len(time)):
+            nanoseconds = round(time[k] * 1e9)
+            stamp = kinds["builtin_interfaces/msg/Time"](sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
+            kind = "sensor_msgs/msg/JointState"
+            state = kinds[kind](
+                header=kinds["std_msgs/msg/Header"](stamp=stamp, frame_id=frame),
+                name=[JOINTS[j] for j in ORDER],
+                position=q[k, ORDER],
+                velocity=np.zeros(0),
+                effort=current[k, ORDER],
+            )
+            yield nanoseconds + 1000, "/arm/joint_states", kind, bytes(store.serialize_cdr(state, kind))
+            if k % 40 == 0:
+                kind = "std_msgs/msg/String"
+                words = kinds[kind](data=f"row {k} " * 1000)
+                yield nanoseconds + 2000, "/remarks", kind, bytes(store.serialize_cdr(words, kind))
+
+    def rosbag(folder, mode):
+        shutil.rmtree(folder, ignore_errors=True)
+        writer = BagWriter(folder, version=8, storage_plugin=StoragePlugin.SQLITE3)
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+        with writer:
+            topics = {}
+            for log_time, topic, kind, data in messages():
+                if topic not in topics:
+                    topics[topic] = writer.add_connection(topic, kind, typestore=store)
+                writer.write(topics[topic], log_time, data)
+
+    for name, mode in [("packed_file", CompressionMode.FILE), ("packed_messages", CompressionMode.MESSAGE)]:
+        rosbag(FOLDER / f"{name}_bag", mode)
+
+    # As the recorder of ROS 2 splits a bag; small pages, so that messages and the table go over several.
+    split_bag = FOLDER / "split_bag"
+    split_bag.mkdir(exist_ok=True)
+    everything = list(messages(frame="base" + 25 * " of the arm"))
+    names = ["split_bag_0.db3", "split_bag_1.db3"]
+    for name, part in zip(names, [everything[: len(everything) // 3], everything[len(everything) // 3 :]]):
+        (split_bag / name).unlink(missing_ok=True)
+        database = sqlite3.connect(split_bag / name)
+        database.executescript(
+            """PRAGMA page_size = 512; PRAGMA journal_mode = WAL;
+            CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
+            CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+                serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
+            CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
+                data BLOB NOT NULL);
+            CREATE INDEX timestamp_idx ON messages (timestamp ASC);"""
+        )
+        topics = [("/remarks", "std_msgs/msg/String"), ("/arm/joint_states", "sensor_msgs/msg/JointState")]
+        for topic, kind in topics:
+            row = (topic, kind, "cdr", "")
+            database.execute(
+                "INSERT INTO topics(name, type, serialization_format, offered_qos_profiles) VALUES(?, ?, ?, ?)", row
+            )
+        for log_time, topic, _, data in part:
+            number = 1 + [name for name, _ in topics].index(topic)
+            database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", (number, log_time, data))
+        database.commit()
+        database.close()
+    (split_bag / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n  version: 4\n  storage_identifier: sqlite3\n  relative_file_paths:\n"
+        + "".join(f"    - {name}\n" for name in names)
+        + "  duration:\n    nanoseconds: 1\n"
+    )
+
+try:
     import pyarrow as pa
     import pyarrow.parquet as pq
 except ImportError:
@@ -89,7 +169,7 @@ else:
         "note": ["by PyArrow"] * len(time),
         "moving": time > 0.5,
     }
-    # Texts and truth values are passed over; the rest is all that a writer can choose.
+    # Texts and truth values are skipped; the rest is all that a writer can choose.
     pq.write_table(pa.table(flat), FOLDER / "snappy.parquet", row_group_size=50)
     pq.write_table(pa.table(lists), FOLDER / "zstd.parquet", compression="zstd", row_group_size=70)
     split = {name: "BYTE_STREAM_SPLIT" for name in flat}

@@ -54,7 +54,7 @@ pub(crate) fn proposals(question: &Question<'_>, registry: &Registry) -> (Vec<Pr
     let asked = registry.models().filter(|_| question.considers(&REGISTERED)).filter(|listing| {
         listing.slot != Slot::ArmTerm
             && !listing.origin.is_builtin()
-            && !question.without.iter().any(|w| *w == listing.name)
+            && !question.without.contains(&listing.name)
     });
     for listing in asked {
         match of_model(question, registry, listing) {

@@ -25,7 +25,7 @@ impl JointState {
     /// # Errors
     /// What is wrong with them.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
-        const BREAKS_OFF: &str = "it breaks off";
+        const BREAKS_OFF: &str = "it is truncated";
         let (encapsulation, body) = bytes.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {
             [0, 0, ..] => true,

@@ -1,10 +1,11 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
-use crate::joint_state::JointState;
-use crate::mcap_bag::messages::Messages;
-use crate::mcap_bag::topics::Topic;
-use crate::{ReadOptions, RecordingError};
+use crate::bag::joint_state::JointState;
+use crate::bag::messages::Messages;
+use crate::bag::topics::Topic;
+use crate::error::RecordingError;
+use crate::read_options::ReadOptions;
 
 /// Integers beyond this are not all numbers of double precision.
 const EXACT: i64 = 1 << 53;
@@ -59,7 +60,7 @@ impl<'a> Joints<'a> {
             remedy,
         };
         if !joints.decode_next()? {
-            return Err(refuse("it has no messages".to_owned(), "record it anew".to_owned()));
+            return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
         }
         let first = joints.state.names.clone();
         if joints.names.is_empty() {
@@ -121,12 +122,12 @@ impl<'a> Joints<'a> {
         let mut remarks = vec![format!("joints in this order: {}", self.names.join(", "))];
         if self.recorder_stamps {
             remarks.push(
-                "the messages have no stamps: those of the recorder are used, which jitter more".into(),
+                "the messages have no time stamps: the recorder's are used, which have more jitter".into(),
             );
         }
         if self.origin_ns != 0 {
             let seconds = self.origin_ns / SECOND_NS;
-            remarks.push(format!("time counts from {seconds} s, so that stamps keep their nanoseconds"));
+            remarks.push(format!("time starts at {seconds} s, so that stamps keep nanosecond resolution"));
         }
         remarks
     }
@@ -141,13 +142,13 @@ impl<'a> Joints<'a> {
         let mut remarks = Vec::new();
         if self.passed_over > 0 {
             remarks.push(format!(
-                "{} messages were passed over, since they lack joints or quantities of the others",
+                "{} messages were skipped: they lack joints or quantities that the others have",
                 self.passed_over
             ));
         }
         if self.messages.broken_off {
             remarks.push(format!(
-                "the file breaks off: the {} messages before were read, and its summary is missing",
+                "the file is truncated: {} messages were read, and its summary is missing",
                 self.messages.read
             ));
         }
@@ -199,7 +200,7 @@ impl<'a> Joints<'a> {
             return Ok(false);
         }
         self.state.decode(&self.messages.payload).map_err(|reason| {
-            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it anew")
+            self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
         })?;
         Ok(true)
     }

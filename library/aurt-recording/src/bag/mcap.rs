@@ -1,13 +1,21 @@
+//! MCAP, the container that ROS 2 records into since Jazzy.
+//!
+//! Source: the MCAP specification, <https://mcap.dev/spec>.
+
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::ops::Range;
+use std::path::Path;
 
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
-const MAGIC_BYTES: usize = 8;
-/// A longer record, or a chunk of more when unpacked, is an error: it would be held in memory.
-const RECORD_LIMIT: u64 = 1 << 28;
+use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan};
+use crate::error::RecordingError;
+use crate::format::RecordingInput;
+use crate::memory::Memory;
+
+pub(super) const MCAP_MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Room that is made for the records of a chunk before they have arrived, at most.
 const CHUNK_ROOM: u64 = 1 << 22;
 
@@ -17,88 +25,59 @@ const CHANNEL: u8 = 0x04;
 const MESSAGE: u8 = 0x05;
 const CHUNK: u8 = 0x06;
 
-/// A record, as far as its kind is of interest here.
-pub(super) enum Record<'a> {
-    Schema { id: u16, name: String },
-    Channel { id: u16, schema: u16, topic: String, encoding: String },
-    Message { channel: u16, log_ns: u64, data: &'a [u8] },
-    Other,
+/// An open file.
+pub(super) struct McapFile<'a> {
+    pub(super) input: RecordingInput<'a>,
+    pub(super) memory: Memory<'a>,
 }
 
-/// Why reading ended before the file said so.
-pub(super) enum Ending {
-    /// The file stops in the middle.
-    BreaksOff,
-    /// Something in it is wrong.
-    Wrong(String),
-}
+impl Container for McapFile<'_> {
+    fn kind(&self) -> &'static str {
+        "MCAP"
+    }
 
-impl From<io::Error> for Ending {
-    fn from(error: io::Error) -> Self {
-        if error.kind() == io::ErrorKind::UnexpectedEof {
-            Self::BreaksOff
-        } else {
-            Self::Wrong(error.to_string())
-        }
+    fn path(&self) -> &Path {
+        self.input.path
+    }
+
+    fn records<'a>(&'a self, scan: Scan<'a>) -> Result<Box<dyn Records + 'a>, RecordingError> {
+        let chunks_closed = matches!(scan, Scan::Summary);
+        Ok(Box::new(McapRecords::new(self.input.rewound()?, self.memory.allowed_bytes(), chunks_closed)))
     }
 }
 
 /// The records of a file, one after the other; of chunks one is held in memory, unpacked.
-pub(super) struct Records<'a> {
+struct McapRecords<'a> {
     file: BufReader<&'a File>,
     /// The records of the present chunk, and how far they are read.
     chunk: Vec<u8>,
     at: usize,
     /// Why the present chunk has no more than that.
     chunk_ending: Option<Ending>,
+    most_bytes: u64,
     chunks_closed: bool,
     begun: bool,
     ended: bool,
     body: Vec<u8>,
 }
 
-impl<'a> Records<'a> {
-    /// All records, those in chunks among them; with `chunks_closed` those in chunks are passed over.
-    pub(super) fn new(file: &'a File, chunks_closed: bool) -> Self {
+impl<'a> McapRecords<'a> {
+    /// All records, those in chunks among them; with `chunks_closed` those in chunks are skipped.
+    fn new(file: &'a File, most_bytes: u64, chunks_closed: bool) -> Self {
+        let most_bytes = most_bytes.min(RECORD_LIMIT);
         let file = BufReader::with_capacity(1 << 16, file);
         let (chunk, body) = (Vec::new(), Vec::new());
-        Self { file, chunk, at: 0, chunk_ending: None, chunks_closed, begun: false, ended: false, body }
-    }
-
-    /// Hands the next record to `take`; false at the end.
-    pub(super) fn next(&mut self, take: &mut dyn FnMut(Record<'_>)) -> Result<bool, Ending> {
-        if !std::mem::replace(&mut self.begun, true) {
-            self.file.read_exact(&mut [0; MAGIC_BYTES])?;
+        Self {
+            file,
+            chunk,
+            at: 0,
+            chunk_ending: None,
+            most_bytes,
+            chunks_closed,
+            begun: false,
+            ended: false,
+            body,
         }
-        while !self.ended {
-            if let Some((kind, bytes)) = self.next_in_chunk()? {
-                take(parse(kind, &self.chunk[bytes])?);
-                return Ok(true);
-            }
-            let mut head = [0; 9];
-            self.file.read_exact(&mut head)?;
-            let kind = head[0];
-            let length = Fields(&head[1..]).u64()?;
-            match kind {
-                FOOTER => self.ended = true,
-                CHUNK if !self.chunks_closed => self.open(length)?,
-                SCHEMA | CHANNEL | MESSAGE => {
-                    limited(length)?;
-                    self.body.clear();
-                    self.file.by_ref().take(length).read_to_end(&mut self.body)?;
-                    if self.body.len() as u64 != length {
-                        return Err(Ending::BreaksOff);
-                    }
-                    take(parse(kind, &self.body)?);
-                    return Ok(true);
-                }
-                _ => {
-                    let length = i64::try_from(length).map_err(|_| Ending::BreaksOff)?;
-                    self.file.seek_relative(length).map_err(|_| Ending::BreaksOff)?;
-                }
-            }
-        }
-        Ok(false)
     }
 
     /// The next record of the open chunk: its kind, and where it is in it.
@@ -107,7 +86,7 @@ impl<'a> Records<'a> {
         let head = rest.split_first_chunk::<9>().map(|(head, rest)| (head[0], &head[1..], rest));
         if let Some((kind, length, rest)) = head {
             let length = Fields(length).u64()?;
-            limited(length)?;
+            limited(length, self.most_bytes)?;
             if length <= rest.len() as u64 {
                 let begin = self.at + 9;
                 self.at = begin + length as usize;
@@ -130,7 +109,7 @@ impl<'a> Records<'a> {
         let mut fields = Fields(&head[16..]);
         let (size, checksum, name_bytes) = (fields.u64()?, fields.u32()?, fields.u32()?);
         if name_bytes > 64 {
-            return Err(Ending::Wrong("the compression of a chunk has no sensible name".to_owned()));
+            return Err(Ending::Wrong("the compression of a chunk has an invalid name".to_owned()));
         }
         let mut name = vec![0; name_bytes as usize];
         self.file.read_exact(&mut name)?;
@@ -142,7 +121,7 @@ impl<'a> Records<'a> {
         let Some(padding) = padding.and_then(|p| i64::try_from(p).ok()) else {
             return Err(Ending::Wrong("a chunk is longer than its record".to_owned()));
         };
-        limited(size)?;
+        limited(size, self.most_bytes)?;
         self.chunk.clear();
         self.at = 0;
         let cut;
@@ -162,7 +141,7 @@ impl<'a> Records<'a> {
             _ if cut => Some(Ending::BreaksOff),
             Err(error) => Some(failed(error.to_string())),
             Ok(_) if self.chunk.len() as u64 != size => {
-                Some(failed(format!("it has {} bytes in place of {size}", self.chunk.len())))
+                Some(failed(format!("it has {} bytes instead of {size}", self.chunk.len())))
             }
             Ok(_) if checksum != 0 && checksum != crc32fast::hash(&self.chunk) => {
                 Some(Ending::Wrong("the checksum of a chunk is wrong".to_owned()))
@@ -170,6 +149,43 @@ impl<'a> Records<'a> {
             Ok(_) => None,
         };
         self.file.seek_relative(padding).map_err(|_| Ending::BreaksOff)
+    }
+}
+
+impl Records for McapRecords<'_> {
+    fn next(&mut self, take: &mut dyn FnMut(Record<'_>)) -> Result<bool, Ending> {
+        if !std::mem::replace(&mut self.begun, true) {
+            self.file.read_exact(&mut [0; MCAP_MAGIC.len()])?;
+        }
+        while !self.ended {
+            if let Some((kind, bytes)) = self.next_in_chunk()? {
+                take(parse(kind, &self.chunk[bytes])?);
+                return Ok(true);
+            }
+            let mut head = [0; 9];
+            self.file.read_exact(&mut head)?;
+            let kind = head[0];
+            let length = Fields(&head[1..]).u64()?;
+            match kind {
+                FOOTER => self.ended = true,
+                CHUNK if !self.chunks_closed => self.open(length)?,
+                SCHEMA | CHANNEL | MESSAGE => {
+                    limited(length, self.most_bytes)?;
+                    self.body.clear();
+                    self.file.by_ref().take(length).read_to_end(&mut self.body)?;
+                    if self.body.len() as u64 != length {
+                        return Err(Ending::BreaksOff);
+                    }
+                    take(parse(kind, &self.body)?);
+                    return Ok(true);
+                }
+                _ => {
+                    let length = i64::try_from(length).map_err(|_| Ending::BreaksOff)?;
+                    self.file.seek_relative(length).map_err(|_| Ending::BreaksOff)?;
+                }
+            }
+        }
+        Ok(false)
     }
 }
 
@@ -188,9 +204,11 @@ fn unpack(name: &[u8], packed: &[u8], size: u64, chunk: &mut Vec<u8>) -> Result<
     })
 }
 
-fn limited(length: u64) -> Result<(), Ending> {
-    if length > RECORD_LIMIT {
-        return Err(Ending::Wrong(format!("a record claims {length} bytes")));
+fn limited(length: u64, most: u64) -> Result<(), Ending> {
+    if length > most {
+        return Err(Ending::Wrong(format!(
+            "a record or chunk claims {length} bytes, and {most} are allowed"
+        )));
     }
     Ok(())
 }
@@ -198,17 +216,18 @@ fn limited(length: u64) -> Result<(), Ending> {
 fn parse(kind: u8, body: &[u8]) -> Result<Record<'_>, Ending> {
     let mut fields = Fields(body);
     Ok(match kind {
-        SCHEMA => Record::Schema { id: fields.u16()?, name: fields.text()? },
+        SCHEMA => Record::Schema { id: fields.u16()?.into(), name: fields.text()? },
         CHANNEL => Record::Channel {
-            id: fields.u16()?,
-            schema: fields.u16()?,
+            id: fields.u16()?.into(),
+            schema: fields.u16()?.into(),
             topic: fields.text()?,
             encoding: fields.text()?,
         },
         MESSAGE => {
             let (channel, _sequence, log_ns, _published) =
                 (fields.u16()?, fields.u32()?, fields.u64()?, fields.u64()?);
-            Record::Message { channel, log_ns, data: fields.0 }
+            let log_ns = i64::try_from(log_ns).unwrap_or(i64::MAX);
+            Record::Message { channel: channel.into(), log_ns, data: fields.0 }
         }
         _ => Record::Other,
     })

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
-use crate::mcap_bag::records::{Ending, Record, Records};
-use crate::{RecordingError, RecordingInput};
+use crate::bag::records::{Container, Ending, Record, Records, Scan};
+use crate::error::RecordingError;
 
 /// What ROS 1 and ROS 2 call the messages that are read.
 const JOINT_STATE: [&str; 2] = ["sensor_msgs/msg/JointState", "sensor_msgs/JointState"];
@@ -13,19 +13,19 @@ const USUAL: &str = "/joint_states";
 pub(super) struct Topic {
     pub(super) name: String,
     /// Its channels; several nodes may publish under one name.
-    pub(super) channels: Vec<u16>,
+    pub(super) channels: Vec<u64>,
 }
 
 /// What a file says of its topics.
 #[derive(Debug, Default)]
 struct Listing {
-    schemas: BTreeMap<u16, String>,
+    schemas: BTreeMap<u64, String>,
     /// Topic, schema and encoding of each channel.
-    channels: BTreeMap<u16, (String, u16, String)>,
+    channels: BTreeMap<u64, (String, u64, String)>,
 }
 
 impl Listing {
-    fn read(records: &mut Records<'_>) -> (Self, Option<Ending>) {
+    fn read(records: &mut dyn Records) -> (Self, Option<Ending>) {
         let mut listing = Self::default();
         loop {
             let more = records.next(&mut |record| match record {
@@ -58,7 +58,7 @@ impl Listing {
         topics
     }
 
-    fn kind(&self, schema: u16) -> &str {
+    fn kind(&self, schema: u64) -> &str {
         self.schemas.get(&schema).map_or("unknown type", String::as_str)
     }
 }
@@ -66,27 +66,27 @@ impl Listing {
 impl Topic {
     /// The topic to be read, and what a person should know about the choice.
     pub(super) fn choose(
-        input: &RecordingInput<'_>,
+        container: &dyn Container,
         stated: Option<&str>,
     ) -> Result<(Self, Option<String>), RecordingError> {
         // Most files list their topics at the end; chunks are looked into only if this one does not.
-        let (mut listing, mut ending) = Listing::read(&mut Records::new(input.rewound()?, true));
+        let (mut listing, mut ending) = Listing::read(&mut *container.records(Scan::Summary)?);
         if listing.channels.is_empty() || ending.is_some() {
-            (listing, ending) = Listing::read(&mut Records::new(input.rewound()?, false));
+            (listing, ending) = Listing::read(&mut *container.records(Scan::Topics)?);
         }
         let malformed = |reason: String, remedy: String| RecordingError::Malformed {
-            path: input.path.to_owned(),
+            path: container.path().to_owned(),
             place: "its topics".to_owned(),
             reason,
             remedy,
         };
         if listing.channels.is_empty() {
             let reason = match ending {
-                Some(Ending::BreaksOff) => "the file breaks off before the first topic".to_owned(),
+                Some(Ending::BreaksOff) => "the file ends before its first topic".to_owned(),
                 Some(Ending::Wrong(error)) => format!("the file cannot be read: {error}"),
                 None => "the file has none".to_owned(),
             };
-            return Err(malformed(reason, "record or copy the file anew".to_owned()));
+            return Err(malformed(reason, "record or copy the file again".to_owned()));
         }
         let topics = listing.topics();
         let listed = |of: &BTreeMap<&str, (&str, &str)>| {
@@ -114,7 +114,7 @@ impl Topic {
                     return Err(malformed(reason, format!("record one; the file has {}", listed(&topics))));
                 }
                 (2.., None) => {
-                    let reason = format!("several topics are joint states: {}", listed(&states));
+                    let reason = format!("several topics contain joint states: {}", listed(&states));
                     return Err(malformed(
                         reason,
                         "state which to read, e.g. topic = \"/joint_states\"".into(),
@@ -126,7 +126,7 @@ impl Topic {
                 }
                 (_, _) => match states.first_key_value() {
                     Some((name, found)) => (*name, *found),
-                    None => return Err(malformed("the file has none".into(), "record it anew".into())),
+                    None => return Err(malformed("the file has none".into(), "record it again".into())),
                 },
             },
         };
@@ -142,10 +142,10 @@ impl Topic {
         let of_topic = listing.channels.iter().filter(|(_, (topic, schema, code))| {
             topic == name && listing.kind(*schema) == kind && code == encoding
         });
-        let channels: Vec<u16> = of_topic.map(|(id, _)| *id).collect();
+        let channels: Vec<u64> = of_topic.map(|(id, _)| *id).collect();
         let others = listing.channels.values().filter(|(topic, ..)| topic == name).count() - channels.len();
         if others > 0 {
-            let also = format!("{name} has messages of other types as well, which are passed over");
+            let also = format!("{name} also has messages of other types, which are skipped");
             remark = Some(remark.map_or_else(|| also.clone(), |said| format!("{said}; {also}")));
         }
         Ok((Self { name: name.to_owned(), channels }, remark))

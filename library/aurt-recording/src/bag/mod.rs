@@ -1,0 +1,16 @@
+//! Bags of ROS 2 with `sensor_msgs/msg/JointState`: MCAP, SQLite (`.db3`), and folders of several such files.
+
+mod btree;
+mod container;
+mod folder;
+mod joint_state;
+mod joints;
+mod mcap;
+mod messages;
+mod reading;
+mod records;
+mod sqlite;
+mod topics;
+
+pub use container::Bag;
+pub(crate) use folder::{BagFolder, described};

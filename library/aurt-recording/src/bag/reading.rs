@@ -1,0 +1,71 @@
+use crate::bag::joints::Joints;
+use crate::bag::messages::Messages;
+use crate::bag::records::Container;
+use crate::bag::topics::Topic;
+use crate::csv::table::Table;
+use crate::error::RecordingError;
+use crate::format::Visit;
+use crate::memory::Memory;
+use crate::read_options::ReadOptions;
+use crate::recording::Recording;
+
+/// Reads the joint states of a bag, whose files follow each other.
+///
+/// # Errors
+/// A topic or joints that are missing; what is wrong with a file.
+pub(super) fn read(
+    memory: Memory<'_>,
+    files: Vec<Box<dyn Container + '_>>,
+    options: &ReadOptions,
+    piece_rows: usize,
+    visit: Visit<'_>,
+) -> Result<Recording, RecordingError> {
+    let mut chosen = Vec::<(Box<dyn Container + '_>, Topic)>::new();
+    let (mut said, mut missing) = (Vec::new(), None);
+    let (path, count) = (memory.path(), files.len());
+    for file in files {
+        let stated = chosen.first().map(|(_, topic)| topic.name.as_str());
+        match Topic::choose(&*file, stated.or(options.recorded.topic.as_deref())) {
+            Ok((topic, remark)) => {
+                said.extend(remark);
+                chosen.push((file, topic));
+            }
+            // A part of a bag may lack a topic that others have.
+            Err(error) if count > 1 => {
+                said.push(format!("not read: {error}"));
+                missing = missing.or(Some(error));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    let Some((first, topic)) = chosen.first() else {
+        let found = "it has no files".to_owned();
+        return Err(missing.unwrap_or(RecordingError::NoRows { path: path.to_owned(), found }));
+    };
+    let mut joints = Joints::open(Messages::new(path, &chosen), path, topic, options)?;
+    let names = joints.columns();
+    let width = names.len();
+    let mut table = Table::new(memory, names, width, options)?;
+    table.belongs_to(options.joints_read(joints.names()));
+    said.dedup();
+    said.into_iter().for_each(|r| table.remark(r));
+    joints.remarks().into_iter().for_each(|r| table.remark(r));
+    let wanted = table.wanted();
+    let format = match chosen.len() {
+        1 => format!("{}, topic {}", first.kind(), topic.name),
+        n => format!("{} in {n} files, topic {}", first.kind(), topic.name),
+    };
+    let mut all = vec![0.0; width];
+    let mut recording = table.read(format, piece_rows, visit, &mut |row| {
+        if !joints.next(&mut all)? {
+            return Ok(false);
+        }
+        for (value, column) in row.iter_mut().zip(&wanted) {
+            *value = all[*column];
+        }
+        Ok(true)
+    })?;
+    recording.report.remarks.extend(joints.closing_remarks());
+    recording.report.origin_s = joints.origin_s();
+    Ok(recording)
+}
