@@ -230,7 +230,12 @@ impl<'n, 'r> Section<'n, 'r> {
 
     /// The file of a recording, or the folder of a LeRobot data set.
     pub(super) fn recording_of(&self, key: &str, node: &Node) -> Option<PathBuf> {
-        self.path_of(key, node, "a file, a bag of ROS 2 (with metadata.yaml) or a LeRobot data set (with meta/info.json)", &is_recording_folder)
+        self.path_of(
+            key,
+            node,
+            "a file, a bag of ROS 2 (with metadata.yaml) or a LeRobot data set (with meta/info.json)",
+            &is_recording_folder,
+        )
     }
 
     /// A file, or a folder that is `accepted`.
