@@ -6,7 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 

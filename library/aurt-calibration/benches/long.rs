@@ -23,7 +23,7 @@ fn main() {
     let file = folder.path().join("recording.csv");
     workload::write_csv(&file, joints, samples);
     let start = process_s();
-    let read = ReadOptions { joints: Some(joints), ..ReadOptions::default() };
+    let read = ReadOptions { joints: Some(joints.into()), ..ReadOptions::default() };
     let long = LongRecording::read(&file, &read).unwrap();
     let parsed = process_s();
     let prepared = long.prepare(&PreprocessOptions::new(10.0)).unwrap();

@@ -2,7 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-#[expect(dead_code, reason = "tests share it, and each uses a part")]
 mod arm;
 
 use arm::{Friction, RICH, Sines, model, named, recording};

@@ -105,10 +105,11 @@ impl Recording {
     /// names and the numbers of joints differ.
     pub fn of_robot(mut self, robot: &RobotJoints) -> Result<RobotRecording, RecordingError> {
         if let Some(places) = robot.places(&self.file, &self.joints)? {
-            let take = |series: &Vec<Vec<f64>>| places.iter().map(|place| series[*place].clone()).collect();
-            self.position_rad = take(&self.position_rad);
-            self.velocity_rad_s = self.velocity_rad_s.as_ref().map(take);
-            self.measurement = self.measurement.as_ref().map(take);
+            let families =
+                [Some(&mut self.position_rad), self.velocity_rad_s.as_mut(), self.measurement.as_mut()];
+            for family in families.into_iter().flatten() {
+                *family = places.iter().map(|place| family[*place].clone()).collect();
+            }
             self.report.remarks.push(format!("joints by name, in this order: {}", robot.names.join(", ")));
         } else if self.joints() != robot.count {
             let names = self.joints.names();

@@ -5,10 +5,31 @@ use std::{
     sync::Arc,
 };
 
-use aurt_experiment::{BASE_PARAMETER_SEED, Experiment, RigidBodyDynamics};
+use aurt::{
+    Role,
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    fitting::Assigned,
+};
+use aurt_doctor::{
+    doctor::{self, Subject},
+    inspection::{
+        inspected::{Inspected, rest},
+        joints::suitable_f_dyn_hz,
+        judged::{Judged, plain_friction},
+    },
+    report::Checked,
+};
+use aurt_experiment::Experiment;
+use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{MdhTable, RobotDescription};
 use aurt_recording::RobotJoints;
+use aurt_report::{rendering::text::wrapped, reports};
 use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
+use aurt_workbench::{
+    experiments::source,
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -22,22 +43,7 @@ use super::{
 };
 use crate::{
     arguments::{Gravity, parse_gravity, parse_positive},
-    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
-    doctor::{self, Subject},
-    failure::Failure,
-    fitting::Assigned,
-    inspection::{
-        inspected::{Inspected, rest},
-        joints::suitable_f_dyn_hz,
-        judged::{Judged, plain_friction},
-    },
-    output::{OutputFolder, Outputs},
-    rendering::{
-        terminal::{Emphasis, Report, Terminal},
-        text::wrapped,
-    },
-    reports::{self, recording::Checked},
-    results::metrics::Role,
+    rendering::terminal::{Emphasis, Report, Terminal},
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
@@ -160,8 +166,8 @@ impl Check {
             return self.recordings.iter().map(|f| (self.reading.source(f), Role::Calibration)).collect();
         };
         let recordings = &experiment.recordings;
-        let calibration = recordings.calibration.iter().map(|r| (Source::from(r), Role::Calibration));
-        calibration.chain(recordings.validation.iter().map(|r| (Source::from(r), Role::Validation))).collect()
+        let calibration = recordings.calibration.iter().map(|r| (source(r), Role::Calibration));
+        calibration.chain(recordings.validation.iter().map(|r| (source(r), Role::Validation))).collect()
     }
 
     /// Pages and figures; of several recordings each in a folder of its own.

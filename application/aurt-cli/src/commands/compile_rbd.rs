@@ -2,20 +2,20 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use aurt_experiment::{
+use aurt::file_contents;
+use aurt_model::{
     BASE_PARAMETER_SEED, RigidBodyDynamics,
     model_file::{read_base_parameters, rigid_body_to_json},
 };
 use aurt_rbd::{MdhRows, MdhTable, SerialChain};
+use aurt_report::rendering::table::Table;
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use crate::{
     arguments::{Gravity, parse_gravity},
-    calibrated_file::file_contents,
-    failure::Failure,
-    output::OutputFile,
-    rendering::{table::Table, terminal::Report},
+    rendering::terminal::Report,
 };
 
 /// Compile rigid-body dynamics from modified Denavit–Hartenberg parameters.

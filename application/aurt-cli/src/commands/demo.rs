@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
+use aurt_report::rendering::{number::significant, table::Table, text::wrapped};
+use aurt_workbench::{demo, failure::Failure, output::OutputFolder};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -12,17 +14,7 @@ use super::{
     diagnose::Diagnose,
     run::{fit_experiment_watched, write_results},
 };
-use crate::{
-    demo,
-    failure::Failure,
-    output::OutputFolder,
-    rendering::{
-        number::significant,
-        table::Table,
-        terminal::{Emphasis, Report},
-        text::wrapped,
-    },
-};
+use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
 ///

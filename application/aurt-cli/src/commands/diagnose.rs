@@ -2,26 +2,26 @@
 
 use std::path::PathBuf;
 
-use aurt::{ChainEnds, GivenModel};
 use aurt_diagnosis::Learnt;
-use aurt_experiment::{Experiment, Registry};
+use aurt_doctor::doctor::{self, Examination, Subject};
+use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use aurt_plugins::Registry;
+use aurt_report::{rendering::text::wrapped, reports};
+use aurt_workbench::{
+    described_model::{ChainEnds, GivenModel},
+    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    results::diagnosed_series,
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
-    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
-    doctor::{self, Examination, Subject},
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    rendering::{
-        json::pretty,
-        terminal::{Report, Terminal},
-        text::wrapped,
-    },
-    reports,
-    results::diagnosed_series,
+    rendering::terminal::{Report, Terminal},
 };
 
 /// Locate the mismatch between a model and recordings, name the missing physics, and model it.
@@ -153,8 +153,8 @@ impl Diagnose {
         }
         let mut json = diagnosis.document.clone();
         json["command"] = json!("diagnose");
-        json["warnings"] =
-            json!(diagnosis.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings));
+        let improved = diagnosis.improved.iter().flat_map(|i| &i.model.calibration.warnings);
+        json["warnings"] = json!(diagnosis.verdict.warnings.iter().chain(improved).collect::<Vec<_>>());
         json["notes"] = json!(notes);
         json["outputs"] = json!(written);
         json["setup"] = json!(setup.as_ref().map(Examination::to_json));

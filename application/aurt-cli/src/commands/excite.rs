@@ -7,6 +7,7 @@ use aurt_simulation::{
     trajectory::{ExcitationOptions, MultiSineOptions, excite, excite_bodies},
 };
 use aurt_traits::RigidBodyRegressor;
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -14,7 +15,7 @@ use super::{
     Session,
     planned_robot::{PlannedRobot, PlannedRobotOptions},
 };
-use crate::{failure::Failure, output::OutputFile, rendering::terminal::Report};
+use crate::rendering::terminal::Report;
 
 /// Plan motions for a robot, within its limits.
 ///

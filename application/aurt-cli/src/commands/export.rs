@@ -2,19 +2,17 @@
 
 use std::path::PathBuf;
 
+use aurt_report::rendering::text::wrapped;
+use aurt_workbench::{
+    exporting::{Kind, Target, Version, correct_mjcf, export},
+    failure::Failure,
+    output::OutputFolder,
+};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    exporting::{Kind, Target, Version, correct_mjcf, export},
-    failure::Failure,
-    output::OutputFolder,
-    rendering::{
-        terminal::{Emphasis, Report},
-        text::wrapped,
-    },
-};
+use crate::rendering::terminal::{Emphasis, Report};
 
 /// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI.
 ///

@@ -4,16 +4,19 @@ use std::path::PathBuf;
 
 use aurt_calibration::KnownLoad;
 use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use aurt_workbench::{
+    failure::Failure,
+    gains::{Question, drive_gains},
+    output::{OutputFolder, Outputs},
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, run::written_text};
 use crate::{
     arguments::{Position, parse_not_negative, parse_position, parse_positive},
-    failure::Failure,
-    gains::{Question, drive_gains},
-    output::{OutputFolder, Outputs},
-    rendering::{json::pretty, terminal::Report},
+    rendering::terminal::Report,
 };
 
 /// Estimate the gains of the drives: their ratios from unloaded motion, the common factor from a load of known mass.

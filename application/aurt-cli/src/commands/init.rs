@@ -5,17 +5,19 @@ use std::{
     path::PathBuf,
 };
 
+use aurt_doctor::{
+    doctor::Examination,
+    first_experiment::{Known, draft},
+};
+use aurt_report::rendering::text::wrapped;
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
     arguments::{Constants, Gravity, parse_gravity, parse_torque_constants},
-    doctor::Examination,
-    failure::Failure,
-    first_experiment::{Known, draft},
-    output::OutputFile,
-    rendering::{terminal::Report, text::wrapped},
+    rendering::terminal::Report,
 };
 
 /// Write an experiment for a robot and its logs.

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use aurt_plugins::{PluginLanguage, new_plugin};
+use aurt_workbench::failure::Failure;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::{failure::Failure, rendering::terminal::Report};
+use crate::rendering::terminal::Report;
 
 /// Write a plugin with a model to start from.
 ///

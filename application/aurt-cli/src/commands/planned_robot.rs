@@ -5,18 +5,15 @@ use std::{
     sync::Arc,
 };
 
-use aurt::table_file::TableFile;
 use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
 use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};
 use aurt_traits::RigidBodyRegressor;
+use aurt_workbench::{failure::Failure, table_file::TableFile};
 use clap::Args;
 
 use super::compile_rbd::Rows;
-use crate::{
-    arguments::{Gravity, parse_gravity},
-    failure::Failure,
-};
+use crate::arguments::{Gravity, parse_gravity};
 
 /// Which robot, and what its limits are.
 #[derive(Debug, Args)]

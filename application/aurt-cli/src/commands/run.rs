@@ -2,26 +2,28 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt::rendering::style::Style;
+use aurt::Outcome;
 use aurt_experiment::Experiment;
+use aurt_output::pretty;
 use aurt_rbd::RobotDescription;
-use aurt_report::Page;
+use aurt_report::{
+    Page,
+    rendering::style::Style,
+    reports,
+    results::{metrics::Results, parameters},
+};
+use aurt_workbench::{
+    experiments::{fit_and_keep, fit_experiment, job},
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    results::series::{self, SeriesFormat},
+    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
+};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
-use crate::{
-    failure::Failure,
-    fitting::{Job, Outcome, fit_and_keep, fit_experiment},
-    output::{OutputFolder, Outputs},
-    rendering::{
-        json::pretty,
-        terminal::{Report, Terminal},
-    },
-    reports,
-    results::{metrics::Results, parameters, series::SeriesFormat},
-    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
-};
+use crate::rendering::terminal::{Report, Terminal};
 
 /// Calibrate and validate the model of an experiment file.
 ///
@@ -97,7 +99,7 @@ impl Run {
         let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
         if let Some(name) = self.series {
-            let series = Job::of(&experiment)?.series(&outcome.calibrated, &recordings, name.format())?;
+            let series = series::files(&job(&experiment)?, &outcome.calibrated, &recordings, name.format())?;
             outcome.predictions.extend(series);
         }
         progress.step("looking for mistakes of the setup");
@@ -149,7 +151,8 @@ struct Written {
 impl Written {
     fn new(command: &str, experiment: &Experiment, outcome: &Outcome, style: Style) -> Result<Self, Failure> {
         let calibrated = &outcome.calibrated;
-        let notes = experiment.robot.geometry.notes();
+        let mut notes = experiment.robot.geometry.notes();
+        notes.extend(experiment.notes.clone());
         let results = Results {
             model: &calibrated.model,
             calibration: &calibrated.calibration,

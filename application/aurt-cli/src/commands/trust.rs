@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use aurt_plugins::Trust;
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::{failure::Failure, rendering::terminal::Report};
+use crate::rendering::terminal::Report;
 
 /// Trust model libraries that experiments name, or list trusted ones.
 ///
