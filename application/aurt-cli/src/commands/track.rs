@@ -25,7 +25,7 @@ use crate::{
     rendering::terminal::Report,
 };
 
-/// Follow a calibrated machine through recordings: drift of friction, gains and load, and alarms when it changes.
+/// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
 ///
 /// The experiment's own recordings are the unchanged machine, from which it learns how much estimates vary anyway. Exit
 /// status 1 if something has changed; `aurt diagnose` with that recording as target names the physics.
