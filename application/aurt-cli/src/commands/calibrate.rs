@@ -27,8 +27,8 @@ use super::{
     run::written_text,
 };
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::Report,
+    values::{Gravity, parse_gravity},
 };
 
 /// Calibrate robot dynamics on recordings.

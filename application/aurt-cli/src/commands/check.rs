@@ -42,8 +42,8 @@ use super::{
     run::{drawn_text, written_text},
 };
 use crate::{
-    arguments::{Gravity, parse_gravity, parse_positive},
     rendering::terminal::{Emphasis, Report, Terminal},
+    values::{Gravity, parse_gravity, parse_positive},
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.

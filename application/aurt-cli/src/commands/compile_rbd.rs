@@ -14,8 +14,8 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::Report,
+    values::{Gravity, parse_gravity},
 };
 
 /// Compile rigid-body dynamics from modified Denavit–Hartenberg parameters.

@@ -10,7 +10,7 @@ use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
 
-use crate::arguments::{Constants, parse_positive, parse_torque_constants};
+use crate::values::{Constants, parse_positive, parse_torque_constants};
 
 /// How to read recordings.
 #[derive(Debug, Args)]

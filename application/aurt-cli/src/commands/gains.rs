@@ -15,8 +15,8 @@ use serde_json::json;
 
 use super::{Session, run::written_text};
 use crate::{
-    arguments::{Position, parse_not_negative, parse_position, parse_positive},
     rendering::terminal::Report,
+    values::{Position, parse_not_negative, parse_position, parse_positive},
 };
 
 /// Estimate the gains of the drives: their ratios from unloaded motion, the common factor from a load of known mass.

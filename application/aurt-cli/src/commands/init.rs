@@ -16,8 +16,8 @@ use serde_json::json;
 
 use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
-    arguments::{Constants, Gravity, parse_gravity, parse_torque_constants},
     rendering::terminal::Report,
+    values::{Constants, Gravity, parse_gravity, parse_torque_constants},
 };
 
 /// Write an experiment for a robot and its logs.

@@ -13,7 +13,7 @@ use aurt_workbench::{failure::Failure, table_file::TableFile};
 use clap::Args;
 
 use super::compile_rbd::Rows;
-use crate::arguments::{Gravity, parse_gravity};
+use crate::values::{Gravity, parse_gravity};
 
 /// Which robot, and what its limits are.
 #[derive(Debug, Args)]

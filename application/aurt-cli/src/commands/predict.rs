@@ -16,8 +16,8 @@ use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::{Emphasis, Report},
+    values::{Gravity, parse_gravity},
 };
 
 /// Predict currents or torques of a motion.

@@ -14,7 +14,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
-use crate::{arguments::parse_positive, rendering::terminal::Report};
+use crate::{rendering::terminal::Report, values::parse_positive};
 
 /// Simulate a calibrated model, or a robot with chosen effects.
 ///

@@ -20,9 +20,9 @@ use serde_json::json;
 
 use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
-    arguments::parse_positive,
     commands::run::{drawn_text, written_text},
     rendering::terminal::Report,
+    values::parse_positive,
 };
 
 /// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
