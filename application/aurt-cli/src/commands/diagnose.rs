@@ -93,7 +93,7 @@ impl Diagnose {
 
     /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let learnt = self.learnt.as_deref().map(Learnt::read).transpose()?;
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;

@@ -50,7 +50,7 @@ pub struct GainsCommand {
 impl GainsCommand {
     /// Estimates.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = self.out.as_ref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let load = self.mass_kg.map(|mass_kg| KnownLoad {

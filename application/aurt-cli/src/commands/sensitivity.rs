@@ -57,7 +57,7 @@ const RESULTS: &str = "sensitivity.json";
 impl Sensitivity {
     /// Searches the limits.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;

@@ -73,7 +73,7 @@ const SHORTEST_WINDOW_S: f64 = 1.0;
 impl Track {
     /// Tracks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         if self.window_s < SHORTEST_WINDOW_S {
