@@ -160,3 +160,25 @@ fn what_acts_on_joints_beside_is_noted() {
         assert!(notes.contains(part), "{part}\n---\n{notes}");
     }
 }
+
+/// Reading takes time in proportion to the file: what grows with its square would take minutes.
+#[test]
+fn files_of_many_bodies_are_read_at_once() {
+    let body = |k: usize, hinge: &str| {
+        format!(
+            "<body name=\"b{k}\">{hinge}<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body>\n"
+        )
+    };
+    let hinge = "<joint axis=\"0 0 1\"/>";
+    let siblings: String = (0..40_000).map(|k| body(k, "")).collect();
+    let moving: String = (0..40_000).map(|k| body(k, hinge)).collect();
+    let begin = std::time::Instant::now();
+    let of = |bodies: &str| {
+        format!("<mujoco><worldbody><body name=\"arm\">{hinge}{bodies}</body></worldbody></mujoco>")
+    };
+    let arm = parse(&of(&siblings), "many.xml", None, None).unwrap();
+    assert_eq!(arm.standard_parameters.unwrap()[9], 40_000.0);
+    let error = parse(&of(&moving), "many.xml", None, None).unwrap_err().to_string();
+    assert!(error.contains("and 39960 more"), "{error}");
+    assert!(begin.elapsed().as_secs() < 30, "{:?}", begin.elapsed());
+}

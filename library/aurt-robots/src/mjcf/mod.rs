@@ -6,13 +6,15 @@ mod orientation;
 mod places;
 mod settings;
 
+use std::cell::OnceCell;
+use std::collections::HashSet;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
 use crate::body::Body;
-use crate::element::{Element, line_of};
+use crate::element::{Element, Source};
 use crate::pose::Pose;
 use crate::tree::{BodyPlace, Freedom, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
@@ -34,10 +36,18 @@ const ACTING: [&str; 2] = ["equality", "tendon"];
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let name = root.attribute("model").unwrap_or_default().to_owned();
     let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new(), place: None };
-    let tree = Tree { path: path.into(), name, links: vec![world], joints: Vec::new(), notes: Vec::new() };
+    let tree = Tree {
+        path: path.into(),
+        name,
+        links: vec![world],
+        joints: Vec::new(),
+        notes: Vec::new(),
+        followed: OnceCell::new(),
+    };
+    let source = Source::of(root, path);
     let mut errors = Vec::new();
     for node in root.descendants().filter(|n| GENERATING.contains(&n.tag_name().name())) {
-        let element = Element { node, what: format!("<{}>", node.tag_name().name()), path };
+        let element = Element { node, what: format!("<{}>", node.tag_name().name()), source: &source };
         errors.push(element.error(
             "generates or opens other elements, which is not done here; let MuJoCo write the file out: \
              mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
@@ -46,10 +56,11 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
     if !errors.is_empty() {
         return Err(RobotErrors(errors));
     }
-    let settings = Settings::read(root, path)?;
+    let settings = Settings::read(root, &source)?;
     let classes = Classes::read(root);
     let mut reader = Reader {
-        path,
+        source: &source,
+        taken: HashSet::from([WORLD.to_owned()]),
         settings,
         classes: &classes,
         tree,
@@ -79,7 +90,9 @@ struct Own<'x> {
 }
 
 struct Reader<'a, 'x> {
-    path: &'a Path,
+    source: &'a Source<'a>,
+    /// Names of links.
+    taken: HashSet<String>,
     settings: Settings,
     classes: &'a Classes<'x>,
     tree: Tree,
@@ -144,7 +157,7 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 
     fn element(&self, node: Node<'x, 'x>, what: String) -> Element<'a, 'x> {
-        Element { node, what, path: self.path }
+        Element { node, what, source: self.source }
     }
 
     /// Reads a body with its joints; its link, and its frame in that.
@@ -155,8 +168,8 @@ impl<'a, 'x> Reader<'a, 'x> {
         if let Some(class) = self.classes.unknown(node) {
             return Err(element.error(format!("there is no class `{class}` under <default>")));
         }
-        if let Some(taken) = self.tree.links.iter().find(|l| l.name == name) {
-            return Err(element.error(format!("the name `{}` is taken; rename one of the two", taken.name)));
+        if self.taken.contains(&name) {
+            return Err(element.error(format!("the name `{name}` is taken; rename one of the two")));
         }
         for frame in node.children().filter(|c| c.has_tag_name("frame")) {
             self.settings.angles.pose(&self.element(frame, format!("body {name}, <frame>")))?;
@@ -210,7 +223,9 @@ impl<'a, 'x> Reader<'a, 'x> {
                 let element = self.element(own.node, format!("body {name}, <inertial>"));
                 self.tree.links[link].body = Some(self.inertial(&element, &before.then(&own.frame))?);
             }
-            None if inside.iter().any(|o| self.has_mass(o)) => self.shapes.push((link, line_of(node))),
+            None if inside.iter().any(|o| self.has_mass(o)) => {
+                self.shapes.push((link, self.source.line(node)))
+            }
             None => {}
         }
         Ok((link, before))
@@ -224,6 +239,7 @@ impl<'a, 'x> Reader<'a, 'x> {
         (limits, friction, armature): (JointLimits, JointFriction, f64),
     ) -> usize {
         let (child, joint) = (self.tree.links.len(), self.tree.joints.len());
+        self.taken.insert(name.clone());
         self.tree.links.push(TreeLink {
             name,
             body: None,
@@ -234,7 +250,7 @@ impl<'a, 'x> Reader<'a, 'x> {
         self.tree.links[parent].children.push(joint);
         self.tree.joints.push(TreeJoint {
             name: joint_name,
-            line: line_of(node),
+            line: self.source.line(node),
             start: node.range().start,
             parent,
             child,
@@ -293,13 +309,17 @@ impl<'a, 'x> Reader<'a, 'x> {
             }
             return;
         }
+        // A link comes after the one that it hangs on.
+        let mut moves = vec![false; self.tree.links.len()];
+        for joint in &self.tree.joints {
+            moves[joint.child] = moves[joint.parent] || joint.freedom != Freedom::Fixed;
+        }
         for (link, line) in std::mem::take(&mut self.shapes) {
-            let hung = self.tree.path_between(0, link).unwrap_or_default();
-            if hung.iter().all(|j| self.tree.joints[*j].freedom == Freedom::Fixed) {
+            if !moves[link] {
                 continue;
             }
             self.errors.push(RobotError::Element {
-                path: self.path.into(),
+                path: self.source.path.into(),
                 line,
                 what: format!("body {}", self.tree.links[link].name),
                 reason: format!(

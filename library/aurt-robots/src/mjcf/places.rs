@@ -1,15 +1,17 @@
 //! Where an MJCF file has the bodies and joints of a chain, for programs that correct it in place.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use aurt_rbd::INERTIAL_PARAMETERS;
 use roxmltree::Node;
 
 use super::{ROOT, classes::Classes, settings::Settings};
+use crate::element::{self, Source};
 use crate::pose::Pose;
 use crate::serial::{self, Part};
 use crate::tree::{Freedom, Tree};
-use crate::{DescribedRobot, RobotError, RobotErrors, element, selection};
+use crate::{DescribedRobot, RobotError, RobotErrors, selection};
 
 /// A link of a chain, as an MJCF file has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,15 +86,16 @@ pub fn mjcf_links(
     }
     let tree = super::read(root, path)?;
     let selection = selection::select(&tree, base, tip)?;
-    let settings = Settings::read(root, path)?;
+    let settings = Settings::read(root, &Source::of(root, path))?;
     let classes = Classes::read(root);
     let (links, _) = serial::links(&tree, &selection);
+    let elements = root.descendants().filter(Node::is_element);
+    let nodes: HashMap<usize, Node<'_, '_>> = elements.map(|node| (node.range().start, node)).collect();
     let mut found = Vec::new();
     for link in &links {
         let joint = &tree.joints[link.joint];
         // The tree was read from this document, so the element is there.
-        let node = root.descendants().find(|n| n.is_element() && n.range().start == joint.start);
-        let Some(node) = node else { continue };
+        let Some(node) = nodes.get(&joint.start).copied() else { continue };
         let unit = if matches!(joint.freedom, Freedom::Turns(_)) { settings.angles.unit_rad } else { 1.0 };
         let bodies = || link.parts.iter().map(|part| body(&tree, part));
         found.push(MjcfLink {

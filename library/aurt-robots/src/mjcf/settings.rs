@@ -1,12 +1,10 @@
 //! `<compiler>`: how the file is to be read.
 
-use std::path::Path;
-
 use roxmltree::Node;
 
 use super::orientation::Angles;
 use crate::RobotError;
-use crate::element::Element;
+use crate::element::{Element, Source};
 
 /// Where bodies have their masses from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +27,7 @@ pub(super) struct Settings {
 
 impl Settings {
     /// The settings of a file; later `<compiler>` elements overrule earlier ones.
-    pub fn read(root: Node<'_, '_>, path: &Path) -> Result<Self, RobotError> {
+    pub fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Self, RobotError> {
         let mut settings = Self {
             angles: Angles::DEFAULT,
             autolimits: true,
@@ -37,7 +35,7 @@ impl Settings {
             mass_groups: [0.0, 5.0],
         };
         for node in root.children().filter(|c| c.has_tag_name("compiler")) {
-            settings.take(&Element { node, what: "<compiler>".into(), path })?;
+            settings.take(&Element { node, what: "<compiler>".into(), source })?;
         }
         Ok(settings)
     }

@@ -266,7 +266,18 @@ impl Plant {
         }
         self.accelerate(state, rates)?;
         self.note_holding_levels(time_s, state);
-        Ok(())
+        let Some(index) = rates.iter().position(|rate| !rate.is_finite()) else { return Ok(()) };
+        let joint = (0..n).find(|j| !rates[self.shaft_velocity_index(*j)].is_finite()).unwrap_or(index % n);
+        Err(self.not_finite(joint, time_s, "acceleration"))
+    }
+
+    /// What no method of integration can follow: a torque of a contact that is too large for a number, or none.
+    pub fn not_finite(&self, contact: usize, time_s: f64, what: &str) -> SimulationError {
+        let rotor = contact.checked_sub(self.joints).map(|k| &self.machine.couplings[k]);
+        let joint = rotor.map_or(contact, |rotor| rotor.ratios.first().map_or(0, |(joint, _)| *joint));
+        let reason =
+            format!("its {what} is not finite; a value of the robot, the motion or an effect is absurd");
+        SimulationError::Diverged { joint, time_s, reason }
     }
 
     /// Accelerations from the net torques on the shafts, load-dependent friction solved for.
