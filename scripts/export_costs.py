@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 MDH = "alpha,a,d\npi/2,0,0.1807\n0,-0.6127,0\n0,-0.57155,0\npi/2,0,0.17415\n-pi/2,0,0.11985\n0,0,0.11655\n"
-FRICTION = {"coulomb": '{ model = "none" }', "hysteresis": '{ model = "sign" }',
+FRICTION = {"coulomb": '{ model = "constant" }', "hysteresis": '{ model = "sign" }',
             "viscous": '{ model = "polynomial", powers = [1] }'}
 DYNAMICS = "[joint_dynamics]\n" + "\n".join(f"{k} = {v}" for k, v in FRICTION.items())
 OWN = '[[arm_terms]]\nmodel = "rotor_inertia"\n'
@@ -21,10 +21,10 @@ OWN = '[[arm_terms]]\nmodel = "rotor_inertia"\n'
 # What is left out; the effect of the simulation; the model that has it, as (joint dynamics, arm terms).
 CASES = [
     ("friction that grows with the load, 0.1 Nm/Nm", 'name = "load_dependent_friction"\njoints = [1]\nload_coefficient = [0.1]',
-     DYNAMICS.replace('"none"', '"absolute"'), OWN),
+     DYNAMICS.replace('"constant"', '"absolute"'), OWN),
     ("Stribeck effect, 8 Nm within 0.05 rad/s",
      'name = "stribeck"\njoints = [1]\nexcess_nm = [8.0]\ncoulomb_nm = [10.0]\nstribeck_velocity_rad_s = 0.05\nexponent = 1.0',
-     DYNAMICS.replace('"none"', '"stribeck"'), OWN),
+     DYNAMICS.replace('"constant"', '"stribeck"'), OWN),
     ("presliding over 10 mrad",
      'name = "presliding_hysteresis"\njoints = [1]\ndistance_rad = [0.01]\nmodel = "gms"\ndamping_share = 0.0',
      DYNAMICS.replace('"sign"', '"dahl"'), OWN),

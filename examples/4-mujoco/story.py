@@ -33,7 +33,7 @@ gravity_m_s2 = [0.0, 0.0, -9.81]
 torque_constants_nm_per_a = {constants}
 
 [joint_dynamics]                       # what MuJoCo has words for: frictionloss and damping …
-coulomb = {{ model = "none" }}
+coulomb = {{ model = "constant" }}
 hysteresis = {{ model = "sign" }}
 viscous = {{ model = "polynomial", powers = [1] }}
 

@@ -101,7 +101,7 @@ def ours(aurt, data, folder):
             validation = ", ".join(f'"{folder}/{name}.csv"' for name in HELD_OUT)
             experiment.write_text(
                 f'schema = 1\n[robot]\nmdh = "{data}/ur10e/mdh.csv"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n'
-                '[joint_dynamics]\ncoulomb = { model = "none" }\nviscous = { model = "polynomial", powers = [1] }\n'
+                '[joint_dynamics]\ncoulomb = { model = "constant" }\nviscous = { model = "polynomial", powers = [1] }\n'
                 f'[recordings]\ncalibration = ["{folder}/calibration.csv"]\nvalidation = [{validation}]\n'
                 f'[preprocess]\nf_dyn_hz = {F_DYN_HZ}\n[calibration]\nestimator = "{estimator}"\n'
             )

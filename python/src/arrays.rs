@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use aurt::traits::Motion;
+use aurt_workbench::failure::Failure;
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray,
     PyUntypedArrayMethods,
@@ -123,7 +124,7 @@ impl View<'_> {
     ///
     /// # Errors
     /// The first value that is not finite.
-    fn joint_after_joint(&self, rows: &Range<usize>) -> Result<Vec<f64>, aurt::Error> {
+    fn joint_after_joint(&self, rows: &Range<usize>) -> Result<Vec<f64>, Failure> {
         let (joints, count) = (self.values.ncols(), rows.len());
         let mut series = Vec::with_capacity(joints * count);
         match self.values.to_slice() {
@@ -144,7 +145,7 @@ impl View<'_> {
             None => Ok(series),
             Some(place) => {
                 let (joint, row) = (place / rows.len(), rows.start + place % rows.len());
-                Err(aurt::Error::Argument {
+                Err(Failure::Argument {
                     option: self.name,
                     reason: format!("sample {row} of joint {joint} is {}, no finite number", series[place]),
                     remedy: "remove such samples first".into(),
@@ -207,7 +208,7 @@ impl<'py> States<'py> {
 
     /// Calls `work` with every stretch of `at_once` samples and its first sample, without the interpreter's lock; signals
     /// are heard every so often.
-    pub fn for_each<E: Into<aurt::Error> + Send>(
+    pub fn for_each<E: Into<Failure> + Send>(
         &self,
         py: Python<'_>,
         at_once: usize,
@@ -221,7 +222,7 @@ impl<'py> States<'py> {
         for first in (0..self.samples()).step_by(HEARD_EVERY) {
             let end = (first + HEARD_EVERY).min(self.samples());
             py.check_signals()?;
-            py.detach(|| -> Result<(), aurt::Error> {
+            py.detach(|| -> Result<(), Failure> {
                 for start in (first..end).step_by(at_once) {
                     let rows = start..(start + at_once).min(end);
                     let times = time_s.map_or_else(|| vec![0.0; rows.len()], |t| t[rows.clone()].to_vec());

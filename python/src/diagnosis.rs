@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use aurt::{
-    CalibratedModel, Diagnoser, DiagnosisOptions, Explanation, diagnosing::diagnose_experiment as diagnosed,
-    prelude::Report as Page, rendering::style::Style, traits::RobotModel,
-};
-use aurt_experiment::{Experiment, Registry};
+use aurt::{CalibratedModel, Diagnoser, Explanation, traits::RobotModel};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
+use aurt_workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
+use aurt_workbench::failure::Failure;
 use pyo3::{prelude::*, types::PyDict};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::{
     error::refused,
@@ -64,8 +65,10 @@ pub fn diagnose(
             diagnoser = diagnoser.validation(recording);
         }
         let explanation = diagnoser.explain(progress)?;
-        let (found, text) = (explanation.is_found(), explanation.to_text(Style::PLAIN));
-        let Explanation { document, added, notes, model, report: page, .. } = explanation;
+        let document = json!(explanation.diagnosis.verdict);
+        let (found, text) = (explanation.diagnosis.is_found(), Shown::of(&explanation).to_text(Style::PLAIN));
+        let page = Diagnosed::of(&explanation, &document).page();
+        let Explanation { added, notes, model, .. } = explanation;
         Ok(Verdict { found, document, text, added, notes, model, page })
     })
 }
@@ -87,7 +90,7 @@ pub fn diagnose_experiment(
         let diagnosis = diagnosed(&experiment, &mut registry, &options, progress)?;
         let (found, text) = (diagnosis.is_found(), diagnosis.to_text(Style::PLAIN));
         let Some(improved) = diagnosis.improved else {
-            return Err(aurt::Error::Argument {
+            return Err(Failure::Argument {
                 option: "path",
                 reason: "the experiment gives no improved model".into(),
                 remedy: "diagnose it with `aurt diagnose --verdict-only`".into(),

@@ -1,5 +1,6 @@
 //! Errors of the library as Python exceptions.
 
+use aurt_workbench::failure::Failure;
 use pyo3::{PyErr, create_exception, exceptions::PyValueError};
 
 create_exception!(
@@ -10,7 +11,7 @@ create_exception!(
 );
 
 /// The exception of a failure, in the words of the command line.
-pub fn raised(failure: impl Into<aurt::Error>) -> PyErr {
+pub fn raised(failure: impl Into<Failure>) -> PyErr {
     Error::new_err(failure.into().to_string())
 }
 

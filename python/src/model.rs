@@ -2,8 +2,11 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use aurt::{CalibratedModel, Calibrator, Outcome, TorqueSeries, fitting::fit_experiment, traits::RobotModel};
-use aurt_experiment::{Experiment, Registry};
+use aurt::{CalibratedModel, Calibrator, Outcome, TorqueSeries, traits::RobotModel};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_report::reports::calibration;
+use aurt_workbench::experiments::fit_experiment;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use serde_json::json;
@@ -143,7 +146,7 @@ impl Model {
     /// What the model predicts at every stamp of a recording, preprocessed as the model's own were; (samples, joints).
     fn predict<'py>(&self, py: Python<'py>, recording: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
-        let predicted = work::run(py, None, move |_| model.predict_at_stamps(&recording))?;
+        let predicted = work::run(py, None, move |_| Ok(model.predict_at_stamps(&recording)?))?;
         if predicted.iter().flatten().any(|value| !value.is_finite()) {
             return Err(refused(
                 "the prediction holds what is no number; the motion is far beyond that of a robot",
@@ -181,7 +184,7 @@ impl Model {
             }
         };
         let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
-        Ok(Recording::of(work::run(py, None, move |progress| model.moved(&recording, drive, progress))?))
+        Ok(Recording::of(work::run(py, None, move |progress| Ok(model.moved(&recording, drive, progress)?))?))
     }
 
     /// The coefficients as rows: name, unit, value, std_dev, relative_std_dev_percent, interval_95, excited.
@@ -245,7 +248,7 @@ impl Model {
         let outcome = self.outcome.as_ref().ok_or_else(|| {
             refused("this model has no recordings to report on; those that calibrate() gives have")
         })?;
-        Ok(Report::of(&aurt::report(outcome)))
+        Ok(Report::of(&calibration::of_outcome(outcome)))
     }
 
     fn __repr__(&self) -> String {

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use aurt::output::OutputFile;
+use aurt_report::Page;
+use aurt_workbench::output::OutputFile;
 use pyo3::prelude::*;
 
 use crate::error::raised;
@@ -15,7 +16,7 @@ pub struct Report {
 }
 
 impl Report {
-    pub fn of(page: &aurt::prelude::Report) -> Self {
+    pub fn of(page: &Page) -> Self {
         Self { html: page.to_html(), title: page.title.clone() }
     }
 

@@ -2,16 +2,22 @@
 
 use std::sync::Arc;
 
-use aurt::traits::{RegressorTile, RobotModel};
+use aurt::{
+    Friction,
+    traits::{RegressorTile, RobotModel},
+};
+use aurt_plugins::{Registry, SlotModel};
+use aurt_workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 use crate::{
     arrays::{States, all_finite, vector},
     error::{raised, refused},
     friction,
-    rows::{inline_table, json_of, rows},
+    rows::{json_of, rows},
 };
 
 /// Earth's gravity in a base frame whose z axis points up, m/s².
@@ -174,7 +180,7 @@ impl Robot {
                 let to = rows.iter_mut().skip(entry).step_by(joints * count);
                 to.zip(&column[..samples]).for_each(|(to, from)| *to = *from);
             }
-            Ok::<(), aurt::Error>(())
+            Ok::<(), Failure>(())
         })?;
         let shape = [states.samples(), joints, count];
         let array: Bound<'py, PyArray3<f64>> = PyArray1::from_vec(py, values).reshape(shape)?;
@@ -223,31 +229,24 @@ impl Robot {
         viscous: Option<&Bound<'_, PyAny>>,
         arm_terms: Option<Vec<Bound<'_, PyAny>>>,
     ) -> PyResult<Structure> {
-        let mut builder = self.inner.model();
-        if let Some(given) = coulomb {
-            builder = match written("coulomb", given)? {
-                Some(text) => builder.coulomb(text),
-                None => builder.coulomb_model(friction::coulomb(given)?),
-            };
-        }
-        if let Some(given) = hysteresis {
-            builder = match written("hysteresis", given)? {
-                Some(text) => builder.hysteresis(text),
-                None => builder.hysteresis_model(friction::hysteresis(given)?),
-            };
-        }
-        if let Some(given) = viscous {
-            builder = match written("viscous", given)? {
-                Some(text) => builder.viscous(text),
-                None => builder.viscous_model(friction::viscous(given)?),
-            };
-        }
+        let registry = Registry::linked().map_err(raised)?;
+        let named = Named { registry: &registry };
+        let friction = Friction::new(
+            named.model("coulomb", coulomb, json!({ "model": "constant" }), friction::coulomb)?,
+            named.model("hysteresis", hysteresis, json!({ "model": "sign" }), friction::hysteresis)?,
+            named.model(
+                "viscous",
+                viscous,
+                json!({ "model": "polynomial", "powers": [1] }),
+                friction::viscous,
+            )?,
+        );
+        let mut builder = self.inner.model().friction(friction);
         for term in arm_terms.unwrap_or_default() {
-            let text = written("arm_terms", &term)?;
-            builder = builder.arm_term(text.ok_or_else(|| {
-                PyTypeError::new_err(
+            builder = builder.boxed_arm_term(named.model("arm_terms", Some(&term), Value::Null, |_| {
+                Err(PyTypeError::new_err(
                     "an arm term is a name or a dict; models in Python are friction of joints",
-                )
+                ))
             })?);
         }
         let model = py.detach(|| builder.build()).map_err(raised)?;
@@ -280,15 +279,30 @@ impl Robot {
     }
 }
 
-/// A friction model as experiments write it: a name, or a dict with `model` and its keys; `None` of anything else.
-fn written(what: &str, given: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
-    if let Ok(name) = given.extract::<String>() {
-        return Ok(Some(name));
+/// Models as experiments write them: by name, or as a dict with `model` and its keys.
+struct Named<'a> {
+    registry: &'a Registry,
+}
+
+impl Named<'_> {
+    /// The model that is given, `default` if none is, and what `own` makes of an object that is neither name nor dict.
+    fn model<M: SlotModel + ?Sized>(
+        &self,
+        what: &str,
+        given: Option<&Bound<'_, PyAny>>,
+        default: Value,
+        own: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<Box<M>>,
+    ) -> PyResult<Box<M>> {
+        let table = match given {
+            None => default,
+            Some(given) => match given.extract::<String>() {
+                Ok(name) => json!({ "model": name }),
+                Err(_) if given.is_instance_of::<PyDict>() => json_of(what, given)?,
+                Err(_) => return own(given),
+            },
+        };
+        self.registry.build_from_json(&table).map_err(raised)
     }
-    if given.is_instance_of::<PyDict>() {
-        return Ok(Some(inline_table(&json_of(what, given)?)));
-    }
-    Ok(None)
 }
 
 /// Torques of samples and joints as they come, tile by tile.
@@ -321,7 +335,7 @@ impl Torque<'_> {
         samples: usize,
         tile: &[f64],
         stride: usize,
-    ) -> Result<(), aurt::Error> {
+    ) -> Result<(), Failure> {
         let joints = self.joints;
         let rows = &mut self.values[first * joints..(first + samples) * joints];
         for joint in 0..joints {
@@ -334,7 +348,7 @@ impl Torque<'_> {
             return Ok(());
         }
         let place = rows.iter().position(|value| !value.is_finite()).unwrap_or(0);
-        Err(aurt::Error::Argument {
+        Err(Failure::Argument {
             option: "torque",
             reason: format!(
                 "the torque of joint {} at sample {} is no number",

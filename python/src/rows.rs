@@ -34,18 +34,3 @@ pub fn rows<'py>(py: Python<'py>, rows: &[Value]) -> PyResult<Bound<'py, PyAny>>
     let list = python_of(py, &Value::Array(rows.to_vec()))?;
     py.import("aurt._plain")?.call_method1("rows", (list,))
 }
-
-/// A JSON value as TOML writes it within a line.
-pub fn inline_table(value: &Value) -> String {
-    match value {
-        Value::Null => "false".into(),
-        Value::Bool(_) | Value::Number(_) | Value::String(_) => value.to_string(),
-        Value::Array(list) => format!("[{}]", list.iter().map(inline_table).collect::<Vec<_>>().join(", ")),
-        Value::Object(map) => {
-            let entry = |(key, value): (&String, &Value)| {
-                format!("{} = {}", Value::String(key.clone()), inline_table(value))
-            };
-            format!("{{ {} }}", map.iter().map(entry).collect::<Vec<_>>().join(", "))
-        }
-    }
-}

@@ -1,6 +1,7 @@
 //! Simulated robots, and motions for them.
 
-use aurt::{Error as Failure, simulation};
+use aurt::simulation;
+use aurt_workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use serde_json::{Value, json};
@@ -56,7 +57,7 @@ pub fn simulate(
     let progress = progress.map(listener).transpose()?.flatten();
     let recording = work::run(py, progress.as_ref(), move |progress| {
         progress.step("simulating the robot");
-        aurt::simulate(&file.scenario()?)
+        Ok(aurt::simulate(&file.scenario()?)?)
     })?;
     Ok(Recording::of(recording))
 }

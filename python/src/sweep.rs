@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use aurt::{Progress, rendering::style::Style, results::sweep_table, sweeping::ExperimentLoader};
-use aurt_experiment::Registry;
+use aurt::Progress;
+use aurt_plugins::Registry;
+use aurt_report::rendering::style::Style;
 use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
+use aurt_workbench::failure::Failure;
+use aurt_workbench::{results::sweep_table, sweeping::ExperimentLoader};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -49,7 +52,7 @@ fn ranked(
     out: &std::path::Path,
     rows: Rows,
     progress: &Progress,
-) -> Result<Ranking, aurt::Error> {
+) -> Result<Ranking, Failure> {
     let mut registry = Registry::of_user()?;
     let sweep = Sweep::read(path, &mut registry)?;
     let folder = Folder::for_sweep(out, &sweep)?;

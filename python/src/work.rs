@@ -11,6 +11,7 @@ use std::{
 };
 
 use aurt::{Progress, progress::Observer};
+use aurt_workbench::failure::Failure;
 use pyo3::prelude::*;
 
 use crate::error::{raised, refused};
@@ -45,7 +46,7 @@ impl Observer for Messenger {
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(&Progress) -> Result<T, aurt::Error> + Send + 'static,
+    work: impl FnOnce(&Progress) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<T> {
     let (said, mut heard) = channel();
     let cancelled = Arc::new(AtomicBool::new(false));

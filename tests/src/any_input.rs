@@ -11,9 +11,16 @@ use std::{
     sync::OnceLock,
 };
 
-use aurt::{prelude::*, simulation::ScenarioFile};
+use aurt::{
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, ScenarioFile, robots},
+};
+use aurt_experiment::Experiment;
 use aurt_lab::case::Plan;
+use aurt_plugins::Registry;
 use aurt_recording::preprocess;
+use aurt_workbench::experiments::fit_experiment;
 use tempfile::TempDir;
 
 /// What is given bytes, and its name: that of its folder in `fuzz/corpus`.
@@ -84,7 +91,7 @@ pub fn experiment(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let mut registry = Registry::linked().expect("linked models register");
     match Experiment::parse(text, &folder().join("e.toml"), &mut registry) {
-        Ok(experiment) => match calibrate(&experiment) {
+        Ok(experiment) => match fit_experiment(&experiment, &Progress::silent()) {
             Ok(outcome) => {
                 let parameters = &outcome.calibrated.calibration.parameters;
                 assert!(parameters.iter().all(|p| p.value.is_finite()), "{text}");

@@ -4,7 +4,8 @@
 
 use std::{fs, path::Path};
 
-use aurt::prelude::*;
+use aurt::simulation::effects;
+use aurt_plugins::Registry;
 use aurt_tests::any_input::TARGETS;
 use proptest::{prelude::*, test_runner::TestRunner};
 

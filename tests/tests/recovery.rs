@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, calibrate};
-use aurt_experiment::{Registry, RigidBodyDynamics};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::Registry;
 use aurt_rbd::{ChainDynamics, INERTIAL_PARAMETERS, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, MeasurementUnit, ViscousBasis};
@@ -107,7 +108,7 @@ fn intervals_of_95_percent_hold_the_truth_that_often() {
     let stacks = (0..3)
         .map(|_| {
             JointStack::new(
-                registry.build_from_json::<dyn CoulombModel>(&json!({"model": "none"})).unwrap(),
+                registry.build_from_json::<dyn CoulombModel>(&json!({"model": "constant"})).unwrap(),
                 registry.build_from_json::<dyn HysteresisModel>(&json!({"model": "sign"})).unwrap(),
                 registry
                     .build_from_json::<dyn ViscousBasis>(&json!({"model": "polynomial", "powers": [1]}))

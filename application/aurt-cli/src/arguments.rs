@@ -19,10 +19,10 @@ use crate::commands::{Command, GROUPS};
     aurt run experiment.toml --out results       the whole chain on yours\n\n\
     Exit status: 0 all well, 1 a check found something, 2 failure or bad input.")]
 pub struct Arguments {
-    /// Print one JSON document to standard output, and nothing else there.
+    /// Print one JSON document to standard output and nothing else.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Load a library of models; repeatable.

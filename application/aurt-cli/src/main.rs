@@ -8,32 +8,23 @@ mod interrupt;
 mod rendering;
 mod supervised;
 
-/// The library's error, under the name that commands use.
-mod failure {
-    pub use aurt::Error as Failure;
-}
-
 use std::process::ExitCode;
 
-use aurt::{
-    calibrated_file, data, demo, diagnosing, doctor, exporting, first_experiment, fitting, gains, glossary,
-    inspection, origins, output, reports, results, sensitivity, streaming, sweeping, tracking,
-};
 use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;
+use aurt_workbench::failure::Failure;
 
 use crate::{
     arguments::Arguments,
     commands::Session,
-    failure::Failure,
     rendering::terminal::{Report, Terminal},
 };
 
 /// Loads the plugins that the arguments name and does what they say, on the instruction set that the environment
 /// asks for.
 fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
-    if let Some(level) = Dispatch::from_environment().map_err(|error| Failure::Models(vec![error]))? {
-        level.select().map_err(|error| Failure::Models(vec![error]))?;
+    if let Some(level) = Dispatch::from_environment()? {
+        level.select()?;
     }
     let mut registry = Registry::of_user()?;
     if arguments.allow_plugins {

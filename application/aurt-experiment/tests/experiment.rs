@@ -5,9 +5,10 @@
 use std::{fs, path::Path};
 
 use aurt_experiment::{
-    Error, Experiment, Registry,
+    Error, Experiment,
     experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, Rest},
 };
+use aurt_plugins::Registry;
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
@@ -69,7 +70,7 @@ load_torque = "literal"
 rest = "exclude"
 fit_shapes = false
 [sweep.grid]
-"joint_dynamics.coulomb" = [{ model = "none" }, { model = "square" }]
+"joint_dynamics.coulomb" = [{ model = "constant" }, { model = "square" }]
 "#;
 
 #[test]
@@ -120,7 +121,7 @@ calibration = ["a.csv"]
 fn what_is_left_out_has_its_default() {
     let e = read(folder().path(), SHORT).unwrap();
     let stack = &e.joint_dynamics.stacks(2).unwrap()[0];
-    assert_eq!((stack.coulomb().name(), stack.hysteresis().name()), ("none", "sign"));
+    assert_eq!((stack.coulomb().name(), stack.hysteresis().name()), ("constant", "sign"));
     assert_eq!((stack.viscous().name(), stack.viscous().columns().len()), ("polynomial", 1));
     assert_eq!(e.preprocess.f_dyn_hz, 10.0);
     assert_eq!(e.calibration.estimator, Estimator::WeightedLeastSquares);

@@ -10,8 +10,13 @@
 mod document;
 mod escape;
 mod figure;
+pub mod glossary;
 mod page;
+pub mod rendering;
+pub mod reports;
+pub mod results;
 mod table;
+pub mod words;
 
 pub use figure::{
     Arm, Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means,

@@ -1,6 +1,6 @@
 //! What a report says, before it is drawn.
 
-use crate::{Figure, Table, document};
+use crate::{document, figure::Figure, table::Table};
 
 /// A report.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,7 @@
 //! `[sweep]`: what is varied, how points are judged.
 
-use aurt_experiment::{Node, NodeKind, Problem, Span, suggestion};
+use aurt_experiment::Problem;
+use aurt_plugins::{Node, NodeKind, Span, suggestion};
 
 use crate::place::Place;
 

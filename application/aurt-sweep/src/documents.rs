@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_experiment::Span;
 use aurt_files::escaped;
+use aurt_plugins::Span;
 use toml::{
     Table, Value,
     de::{DeTable, DeValue},

@@ -105,7 +105,7 @@ pub enum PointError {
     Recordings(String),
     /// The rigid bodies or the robot model.
     #[error(transparent)]
-    Model(#[from] aurt_experiment::Error),
+    Model(#[from] aurt_model::Error),
     /// The fit or its validation.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),

@@ -1,7 +1,8 @@
 //! Points that share recordings and rigid bodies.
 
 use aurt_calibration::{FitRows, RigidRows};
-use aurt_experiment::{Error, Experiment, RigidBodyDynamics};
+use aurt_experiment::Experiment;
+use aurt_model::{Error, RigidBodyDynamics};
 use aurt_traits::{MeasurementUnit, RobotModel};
 use toml::Table;
 
@@ -99,10 +100,10 @@ mod tests {
                  [calibration]\nestimator = \"ols\"\nrest = \"{rest}\"\n"
             )
         };
-        let one = common_part(&text("none", 5.0, "keep"));
+        let one = common_part(&text("constant", 5.0, "keep"));
         assert_eq!(one, common_part(&text("square", 5.0, "keep")));
-        assert_ne!(one, common_part(&text("none", 2.5, "keep")));
-        assert_ne!(one, common_part(&text("none", 5.0, "exclude")));
+        assert_ne!(one, common_part(&text("constant", 2.5, "keep")));
+        assert_ne!(one, common_part(&text("constant", 5.0, "exclude")));
         assert_eq!(common_part("a = 1\n[calibration]\nestimator = \"ols\"\n"), common_part("a = 1\n"));
     }
 }

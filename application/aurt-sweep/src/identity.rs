@@ -6,7 +6,8 @@ use std::{
     sync::Mutex,
 };
 
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use blake3::Hasher;
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! Keys of an experiment, as a sweep names them, and values put there.
 
-use aurt_experiment::{Node, NodeKind, suggestion};
+use aurt_plugins::{Node, NodeKind, suggestion};
 use toml::{Table, Value};
 
 /// A key: `joint_dynamics.coulomb.model`, `arm_terms.0.joints` (lists count from 0).

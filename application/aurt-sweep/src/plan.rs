@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_experiment::{Experiment, ExperimentErrors, Node, Problem, Registry, Span};
+use aurt_experiment::{Experiment, ExperimentErrors, Problem};
+use aurt_plugins::{Node, Registry, Span};
 use toml::Table;
 
 use crate::{
@@ -65,7 +66,7 @@ impl Sweep {
             None => 0,
             Some((name, span)) => points.iter().position(|p| p.name == *name).ok_or_else(|| {
                 let names = points.iter().map(|p| p.name.as_str());
-                let help = aurt_experiment::suggestion::help(name, "points", names);
+                let help = aurt_plugins::suggestion::help(name, "points", names);
                 refuse(vec![Complaint::new(span, format!("there is no point \"{name}\"")).help(help)])
             })?,
         };
@@ -190,7 +191,7 @@ fn written_at(node: &Node, way: &[String]) -> Span {
         };
     }
     match (&node.kind, first.parse::<usize>()) {
-        (aurt_experiment::NodeKind::Array(items), Ok(k)) if k < items.len() => written_at(&items[k], rest),
+        (aurt_plugins::NodeKind::Array(items), Ok(k)) if k < items.len() => written_at(&items[k], rest),
         _ => node.span.clone(),
     }
 }

@@ -12,7 +12,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use rayon::prelude::*;
 
 use crate::{

@@ -280,7 +280,7 @@ def _experiment(robot, structure, slots):
     lines = ["schema = 1", "", "[robot]", 'mdh = "mdh.csv"', f"gravity_m_s2 = {numbers(robot.gravity_m_s2)}"]
     if robot.ampere:
         lines.append(f"torque_constants_nm_per_a = {numbers(robot.torque_constant_nm_per_a)}")
-    lines += ["", "[joint_dynamics]", 'coulomb = { model = "none" }', 'hysteresis = { model = "sign" }',
+    lines += ["", "[joint_dynamics]", 'coulomb = { model = "constant" }', 'hysteresis = { model = "sign" }',
               'viscous = { model = "polynomial", powers = [1] }']
     for j in range(robot.joints):
         if not (structure.coulomb[j] and structure.viscous[j]):

@@ -30,7 +30,7 @@ fn models() -> Vec<RobotModel> {
     let absolute = || named("absolute");
     let linear = || json!({ "model": "polynomial", "powers": [1] });
     vec![
-        model(named("none"), named("sign"), linear(), &[]),
+        model(named("constant"), named("sign"), linear(), &[]),
         model(
             absolute(),
             json!({ "model": "maxwell_slip", "elements": 4 }),

@@ -98,7 +98,7 @@ fn dahl(presliding_rad: f64) -> Friction {
 fn a_dahl_distance_is_recovered() {
     let recordings = record(|| dahl(0.012));
     let begin = model(
-        named("none"),
+        named("constant"),
         json!({ "model": "dahl", "presliding_rad": 0.2 }),
         json!({ "model": "polynomial", "powers": [1] }),
         &[],
@@ -134,7 +134,7 @@ fn lugre_shapes_are_recovered() {
         })
     });
     let begin = model(
-        named("none"),
+        named("constant"),
         json!({ "model": "lugre", "presliding_rad": 0.1, "stribeck_velocity_rad_s": 0.5, "coulomb_ratio": 0.95 }),
         json!({ "model": "polynomial", "powers": [1] }),
         &[],
@@ -172,7 +172,7 @@ fn the_ends_of_a_grid_of_slip_thresholds_are_recovered() {
     let hysteresis = json!({
         "model": "maxwell_slip", "elements": 3, "smallest_rad": 1e-4, "largest_rad": 0.4, "fit_thresholds": true
     });
-    let begin = model(named("none"), hysteresis, json!({ "model": "polynomial", "powers": [1] }), &[]);
+    let begin = model(named("constant"), hysteresis, json!({ "model": "polynomial", "powers": [1] }), &[]);
     let (_, calibration) = fit(&begin, &recordings);
     let found = shapes(&calibration);
     for joint in 0..2 {
@@ -242,7 +242,7 @@ fn a_shape_that_the_recording_denies_ends_at_its_bound_and_says_so() {
 #[test]
 fn a_model_without_shapes_is_calibrated_as_ever() {
     let recordings = record(levelling_off);
-    let plain = model(named("none"), named("sign"), json!({ "model": "polynomial", "powers": [1] }), &[]);
+    let plain = model(named("constant"), named("sign"), json!({ "model": "polynomial", "powers": [1] }), &[]);
     let (same, calibration) = fit(&plain, &recordings);
     assert!(calibration.shape_fit.is_none());
     assert_eq!(same.parameters(), plain.parameters());

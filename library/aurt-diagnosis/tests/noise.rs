@@ -6,11 +6,13 @@
 use std::{path::Path, sync::Arc};
 
 use aurt_calibration::CalibrationOptions;
-use aurt_diagnosis::evidence::baseline::{Baseline, evaluate_all};
-use aurt_diagnosis::noise::floor::noise_floor;
-use aurt_diagnosis::noise::spectrum::RecordingNoise;
-use aurt_diagnosis::{Fit, Question, QuestionedRecording, Role, SelectionOptions};
-use aurt_experiment::{Experiment, Registry};
+use aurt_diagnosis::{
+    Fit, Question, QuestionedRecording, Role, SelectionOptions,
+    evidence::baseline::{Baseline, evaluate_all},
+    noise::{floor::noise_floor, spectrum::RecordingNoise},
+};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_simulation::{Motion, Robot, Scenario, SimulatedRecording, robots, simulate};
 use aurt_traits::{ArmTerm, MeasurementUnit, Motion as Series, RegressorTile, RobotModel};
@@ -58,7 +60,7 @@ impl Normal {
 }
 
 fn model_of(robot: &Robot) -> RobotModel {
-    model_with(robot, "none")
+    model_with(robot, "constant")
 }
 
 /// The robot's model with a Coulomb model of this name.

@@ -9,7 +9,8 @@ use aurt_diagnosis::{
     Contact, ContactOptions, ContactRows, Fit, ForceColumns, RecordingRows, Role, find_contacts,
     force_columns,
 };
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_traits::{MeasurementUnit, RobotModel};
 

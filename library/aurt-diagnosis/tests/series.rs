@@ -8,7 +8,8 @@ use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{
     Question, QuestionedRecording, Role, SelectionOptions, investigate, series, write_verdict,
 };
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, read_recording};
 use aurt_traits::MeasurementUnit;
 

@@ -1,6 +1,6 @@
 //! The slots of equation (6) refuse models that do not declare what the slot asks for.
 
-use aurt_friction::{coulomb::none::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial};
+use aurt_friction::{coulomb::constant::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial};
 use aurt_traits::{
     Columns, CoulombModel, HysteresisModel, Invariant, Invariants, JointModel, JointSeries, JointStack,
     ModelError, Parameter, ViscousBasis,

@@ -17,6 +17,7 @@
 //! Links keep their place (what they point to is replaced); devices and pipes are written to directly, last.
 
 mod journal;
+mod json;
 mod staging;
 mod unfinished;
 
@@ -32,7 +33,7 @@ use crate::{
     staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
     unfinished::publishing,
 };
-pub use crate::{journal::clear_unfinished, staging::StagedFolder, unfinished::abandon};
+pub use crate::{journal::clear_unfinished, json::pretty, staging::StagedFolder, unfinished::abandon};
 
 /// What names of staged files begin with.
 pub const STAGED: &str = ".aurt-";

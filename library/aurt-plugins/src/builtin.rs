@@ -13,7 +13,7 @@ mod tests {
     fn the_builtin_models_are_linked() {
         let registry = Registry::linked().unwrap();
         let names = |slot| registry.names(slot);
-        for name in ["absolute", "none", "square"] {
+        for name in ["absolute", "constant", "square"] {
             assert!(names(Slot::Coulomb).iter().any(|n| n == name), "{name} is not linked");
         }
         assert!(names(Slot::Hysteresis).iter().any(|n| n == "sign"));

@@ -98,7 +98,7 @@ fn what_is_wrong_is_said_with_its_cure() {
         read_recording(data_set(change).path(), options).unwrap_err().to_string()
     };
     let unknown = error(&|_| (), &options(Some(&["wrist"])));
-    assert!(unknown.contains("has the joints shoulder_pan.pos, elbow.pos"), "{unknown}");
+    assert!(unknown.contains("has the joints shoulder_pan.pos, elbow.pos; wanted are wrist"), "{unknown}");
     assert!(unknown.contains("`wrist` is none of them"), "{unknown}");
     let more = ReadOptions { joints: Some(6.into()), ..options(None) };
     let count = error(&|_| (), &more);

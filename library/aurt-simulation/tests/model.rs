@@ -87,7 +87,7 @@ fn torques_of_a_motion_bring_the_motion_back() {
 #[test]
 fn friction_holds() {
     let robot = robots::two_link();
-    let friction = [json!({ "model": "none" }), json!({ "model": "sign" })];
+    let friction = [json!({ "model": "constant" }), json!({ "model": "sign" })];
     let (model, coefficients) = model(&robot, friction, &[120.0, 2.0]);
     let load = LoadTorque::Literal;
     let moving = MovingModel { model: &model, coefficients: &coefficients, load: &load };
@@ -134,7 +134,7 @@ fn the_method_is_of_order_two() {
 #[test]
 fn models_that_cannot_move_are_refused() {
     let robot = robots::two_link();
-    let friction = || [json!({ "model": "none" }), json!({ "model": "sign" })];
+    let friction = || [json!({ "model": "constant" }), json!({ "model": "sign" })];
     let (model, good) = model(&robot, friction(), &[1.0, 2.0]);
     let load = LoadTorque::Literal;
     let motion = swing(&robot, 1.0, 1e-2);

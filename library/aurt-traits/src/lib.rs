@@ -37,6 +37,9 @@ pub use rigid_body::{BaseParameters, RegressorTile, RigidBodyRegressor};
 pub use robot_model::{ColumnGroup, KnownBodies, LoadTorque, RobotModel, RobotState, RobotTile};
 pub use tile::Columns;
 
+/// Attribute macro that saves and reads a model behind its trait under a name: `#[typetag::serde(name = "…")]`.
+pub use typetag;
+
 /// What [`register_model!`] and plugin crates need from crates of others.
 #[doc(hidden)]
 pub mod reexport {

@@ -1,8 +1,12 @@
-//! Calibrating a model on arrays, judging it on others, saving it.
+//! Calibrating a model with a friction of each joint on arrays, judging it on others, saving it.
 //!
 //! The arrays are those of a simulated UR10e here; from a real robot they come from its logger.
 
-use aurt::prelude::*;
+use aurt::{
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, robots},
+};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();
@@ -16,7 +20,15 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
         .named("tuesday");
 
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    let model = robot.model().coulomb("absolute").arm_term("rotor_inertia").build()?;
+    // Joints 1 and 2 carry the arm: their friction grows with the load.
+    let loaded = Friction::load_dependent().viscous(1);
+    let model = robot
+        .model()
+        .friction(Friction::coulomb().viscous(1))
+        .joint_friction(1, loaded.clone())
+        .joint_friction(2, loaded)
+        .arm_term(RotorInertia { joints: JointSelection::of(vec![2, 3, 4, 5]) })
+        .build()?;
     let outcome = Calibrator::new(model).calibration(&calibration).validation(&validation).calibrate()?;
 
     for result in &outcome.recordings {

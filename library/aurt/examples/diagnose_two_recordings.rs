@@ -1,6 +1,10 @@
 //! What has changed between two recordings? A simulated robot takes up a load; the diagnosis says which.
 
-use aurt::prelude::*;
+use aurt::{
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, effects, robots},
+};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();
@@ -18,14 +22,22 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
     let (monday, tuesday) = (recorded(1, false)?, recorded(2, true)?);
 
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    let model = robot.model().arm_term("rotor_inertia").build()?;
-    let verdict = Diagnoser::new(model)
+    let model = robot.model().arm_term(RotorInertia::default()).build()?;
+    let preprocessing = PreprocessOptions { f_dyn_hz: 8.0, ..PreprocessOptions::default() };
+    let diagnosis = Diagnoser::new(model)
+        .settings(Settings { preprocessing, ..Settings::default() })
+        .without([EffectKind::TorqueRipple])
         .calibration(&monday.named("monday"))
         .target(&tuesday.named("tuesday"))
-        .diagnose()?;
-    for effect in &verdict.effects {
-        println!("{}", effect.sentence);
+        .diagnose(&Progress::silent())?;
+    let mut mass_kg = None;
+    for found in diagnosis.effects() {
+        println!("{} ({:?})", found.finding.sentence, found.presence());
+        if let Effect::Payload(load) = found.effect {
+            println!("{} kg on link {}", load.mass_kg, load.link);
+            mass_kg = Some(load.mass_kg.value);
+        }
     }
-    assert!(verdict.effects.iter().any(|effect| effect.effect == "payload"), "the load was not found");
+    assert!(mass_kg.is_some_and(|mass| (mass - 2.0).abs() < 0.2), "the load was not found: {mass_kg:?}");
     Ok(())
 }

@@ -1,6 +1,11 @@
 //! A friction model of one's own: declared once, it can be named in models, experiments, saved files and diagnoses.
 
-use aurt::{prelude::*, traits::friction_model};
+use aurt::{
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, robots},
+    traits::friction_model,
+};
 
 friction_model! {
     /// Viscous friction that grows with the square of velocity, f_v = F_v q̇ |q̇|.
@@ -28,13 +33,11 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
     let motion = Motion::MultiSine { duration_s: 15.0, harmonics: 8, top_hz: 1.0, share: 0.6 };
     let recording = simulate(&Scenario::new(machine.clone(), motion.plan(&machine, 1)?, 1))?;
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    for viscous in [r#"{ model = "polynomial", powers = [1] }"#, Drag::NAME] {
-        let model = robot.model().viscous(viscous).build()?;
+    let plain = Friction::coulomb().viscous(1);
+    for (name, friction) in [("viscous", plain.clone()), (Drag::NAME, plain.velocity(Drag {}))] {
+        let model = robot.model().friction(friction).build()?;
         let outcome = Calibrator::new(model).calibration(&recording).calibrate()?;
-        println!(
-            "{viscous}: residual standard deviation by joint {:.4?}",
-            outcome.calibrated.calibration.sigma
-        );
+        println!("{name}: residual standard deviation by joint {:.4?}", outcome.calibrated.calibration.sigma);
     }
     Ok(())
 }

@@ -3,14 +3,20 @@
 
 use std::time::Instant;
 
-use aurt::prelude::*;
+use aurt::{
+    friction::hysteresis::dahl::Dahl,
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, robots},
+};
 
 pub(crate) fn main() -> Result<(), aurt::Error> {
     let machine = robots::ur10e();
     let motion = Motion::MultiSine { duration_s: 15.0, harmonics: 8, top_hz: 1.0, share: 0.6 };
     let recording = simulate(&Scenario::new(machine.clone(), motion.plan(&machine, 1)?, 1))?;
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
-    let model = robot.model().coulomb("absolute").hysteresis("dahl").build()?;
+    let friction = Friction::load_dependent().hysteresis(Dahl::default()).viscous(1);
+    let model = robot.model().friction(friction).build()?;
     let model = Calibrator::new(model).calibration(&recording).calibrate()?.calibrated;
 
     let mut predictor = model.predictor()?;

@@ -3,19 +3,16 @@
 use std::path::Path;
 
 use aurt_calibration::Calibration;
-use aurt_experiment::{
-    Experiment, Registry,
-    model_file::{read_json, robot_model_from_json, robot_model_to_json},
-};
-use aurt_recording::RobotJoints;
+use aurt_model::model_file::{read_json, robot_model_from_json, robot_model_to_json};
+use aurt_output::pretty;
+use aurt_plugins::Registry;
 use aurt_traits::{LoadTorque, RobotModel};
 use serde_json::{Value, json};
 
 use crate::{
     data::{Instrument, Preprocessing},
-    failure::Failure,
+    error::Error,
     origins::Origins,
-    rendering::json::pretty,
 };
 
 /// The version of the file that this program reads and writes.
@@ -43,7 +40,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// If a model cannot be expressed in JSON.
-    pub fn to_file(&self) -> Result<Vec<u8>, Failure> {
+    pub fn to_file(&self) -> Result<Vec<u8>, Error> {
         Ok(file_contents(json!({
             "schema": SCHEMA,
             "kind": KIND,
@@ -58,10 +55,10 @@ impl CalibratedModel {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Failure::Plugins`] or [`Failure::ModelFile`], with the place of what is wrong.
-    pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
+    /// [`Error::Plugins`] or [`Error::Unfit`], with the place of what is wrong.
+    pub fn read(path: &Path, registry: &Registry) -> Result<Self, Error> {
         let (value, text) = read_json(path)?;
-        let refuse = |reason: String, remedy: &str| Failure::ModelFile {
+        let refuse = |reason: String, remedy: &str| Error::Unfit {
             path: path.to_owned(),
             reason,
             remedy: remedy.to_owned(),
@@ -83,7 +80,7 @@ impl CalibratedModel {
         let entry = |key: &str| value.get(key).ok_or_else(|| refuse(format!("lacks the key `{key}`"), make));
         let unreadable = |key: &str, e: &serde_json::Error| refuse(format!("`{key}`: {e}"), make);
         let model = robot_model_from_json(entry("model")?, registry)
-            .map_err(|e| Failure::from(e.in_file(path, &text, &["model"])))?;
+            .map_err(|e| Error::from(e.in_file(path, &text, &["model"])))?;
         let calibration: Calibration = serde_json::from_value(entry("calibration")?.clone())
             .map_err(|e| unreadable("calibration", &e))?;
         let preprocessing =
@@ -97,32 +94,6 @@ impl CalibratedModel {
         )?;
         check(&model, &calibration).map_err(|reason| refuse(reason, "calibrate again"))?;
         Ok(Self { model, calibration, preprocessing, instrument, origins })
-    }
-}
-
-impl CalibratedModel {
-    /// Whether the model is of the robot of an experiment, as far as joints and their names tell.
-    ///
-    /// # Errors
-    /// [`Failure::Argument`] if it is not.
-    pub fn check_robot_of(&self, experiment: &Experiment) -> Result<(), Failure> {
-        let (ours, theirs) = (RobotJoints::of(&**self.model.rigid_body()), experiment.robot.robot_joints());
-        let named = !ours.names.is_empty() && !theirs.names.is_empty();
-        let reason = if ours.count != theirs.count {
-            format!("the model has {} joints, the experiment {}", ours.count, theirs.count)
-        } else if named && ours.names != theirs.names {
-            let listed = |joints: &RobotJoints| joints.names.join(", ");
-            format!("the model's joints are {}, the experiment's {}", listed(&ours), listed(&theirs))
-        } else {
-            return Ok(());
-        };
-        Err(Failure::Argument {
-            option: "--model",
-            reason,
-            remedy: "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
-                     the model under [robot]: joint_names = […]"
-                .into(),
-        })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Calibrating recordings in memory.
 
 use aurt_calibration::{CalibrationOptions, Prediction, TermScopes, predict};
-use aurt_experiment::Registry;
 use aurt_output::write_file;
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, Recording};
 use aurt_traits::RobotModel;
 use std::path::Path;
@@ -10,11 +10,12 @@ use std::path::Path;
 use crate::{
     calibrated_file::CalibratedModel,
     data::{Instrument, Loaded, Purpose},
-    failure::Failure,
+    error::Error,
     fitting::{Assigned, Detail, Job, Outcome},
+    predictions::at_stamps,
     predictor::Predictor,
     progress::Progress,
-    results::{metrics::Role, predictions::at_stamps},
+    role::Role,
 };
 
 /// How recordings are preprocessed and coefficients found.
@@ -81,7 +82,7 @@ impl Calibrator {
     ///
     /// # Errors
     /// What makes a recording unfit or the fit impossible; joints that are not the robot's.
-    pub fn calibrate(self) -> Result<Outcome, Failure> {
+    pub fn calibrate(self) -> Result<Outcome, Error> {
         self.run(Detail::Errors, &Progress::silent())
     }
 
@@ -90,11 +91,11 @@ impl Calibrator {
     ///
     /// # Errors
     /// As [`Self::calibrate`].
-    pub fn calibrate_with_series(self, progress: &Progress) -> Result<Outcome, Failure> {
+    pub fn calibrate_with_series(self, progress: &Progress) -> Result<Outcome, Error> {
         self.run(Detail::Compared, progress)
     }
 
-    fn run(self, detail: Detail, progress: &Progress) -> Result<Outcome, Failure> {
+    fn run(self, detail: Detail, progress: &Progress) -> Result<Outcome, Error> {
         let job = Job {
             model: self.model,
             preprocessing: self.settings.preprocessing,
@@ -106,7 +107,7 @@ impl Calibrator {
         let recordings = self.recordings.iter();
         let assigned =
             recordings.map(|(r, role)| Ok(Assigned { loaded: Loaded::of(r, &joints)?, role: *role }));
-        job.fit(&assigned.collect::<Result<Vec<_>, Failure>>()?, detail, progress)
+        job.fit(&assigned.collect::<Result<Vec<_>, Error>>()?, detail, progress)
     }
 }
 
@@ -115,7 +116,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, Failure> {
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::read(path.as_ref(), &Registry::linked()?)
     }
 
@@ -123,7 +124,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// If a model cannot be expressed in JSON, or the file not be written.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Failure> {
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         Ok(write_file(path.as_ref(), &self.to_file()?)?)
     }
 
@@ -131,7 +132,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// What makes the recording unfit.
-    pub fn predict(&self, recording: &Recording) -> Result<Vec<Prediction>, Failure> {
+    pub fn predict(&self, recording: &Recording) -> Result<Vec<Prediction>, Error> {
         let pipeline = self.pipeline();
         let prepared = pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, Purpose::Prediction)?;
         Ok(predict(&self.model, &self.calibration, &prepared)?)
@@ -141,7 +142,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// What makes the recording unfit.
-    pub fn predict_at_stamps(&self, recording: &Recording) -> Result<Vec<Vec<f64>>, Failure> {
+    pub fn predict_at_stamps(&self, recording: &Recording) -> Result<Vec<Vec<f64>>, Error> {
         Ok(at_stamps(&recording.time_s, &self.predict(recording)?))
     }
 
@@ -149,7 +150,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// As [`Predictor::new`].
-    pub fn predictor(&self) -> Result<Predictor, Failure> {
+    pub fn predictor(&self) -> Result<Predictor, Error> {
         Predictor::new(&self.model, &self.calibration)
     }
 }

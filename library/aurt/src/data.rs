@@ -3,10 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::NamedRecording;
-use aurt_experiment::{
-    Experiment,
-    experiment::{RecordingColumns, RecordingSource},
-};
 use aurt_recording::{
     ColumnSelection, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
     RobotJoints, RobotRecording, preprocess, read_recording,
@@ -14,7 +10,7 @@ use aurt_recording::{
 use aurt_traits::MeasurementUnit;
 use serde::{Deserialize, Serialize};
 
-use crate::failure::Failure;
+use crate::error::Error;
 
 pub use aurt_recording::PreprocessOptions as Preprocessing;
 
@@ -33,17 +29,6 @@ pub struct Instrument {
 }
 
 impl Instrument {
-    /// As an experiment says.
-    pub fn of(experiment: &Experiment) -> Self {
-        let i = &experiment.instrument;
-        Self {
-            torque_constants_nm_per_a: experiment.robot.torque_constants_nm_per_a.clone(),
-            gains: i.gains.clone(),
-            offsets: i.offsets.clone(),
-            delay_s: i.delay_s.clone(),
-        }
-    }
-
     /// The unit of a measurement of unit `unit` once this is undone: torque constants turn currents into torques.
     pub const fn unit(&self, unit: MeasurementUnit) -> MeasurementUnit {
         if self.torque_constants_nm_per_a.is_some() { MeasurementUnit::NewtonMetre } else { unit }
@@ -73,29 +58,23 @@ pub struct Source {
     /// Unit of the measurement, where the file does not tell.
     pub unit: Option<MeasurementUnit>,
     /// Where to find what, where names do not tell.
-    pub columns: Option<RecordingColumns>,
+    pub columns: Option<ColumnSelection>,
     /// What the file does not tell of itself.
     pub recorded: RecordedAs,
 }
 
-impl From<&RecordingSource> for Source {
-    fn from(source: &RecordingSource) -> Self {
-        Self {
-            file: source.file.clone(),
-            label: source.written.clone(),
-            window_s: source.window_s,
-            unit: source.unit,
-            columns: source.columns.clone(),
-            recorded: source.recorded.clone(),
-        }
-    }
-}
-
 impl Source {
+    /// Of a recording in memory, under the name that it has.
+    #[must_use]
+    pub fn of(recording: &Recording) -> Self {
+        let (file, label) = (recording.file.clone(), recording.file.display().to_string());
+        Self { file, label, window_s: None, unit: None, columns: None, recorded: RecordedAs::default() }
+    }
+
     /// How it is read, for the joints of a robot or, without, for as many as it has positions.
     pub fn read_options(&self, joints: Option<&RobotJoints>, purpose: Purpose) -> ReadOptions {
         ReadOptions {
-            columns: self.columns.as_ref().map(selection).unwrap_or_default(),
+            columns: self.columns.clone().unwrap_or_default(),
             unit: self.unit,
             recorded: self.recorded.clone(),
             joints: joints.cloned(),
@@ -141,7 +120,7 @@ impl Loaded {
     ///
     /// # Errors
     /// What is wrong with the file, and where; joints that are not the robot's.
-    pub fn read(source: Source, joints: Option<&RobotJoints>, purpose: Purpose) -> Result<Self, Failure> {
+    pub fn read(source: Source, joints: Option<&RobotJoints>, purpose: Purpose) -> Result<Self, Error> {
         let recording = read_recording(&source.file, &source.read_options(joints, purpose))?;
         let own = || RobotJoints { count: recording.joints(), names: recording.joints.names().to_vec() };
         let joints = joints.cloned().unwrap_or_else(own);
@@ -152,21 +131,16 @@ impl Loaded {
     ///
     /// # Errors
     /// Joints that are not the robot's.
-    pub fn of(recording: &Recording, joints: &RobotJoints) -> Result<Self, Failure> {
-        let (file, label) = (recording.file.clone(), recording.file.display().to_string());
-        let recorded = RecordedAs::default();
-        Ok(Self {
-            source: Source { file, label, window_s: None, unit: None, columns: None, recorded },
-            recording: recording.clone().of_robot(joints)?,
-        })
+    pub fn of(recording: &Recording, joints: &RobotJoints) -> Result<Self, Error> {
+        Ok(Self { source: Source::of(recording), recording: recording.clone().of_robot(joints)? })
     }
 
     /// The time of every row of the file, in s. Rows that were dropped as corrupt have none that can be trusted;
     /// they take the middle between their neighbours.
     ///
     /// # Errors
-    /// [`Failure::Recording`] if the file can no longer be read.
-    pub fn stamps_s(&self) -> Result<Vec<f64>, Failure> {
+    /// [`Error::Recording`] if the file can no longer be read.
+    pub fn stamps_s(&self) -> Result<Vec<f64>, Error> {
         let (kept, report) = (&self.recording.time_s, &self.recording.report);
         if report.dropped.is_empty() {
             return Ok(kept.clone());
@@ -213,7 +187,7 @@ impl Pipeline<'_> {
     ///
     /// # Errors
     /// What is wrong with the file, and where.
-    pub fn read(&self, source: Source, purpose: Purpose) -> Result<Loaded, Failure> {
+    pub fn read(&self, source: Source, purpose: Purpose) -> Result<Loaded, Error> {
         Loaded::read(source, Some(&self.joints), purpose)
     }
 
@@ -225,17 +199,17 @@ impl Pipeline<'_> {
     /// The one unit of all recordings.
     ///
     /// # Errors
-    /// [`Failure::MixedUnits`].
+    /// [`Error::MixedUnits`].
     pub fn common_unit<'l>(
         &self,
         recordings: impl IntoIterator<Item = &'l Loaded>,
-    ) -> Result<Option<MeasurementUnit>, Failure> {
+    ) -> Result<Option<MeasurementUnit>, Error> {
         let mut first: Option<(MeasurementUnit, &Path)> = None;
         for loaded in recordings {
             let Some(unit) = self.unit(loaded) else { continue };
             match first {
                 Some((known, file)) if known != unit => {
-                    return Err(Failure::MixedUnits {
+                    return Err(Error::MixedUnits {
                         first: file.to_owned(),
                         first_unit: known,
                         other: loaded.source.file.clone(),
@@ -265,21 +239,12 @@ impl Pipeline<'_> {
     ///
     /// # Errors
     /// What makes it unfit.
-    pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Failure> {
+    pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Error> {
         let options = self.options(loaded.recording.unit, purpose);
         let data = match loaded.source.window_s.filter(|_| purpose != Purpose::Prediction) {
             Some(window) => preprocess(&loaded.recording.window(window)?, &options)?,
             None => preprocess(&loaded.recording, &options)?,
         };
         Ok(NamedRecording { name: loaded.source.label.clone(), data })
-    }
-}
-
-fn selection(columns: &RecordingColumns) -> ColumnSelection {
-    ColumnSelection {
-        time: columns.time.as_ref().map(Into::into),
-        position: Some((&columns.position).into()),
-        velocity: columns.velocity.as_ref().map(Into::into),
-        measurement: columns.measurement.as_ref().map(Into::into),
     }
 }

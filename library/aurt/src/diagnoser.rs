@@ -1,45 +1,99 @@
 //! Diagnosing recordings in memory.
 
-use aurt_calibration::TermScopes;
+use std::path::PathBuf;
+
+use aurt_calibration::{Calibration, TermScopes};
 use aurt_diagnosis::{
-    Improvement, Investigation, Question, QuestionedRecording, Role, SelectionOptions, Verdict, improvement,
-    investigate, series, write_verdict,
+    Answer, Improvement, Investigation, Question, QuestionedRecording, RecordingSeries, Role,
+    SelectionOptions, Verdict, improvement, investigate, series, write_verdict,
 };
-use aurt_experiment::Registry;
+use aurt_model::Error as ModelFileError;
+use aurt_plugins::Registry;
 use aurt_recording::{Recording, RobotJoints};
-use aurt_report::Page;
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::{
     calibrated_file::CalibratedModel,
     calibrating::Settings,
-    data::{Instrument, Loaded, Pipeline},
-    diagnosing::{check_joints, is_found, notes_of, questioned_recordings},
-    failure::Failure,
+    data::{Instrument, Loaded, Pipeline, Source},
+    effects::{Effect, Named},
+    error::Error,
     fitting::{Assigned, Detail, Job},
     progress::Progress,
-    rendering::{joints::with_names, style::Style},
-    reports::diagnosis::{Diagnosed, arm, words::Asked},
-    results::{metrics, verdict::Shown},
+    questioned::{Asked, Part},
+    role,
 };
+
+/// Joints of the largest arm that is diagnosed. Effects are weighed jointly over all joints, which takes memory with the
+/// square of their number and time with its cube.
+const MOST_JOINTS: usize = 20;
 
 /// A diagnosis of recordings in memory.
 ///
 /// With recordings of a [target](Self::target), the question is what these show beyond the model; without, what the model
 /// lacks in the recordings that it is calibrated on.
+///
+/// ```no_run
+/// use aurt::{diagnosis::SelectionOptions, prelude::*};
+///
+/// # fn main() -> Result<(), aurt::Error> {
+/// let (monday, tuesday) = (Recording::read("monday.csv")?, Recording::read("tuesday.csv")?);
+/// let robot = Robot::by_name("ur10e", [0.0, 0.0, -9.81])?;
+/// let settings = Settings {
+///     preprocessing: PreprocessOptions { f_dyn_hz: 8.0, ..PreprocessOptions::default() },
+///     ..Settings::default()
+/// };
+/// let diagnosis = Diagnoser::new(robot.model().friction(Friction::load_dependent().viscous(2)).build()?)
+///     .settings(settings)
+///     .selection(SelectionOptions { score: 12.0, ..SelectionOptions::default() })
+///     .without([EffectKind::BaseTilt])
+///     .calibration(&monday)
+///     .target(&tuesday)
+///     .diagnose(&Progress::silent())?;
+/// for found in diagnosis.effects() {
+///     match found.effect {
+///         Effect::Payload(load) => println!("{} kg on link {}", load.mass_kg, load.link),
+///         other => println!("{other:?}"),
+///     }
+/// }
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Diagnoser {
     model: RobotModel,
+    given: Option<Calibration>,
     settings: Settings,
-    recordings: Vec<(Recording, Role)>,
+    selection: SelectionOptions,
+    without: Vec<String>,
+    registry: Option<Registry>,
+    name: PathBuf,
+    parts: Vec<Part>,
 }
 
 impl Diagnoser {
     /// A diagnosis of a model, which is fitted to the recordings.
     #[must_use]
     pub fn new(model: RobotModel) -> Self {
-        Self { model, settings: Settings::default(), recordings: Vec::new() }
+        Self {
+            model,
+            given: None,
+            settings: Settings::default(),
+            selection: SelectionOptions::default(),
+            without: Vec::new(),
+            registry: None,
+            name: "the model".into(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// A diagnosis of a calibrated model as it is, with its own settings: its coefficients are not fitted again.
+    #[must_use]
+    pub fn of_given(model: CalibratedModel) -> Self {
+        let CalibratedModel { model, calibration, preprocessing, instrument, .. } = model;
+        let settings = Settings { preprocessing, instrument, calibration: calibration.options };
+        Self { given: Some(calibration), settings, ..Self::new(model) }
     }
 
     /// How recordings are preprocessed and coefficients found.
@@ -48,9 +102,29 @@ impl Diagnoser {
         Self { settings, ..self }
     }
 
-    fn recording(mut self, recording: &Recording, role: Role) -> Self {
-        self.recordings.push((recording.clone(), role));
+    /// What an effect must bring to be accepted.
+    #[must_use]
+    pub fn selection(self, selection: SelectionOptions) -> Self {
+        Self { selection, ..self }
+    }
+
+    /// Effects that are treated as unknown, by their kinds or identifiers.
+    #[must_use]
+    pub fn without(mut self, effects: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        self.without.extend(effects.into_iter().map(|effect| effect.as_ref().to_owned()));
         self
+    }
+
+    /// The models that the diagnosis may try and name, instead of all linked ones.
+    #[must_use]
+    pub fn registry(self, registry: Registry) -> Self {
+        Self { registry: Some(registry), ..self }
+    }
+
+    /// The file of the model, for errors.
+    #[must_use]
+    pub fn named(self, file: impl Into<PathBuf>) -> Self {
+        Self { name: file.into(), ..self }
     }
 
     /// Adds a recording that the model is calibrated on.
@@ -71,119 +145,136 @@ impl Diagnoser {
         self.recording(recording, Role::Validation)
     }
 
+    fn recording(self, recording: &Recording, role: Role) -> Self {
+        self.part(Part { source: Source::of(recording), recording: recording.clone(), role, simulated: None })
+    }
+
+    /// Adds a recording with its file, its window, and what another simulator predicts for it.
+    #[must_use]
+    pub fn part(mut self, part: Part) -> Self {
+        self.parts.push(part);
+        self
+    }
+
     /// Finds what is missing.
     ///
     /// # Errors
     /// What makes a recording unfit, and what the diagnosis reports.
-    pub fn diagnose(&self) -> Result<Verdict, Failure> {
-        self.ask(&Progress::silent(), |question, investigation, _| {
-            Ok(write_verdict(question, investigation).checked()?)
-        })
+    pub fn diagnose(&self, progress: &Progress) -> Result<Diagnosis, Error> {
+        self.ask(progress, |question, investigation, _| Diagnosis::of(question, investigation))
     }
 
-    /// Finds what is missing, and fits the model that has it; `progress` is told what is being done.
+    /// Finds what is missing, and fits the model that has it.
     ///
     /// # Errors
     /// As [`Self::diagnose`], and what makes the fit impossible.
-    pub fn explain(&self, progress: &Progress) -> Result<Explanation, Failure> {
+    pub fn explain(&self, progress: &Progress) -> Result<Explanation, Error> {
         self.ask(progress, |question, investigation, registry| {
-            let verdict = write_verdict(question, investigation).checked()?;
+            let diagnosis = Diagnosis::of(question, investigation)?;
             let improvement = improvement(question, investigation);
             progress.step("calibrating the improved model");
-            let model = self.improved(&improvement, registry)?;
-            let asked = Asked::of(question);
-            let document = with_names(json!(verdict), self.model.rigid_body().joint_names());
-            let held_out = verdict.held_out.recordings.clone();
-            let added: Vec<String> =
-                improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect();
-            let report = Diagnosed {
-                verdict: &verdict,
-                asked,
-                held_out: &held_out,
-                series: &series(question, investigation),
-                unit: question.unit,
-                improved: (&model.model, &model.calibration),
-                added: added.clone(),
-                notes: &improvement.notes,
-                recording_notes: question.recordings.iter().map(notes_of).collect(),
-                document: &document,
-                arm_m: arm::points_m(question.model, question.recordings),
-            }
-            .page();
-            let unit = question.unit;
-            Ok(Explanation { verdict, document, asked, unit, added, model, notes: improvement.notes, report })
+            Ok(Explanation {
+                diagnosis,
+                model: self.improved(&improvement, registry)?,
+                added: improvement.terms.iter().map(|(term, scope)| added(term, scope)).collect(),
+                notes: improvement.notes,
+                series: series(question, investigation),
+                diagnosed: question.model.clone(),
+                recordings: question.recordings.to_vec(),
+            })
         })
     }
 
-    /// Investigates the recordings and hands over what was asked and found.
-    fn ask<T>(
+    /// Investigates the recordings and hands question and findings to `answer`, for whatever is to be made of them.
+    ///
+    /// # Errors
+    /// What makes a recording unfit, what the diagnosis reports, and the errors of `answer`.
+    pub fn ask<T, E: From<Error>>(
         &self,
         progress: &Progress,
-        answer: impl FnOnce(&Question<'_>, &Investigation, &Registry) -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
-        let registry = Registry::linked()?;
+        answer: impl FnOnce(&Question<'_>, &Investigation, &Registry) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let linked;
+        let registry = match &self.registry {
+            Some(registry) => registry,
+            None => {
+                linked = Registry::linked().map_err(Error::from)?;
+                &linked
+            }
+        };
+        self.check()?;
         let Settings { preprocessing, instrument, calibration } = &self.settings;
-        check_joints("the model".as_ref(), self.model.joints())?;
-        let joints = RobotJoints::of(&**self.model.rigid_body());
-        let pipeline = Pipeline { joints, preprocessing, instrument };
-        let loaded = self.recordings.iter().map(|(r, role)| Ok((Loaded::of(r, &pipeline.joints)?, *role)));
-        let loaded: Vec<(Loaded, Role)> = loaded.collect::<Result<_, Failure>>()?;
-        let unit = pipeline.common_unit(loaded.iter().map(|(l, _)| l))?.unwrap_or_default();
+        let pipeline = Pipeline { joints: self.joints(), preprocessing, instrument };
+        let loaded: Vec<Loaded> =
+            self.parts.iter().map(|part| part.loaded(&pipeline.joints)).collect::<Result<_, _>>()?;
+        let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
+        if let Some(given) = self.given.as_ref().map(|given| given.unit).filter(|given| *given != unit) {
+            return Err(Error::GivenUnit { given, recorded: unit }.into());
+        }
+        let parts = self.parts.iter().zip(loaded);
         let recordings: Vec<QuestionedRecording> =
-            questioned_recordings(loaded, &pipeline, &mut std::iter::empty(), self.questioned())?;
+            parts.map(|(part, loaded)| part.questioned(loaded, &pipeline)).collect::<Result<_, _>>()?;
         let question = Question {
             model: &self.model,
-            frozen: None,
+            frozen: self.given.as_ref(),
             recordings: &recordings,
             unit,
             f_dyn_hz: preprocessing.f_dyn_hz,
             calibration: *calibration,
-            selection: SelectionOptions::default(),
-            without: &[],
+            selection: self.selection,
+            without: &self.without,
         };
-        let investigation = investigate(&question, &registry, |what| progress.step(what))?;
-        answer(&question, &investigation, &registry)
+        let investigation =
+            investigate(&question, registry, |what| progress.step(what)).map_err(Error::from)?;
+        answer(&question, &investigation, registry)
     }
 
-    /// The part whose mismatch is the question.
-    fn questioned(&self) -> Role {
-        let has_target = self.recordings.iter().any(|(_, role)| *role == Role::Target);
-        if has_target { Role::Target } else { Role::Calibration }
+    fn joints(&self) -> RobotJoints {
+        RobotJoints::of(&**self.model.rigid_body())
+    }
+
+    /// Whether the arm is small enough.
+    fn check(&self) -> Result<(), Error> {
+        let joints = self.model.joints();
+        if joints <= MOST_JOINTS {
+            return Ok(());
+        }
+        Err(Error::Unfit {
+            path: self.name.clone(),
+            reason: format!("the arm has {joints} joints, a diagnosis weighs effects on up to {MOST_JOINTS}"),
+            remedy: "diagnose parts of it: a geometry and recordings of the joints of each part".into(),
+        })
     }
 
     /// The model with what was found, fitted as an improved experiment is.
-    fn improved(&self, found: &Improvement, registry: &Registry) -> Result<CalibratedModel, Failure> {
+    fn improved(&self, found: &Improvement, registry: &Registry) -> Result<CalibratedModel, Error> {
         let mut terms = self.model.arm_terms().to_vec();
         let mut scopes: Vec<Option<Vec<String>>> = vec![None; terms.len()];
         for (term, scope) in &found.terms {
-            terms.push(registry.build_from_json::<dyn ArmTerm>(term).map_err(Failure::Build)?);
+            terms.push(registry.build_from_json::<dyn ArmTerm>(term).map_err(ModelFileError::Build)?);
             scopes.push(scope.clone());
         }
         let (body, base) = (self.model.rigid_body().clone(), self.model.base().clone());
-        let model =
-            RobotModel::new(body, base, self.model.stacks().to_vec(), terms).map_err(Failure::Models)?;
         let Settings { preprocessing, instrument, calibration } = self.settings.clone();
         let job = Job {
-            model,
+            model: RobotModel::new(body, base, self.model.stacks().to_vec(), terms)?,
             preprocessing,
             instrument: corrected(instrument, found),
             options: calibration,
             scopes: TermScopes::new(scopes),
         };
+        let has_target = self.parts.iter().any(|part| part.role == Role::Target);
         let fitted = |role: Role| match role {
             Role::Calibration => true,
-            Role::Target => found.calibrate_on_target || self.questioned() == Role::Target,
+            Role::Target => found.calibrate_on_target || has_target,
             Role::Validation => false,
         };
         let assigned: Vec<Assigned> = self
-            .recordings
+            .parts
             .iter()
-            .filter(|(_, role)| fitted(*role))
-            .map(|(r, _)| {
-                let loaded = Loaded::of(r, &job.pipeline().joints)?;
-                Ok(Assigned { loaded, role: metrics::Role::Calibration })
-            })
-            .collect::<Result<_, Failure>>()?;
+            .filter(|part| fitted(part.role))
+            .map(|part| Ok(Assigned { loaded: part.loaded(&self.joints())?, role: role::Role::Calibration }))
+            .collect::<Result<_, Error>>()?;
         Ok(job.fit(&assigned, Detail::Errors, &Progress::silent())?.calibrated)
     }
 }
@@ -210,39 +301,70 @@ fn added(term: &Value, scope: &Option<Vec<String>>) -> String {
     }
 }
 
-/// What a diagnosis of recordings in memory found.
+/// What a diagnosis found.
 #[derive(Debug, Clone)]
-pub struct Explanation {
-    /// The verdict.
+pub struct Diagnosis {
+    /// The verdict, as `verdict.json` has it.
     pub verdict: Verdict,
-    /// The same as `verdict.json` has it.
-    pub document: Value,
     /// What was asked.
     pub asked: Asked,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
-    /// The arm terms that the improved model has and the diagnosed one has not.
-    pub added: Vec<String>,
-    /// The model with what was found, calibrated.
-    pub model: CalibratedModel,
-    /// What a person should know about it.
-    pub notes: Vec<String>,
-    /// The report.
-    pub report: Page,
 }
 
-impl Explanation {
+impl Diagnosis {
+    /// The verdict on a question.
+    ///
+    /// # Errors
+    /// A verdict with a value that is not finite.
+    pub fn of(question: &Question<'_>, investigation: &Investigation) -> Result<Self, Error> {
+        let verdict = write_verdict(question, investigation).checked()?;
+        Ok(Self { verdict, asked: Asked::of(question), unit: question.unit })
+    }
+
+    /// The answer: with a target about the change, else about what the model lacks.
+    #[must_use]
+    pub const fn answer(&self) -> Answer {
+        self.verdict.verdict
+    }
+
     /// Whether something has changed or is missing.
     #[must_use]
     pub fn is_found(&self) -> bool {
         is_found(&self.verdict)
     }
 
-    /// The verdict in a dozen lines.
+    /// The effects that are claimed, strongest first.
     #[must_use]
-    pub fn to_text(&self, style: Style) -> String {
-        let Self { verdict, asked, unit, .. } = self;
-        let (held_out, warnings) = (&verdict.held_out.recordings, &self.model.calibration.warnings);
-        Shown { verdict, asked: *asked, unit: unit.symbol(), held_out, warnings }.to_text(style)
+    pub fn effects(&self) -> Vec<Named<'_>> {
+        self.verdict.effects.iter().map(|finding| Named { effect: Effect::of(finding), finding }).collect()
     }
+}
+
+/// Whether something has changed or is missing, as a verdict says.
+#[must_use]
+pub fn is_found(verdict: &Verdict) -> bool {
+    [Some(verdict.verdict), verdict.structure]
+        .into_iter()
+        .flatten()
+        .any(|answer| answer != Answer::NoMismatch)
+}
+
+/// What a diagnosis found, with the model that has it.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// What was found.
+    pub diagnosis: Diagnosis,
+    /// The model with what was found, calibrated.
+    pub model: CalibratedModel,
+    /// The arm terms that it has and the diagnosed model does not have.
+    pub added: Vec<String>,
+    /// What a person should know about it.
+    pub notes: Vec<String>,
+    /// Residuals of the recordings row by row, in their order.
+    pub series: Vec<RecordingSeries>,
+    /// The model that was diagnosed.
+    pub diagnosed: RobotModel,
+    /// The recordings.
+    pub recordings: Vec<QuestionedRecording>,
 }

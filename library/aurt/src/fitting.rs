@@ -1,11 +1,9 @@
 //! The chain from recordings to a judged model: read, preprocess, calibrate, validate, predict.
 
 use aurt_calibration::{
-    Calibration, CalibrationError, CalibrationOptions, Comparison, Deviations, Estimator, LoadTorqueChoice,
-    NamedRecording, Rest, ShapeOptions, TermScopes, ValidatedRows, calibrate_shapes, compare, predict,
-    validate,
+    Calibration, CalibrationError, CalibrationOptions, Comparison, NamedRecording, ShapeOptions, TermScopes,
+    ValidatedRows, calibrate_shapes, compare, predict, validate,
 };
-use aurt_experiment::{Experiment, experiment};
 use aurt_recording::RobotJoints;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
@@ -13,13 +11,11 @@ use rayon::prelude::*;
 use crate::{
     calibrated_file::CalibratedModel,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
-    failure::Failure,
+    error::Error,
     origins::Origins,
+    predictions::{PredictionNames, to_csv},
     progress::Progress,
-    results::{
-        metrics::{RecordingResult, Role},
-        predictions::{PredictionNames, to_csv},
-    },
+    role::{RecordingResult, Role},
 };
 
 /// What is to be done.
@@ -80,7 +76,9 @@ pub struct Outcome {
 }
 
 impl Role {
-    pub(crate) const fn purpose(self) -> Purpose {
+    /// What recordings of this part are preprocessed for.
+    #[must_use]
+    pub const fn purpose(self) -> Purpose {
         match self {
             Self::Calibration => Purpose::Calibration,
             Self::Validation => Purpose::Validation,
@@ -98,20 +96,6 @@ pub const fn judged_rows(role: Role, trim_rest: bool) -> ValidatedRows {
 }
 
 impl Job {
-    /// What an experiment asks for.
-    ///
-    /// # Errors
-    /// If its model cannot be assembled.
-    pub fn of(experiment: &Experiment) -> Result<Self, Failure> {
-        Ok(Self {
-            model: experiment.robot_model()?,
-            preprocessing: experiment.preprocess.clone(),
-            instrument: Instrument::of(experiment),
-            options: calibration_options(experiment),
-            scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
-        })
-    }
-
     /// How recordings are read and preprocessed.
     pub fn pipeline(&self) -> Pipeline<'_> {
         Pipeline {
@@ -130,7 +114,7 @@ impl Job {
         calibration: impl IntoIterator<Item = Source>,
         validation: impl IntoIterator<Item = Source>,
         progress: &Progress,
-    ) -> Result<Vec<Assigned>, Failure> {
+    ) -> Result<Vec<Assigned>, Error> {
         let assign = |role| move |source| (source, role);
         let all: Vec<(Source, Role)> = calibration
             .into_iter()
@@ -153,7 +137,7 @@ impl Job {
         recordings: &[Assigned],
         detail: Detail,
         progress: &Progress,
-    ) -> Result<Outcome, Failure> {
+    ) -> Result<Outcome, Error> {
         let pipeline = self.pipeline();
         for Assigned { loaded, .. } in recordings {
             if loaded.recording.measurement.is_none() {
@@ -211,7 +195,7 @@ impl Job {
         prepared: &NamedRecording,
         detail: Detail,
         name: Option<(String, bool)>,
-    ) -> Result<(RecordingResult, Option<NamedTable>), Failure> {
+    ) -> Result<(RecordingResult, Option<NamedTable>), Error> {
         let here = CalibratedModel {
             calibration: self.acting(&calibrated.calibration, &loaded.source.label),
             ..calibrated.clone()
@@ -254,14 +238,14 @@ impl Job {
 /// Does the same with each of several things, on all processors; of the failures the first in their order counts.
 fn in_parallel<T: Send, R: Send>(
     all: Vec<T>,
-    one: impl Fn(T) -> Result<R, Failure> + Send + Sync,
-) -> Result<Vec<R>, Failure> {
-    let done: Vec<Result<R, Failure>> = all.into_par_iter().map(one).collect();
+    one: impl Fn(T) -> Result<R, Error> + Send + Sync,
+) -> Result<Vec<R>, Error> {
+    let done: Vec<Result<R, Error>> = all.into_par_iter().map(one).collect();
     done.into_iter().collect()
 }
 
 /// Refuses a validation recording whose samples, whatever the file is called, are those of a calibration recording.
-fn refuse_repeated(recordings: &[Assigned]) -> Result<(), Failure> {
+fn refuse_repeated(recordings: &[Assigned]) -> Result<(), Error> {
     let of = |role: Role| recordings.iter().filter(move |r| r.role == role).map(|r| &r.loaded);
     for validation in of(Role::Validation) {
         if let Some(calibration) = of(Role::Calibration).find(|c| share_samples(c, validation)) {
@@ -290,7 +274,8 @@ fn share_samples(a: &Loaded, b: &Loaded) -> bool {
 
 impl Job {
     /// A calibration with the coefficients that do not act in a recording set to zero.
-    pub(crate) fn acting(&self, calibration: &Calibration, recording: &str) -> Calibration {
+    /// (of arm terms that act in other recordings alone).
+    pub fn acting(&self, calibration: &Calibration, recording: &str) -> Calibration {
         let mut calibration = calibration.clone();
         let acting = self.scopes.acting(&self.model, recording);
         for (parameter, acts) in calibration.parameters.iter_mut().zip(acting) {
@@ -316,68 +301,13 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// What makes the recording unfit.
-    pub fn predict_file(&self, loaded: &Loaded) -> Result<Vec<u8>, Failure> {
+    pub fn predict_file(&self, loaded: &Loaded) -> Result<Vec<u8>, Error> {
         self.predicted(loaded, &self.pipeline().preprocess(loaded, Purpose::Prediction)?)
     }
 
     /// The same of a recording that was preprocessed for prediction.
-    fn predicted(&self, loaded: &Loaded, prepared: &NamedRecording) -> Result<Vec<u8>, Failure> {
+    fn predicted(&self, loaded: &Loaded, prepared: &NamedRecording) -> Result<Vec<u8>, Error> {
         let predictions = predict(&self.model, &self.calibration, prepared)?;
         Ok(to_csv(&loaded.stamps_s()?, &predictions, self.calibration.unit))
-    }
-}
-
-/// Does what an experiment says, without writing anything.
-///
-/// # Errors
-/// Why it could not be done.
-pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Outcome, Failure> {
-    fit_and_keep(experiment, progress).map(|(outcome, _)| outcome)
-}
-
-/// As [`fit_experiment`]; the recordings are kept, to be looked at again.
-///
-/// # Errors
-/// As [`fit_experiment`].
-pub fn fit_and_keep(
-    experiment: &Experiment,
-    progress: &Progress,
-) -> Result<(Outcome, Vec<Assigned>), Failure> {
-    let recordings = &experiment.recordings;
-    progress.step("compiling the model");
-    let job = Job::of(experiment)?;
-    let assigned = job.read(
-        recordings.calibration.iter().map(Source::from),
-        recordings.validation.iter().map(Source::from),
-        progress,
-    )?;
-    let mut outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
-    outcome.calibrated.origins = Origins::of(Some(experiment), assigned.iter().map(Assigned::origin));
-    Ok((outcome, assigned))
-}
-
-/// `[calibration]` and what of `[preprocess]` concerns it.
-pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
-    let experiment::Calibration { estimator, load_torque, rest, fit_shapes, prior_weight: _ } =
-        experiment.calibration;
-    CalibrationOptions {
-        estimator: match estimator {
-            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
-            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
-            experiment::Estimator::Consistent => Estimator::Consistent,
-            experiment::Estimator::Essential => Estimator::Essential,
-            experiment::Estimator::ReweightedLeastSquares => Estimator::Irls,
-        },
-        load_torque: match load_torque {
-            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
-            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
-        },
-        rest: match rest {
-            experiment::Rest::Keep => Rest::Keep,
-            experiment::Rest::Exclude => Rest::Exclude,
-        },
-        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
-        fit_shapes,
-        deviations: Deviations::Memory,
     }
 }

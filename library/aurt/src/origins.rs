@@ -2,10 +2,9 @@
 
 use std::{io::Read, path::Path};
 
-use aurt_experiment::Experiment;
 use serde::{Deserialize, Serialize};
 
-use crate::{data::Source, results::metrics::Role};
+use crate::{data::Source, role::Role};
 
 /// The files of a calibration, with hashes by which they are known again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -33,13 +32,13 @@ pub struct RecordingOrigin {
 }
 
 impl Origins {
-    /// Those of recordings, and of an experiment that names them.
+    /// Those of recordings, and of the text of an experiment that names them.
     pub fn of<'s>(
-        experiment: Option<&Experiment>,
+        experiment: Option<&str>,
         recordings: impl IntoIterator<Item = (&'s Source, Role)>,
     ) -> Self {
         let hash = |text: &str| blake3::hash(text.as_bytes()).to_hex().to_string();
-        let experiment_blake3 = experiment.map(|e| hash(&e.source_text));
+        let experiment_blake3 = experiment.map(hash);
         let mut origins = Self { experiment_blake3, ..Self::default() };
         for (source, role) in recordings {
             let origin = RecordingOrigin {

@@ -3,33 +3,65 @@
 use aurt_calibration::Calibration;
 use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_traits::{
-    ArmSeries, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView, RobotModel,
+    ArmSeries, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView,
+    RigidBodyRegressor, RobotModel,
 };
-use std::any::Any;
+use std::{any::Any, sync::Arc};
 
-use crate::failure::Failure;
+use crate::error::Error;
 
 /// Torques of a calibrated model, sample by sample, with the memory of its friction.
 ///
-/// τ = RNEA(q, q̇, q̈) + f_C(τ_J)·H(z, q̇) + f_v(q̇) + arm terms: the rigid bodies by the recursive Newton–Euler
-/// algorithm with the standard parameters that stand for the base parameters at their values and all others at zero, which
-/// gives the torques of the regressor.
+/// τ = τ_RBD(q, q̇, q̈) + f_C(τ_J)·H(z, q̇) + f_v(q̇) + arm terms, τ_RBD with the standard parameters that stand for the
+/// base parameters at their values and all others at zero: of a serial chain by the recursive Newton–Euler algorithm, of
+/// other rigid bodies by [`RigidBodyRegressor::torque`].
 ///
-/// From the second sample on, [`Self::torque`] takes no memory from the heap for rigid bodies and the friction models that
-/// come with AURT, but for `maxwell_slip` and `gms`, which list their thresholds anew. Arm terms may take some: each lists
-/// its joints anew, and `payload` and `base_tilt` evaluate the rigid bodies.
+/// From the second sample on, [`Self::torque`] of a serial chain allocates no memory for rigid bodies and the friction
+/// models that come with AURT, except for `maxwell_slip` and `gms`, which list their thresholds for every sample. Arm
+/// terms may allocate: each lists its joints, and `payload` and `base_tilt` evaluate the rigid bodies.
 #[derive(Debug, Clone)]
 pub struct Predictor {
     model: RobotModel,
-    bodies: ChainDynamics,
+    bodies: Bodies,
     /// The bodies of which the load torque is made; none if these are the same.
-    load_bodies: Option<ChainDynamics>,
+    load_bodies: Option<Bodies>,
     joints: Vec<JointPart>,
     terms: Vec<TermPart>,
     started: bool,
     time_s: f64,
     load_torque: Vec<f64>,
     torque: Vec<f64>,
+}
+
+/// Rigid bodies with values of their standard parameters.
+#[derive(Debug, Clone)]
+enum Bodies {
+    /// A serial chain.
+    Chain(Box<ChainDynamics>),
+    /// Bodies of any other kind.
+    Regressor { regressor: Arc<dyn RigidBodyRegressor>, standard: Vec<f64> },
+}
+
+impl Bodies {
+    fn new(model: &RobotModel, value: impl Fn(usize) -> f64) -> Result<Self, Error> {
+        let regressor = model.rigid_body();
+        let mut standard = vec![0.0; regressor.standard_parameters().len()];
+        for (k, column) in model.base().columns.iter().enumerate() {
+            standard[*column] = value(k);
+        }
+        let any: &dyn Any = &**regressor;
+        Ok(match any.downcast_ref::<SerialChain>() {
+            Some(chain) => Self::Chain(Box::new(ChainDynamics::new(chain.clone(), &standard)?)),
+            None => Self::Regressor { regressor: regressor.clone(), standard },
+        })
+    }
+
+    fn torque(&mut self, motion: MotionView<'_>, [q, qd, qdd]: [&[f64]; 3], torque: &mut [f64]) {
+        match self {
+            Self::Chain(chain) => chain.inverse_dynamics(q, qd, qdd, torque),
+            Self::Regressor { regressor, standard } => regressor.torque(motion, standard, torque, 1),
+        }
+    }
 }
 
 /// A joint's stack with its coefficients, memory and room for its columns.
@@ -60,27 +92,14 @@ impl Predictor {
     /// A predictor of a model with coefficients.
     ///
     /// # Errors
-    /// [`Failure::Argument`] if the rigid bodies are no serial chain; coefficients that are not finite.
-    pub fn new(model: &RobotModel, calibration: &Calibration) -> Result<Self, Failure> {
-        let any: &dyn Any = &**model.rigid_body();
-        let chain = any.downcast_ref::<SerialChain>().ok_or_else(|| Failure::Argument {
-            option: "model",
-            reason: "its rigid bodies are no serial chain".into(),
-            remedy: "predict whole motions with `CalibratedModel::torque`".into(),
-        })?;
+    /// Coefficients that are not finite.
+    pub fn new(model: &RobotModel, calibration: &Calibration) -> Result<Self, Error> {
         let coefficients = calibration.coefficients();
-        let bodies = |values: &dyn Fn(usize) -> f64| {
-            let mut standard = vec![0.0; model.rigid_body().standard_parameters().len()];
-            for (k, column) in model.base().columns.iter().enumerate() {
-                standard[*column] = values(k);
-            }
-            ChainDynamics::new(chain.clone(), &standard)
-        };
         let (load_bodies, load_weights) = match &calibration.load {
-            LoadTorque::Literal => (Some(bodies(&|_| 1.0)?), None),
+            LoadTorque::Literal => (Some(Bodies::new(model, |_| 1.0)?), None),
             LoadTorque::Fitted(weights) => {
                 let same = weights.iter().zip(&coefficients).take(model.base().len()).all(|(a, b)| a == b);
-                let other = if same { None } else { Some(bodies(&|k| weights[k])?) };
+                let other = if same { None } else { Some(Bodies::new(model, |k| weights[k])?) };
                 (other, Some(weights.clone()))
             }
         };
@@ -116,7 +135,7 @@ impl Predictor {
         });
         let terms = terms.collect();
         Ok(Self {
-            bodies: bodies(&|k| coefficients[k])?,
+            bodies: Bodies::new(model, |k| coefficients[k])?,
             load_bodies,
             joints: model.stacks().iter().enumerate().map(stack).collect(),
             terms,
@@ -150,9 +169,10 @@ impl Predictor {
         self.time_s += if self.started { dt_s } else { 0.0 };
         let time_s = self.time_s;
         let motion = MotionView::of_sample(&time_s, q_rad, qd_rad_s, qdd_rad_s2);
-        self.bodies.inverse_dynamics(q_rad, qd_rad_s, qdd_rad_s2, &mut self.torque);
+        let sample = [q_rad, qd_rad_s, qdd_rad_s2];
+        self.bodies.torque(motion, sample, &mut self.torque);
         match &mut self.load_bodies {
-            Some(bodies) => bodies.inverse_dynamics(q_rad, qd_rad_s, qdd_rad_s2, &mut self.load_torque),
+            Some(bodies) => bodies.torque(motion, sample, &mut self.load_torque),
             None => self.load_torque.copy_from_slice(&self.torque),
         }
         self.add_terms(true, motion)?;

@@ -7,16 +7,17 @@ use aurt_simulation::{
 };
 
 use crate::{
-    CalibratedModel, Progress,
+    calibrated_file::CalibratedModel,
     data::{Loaded, Purpose},
-    failure::Failure,
+    error::Error,
+    progress::Progress,
 };
 
 /// What the logger of a simulated robot records.
 ///
 /// # Errors
 /// If robot, trajectory, effects, sensors or logger are refused.
-pub fn simulate(scenario: &Scenario) -> Result<Recording, Failure> {
+pub fn simulate(scenario: &Scenario) -> Result<Recording, Error> {
     let logged = aurt_simulation::simulate(scenario)?;
     let by_joint = |rows: &[f64]| -> Vec<Vec<f64>> {
         (0..logged.joints).map(|j| rows.iter().skip(j).step_by(logged.joints).copied().collect()).collect()
@@ -51,14 +52,14 @@ impl CalibratedModel {
         recording: &Recording,
         drive: Drive,
         progress: &Progress,
-    ) -> Result<Recording, Failure> {
+    ) -> Result<Recording, Error> {
         let purpose = match drive {
             Drive::Motion { .. } => Purpose::Prediction,
             Drive::Measurement => Purpose::Validation,
         };
         let pipeline = self.pipeline();
         let prepared = pipeline.preprocess(&Loaded::of(recording, &pipeline.joints)?, purpose)?;
-        let unfit = |reason: &str| Failure::ModelFile {
+        let unfit = |reason: &str| Error::Unfit {
             path: recording.file.clone(),
             reason: reason.into(),
             remedy: "use a recording of a second or more, with a measurement if that is to drive the model"

@@ -6,7 +6,7 @@ use aurt_traits::{
     RobotModel,
 };
 
-use crate::{calibrated_file::CalibratedModel, failure::Failure};
+use crate::{calibrated_file::CalibratedModel, error::Error};
 
 /// Samples that are evaluated together: their columns stay in the fastest cache.
 const AT_ONCE: usize = 256;
@@ -21,7 +21,7 @@ impl CalibratedModel {
     ///
     /// # Errors
     /// [`ModelError::Count`] for another number of joints; whatever a model reports.
-    pub fn torque(&self, motion: MotionView<'_>) -> Result<Vec<Vec<f64>>, Failure> {
+    pub fn torque(&self, motion: MotionView<'_>) -> Result<Vec<Vec<f64>>, Error> {
         let mut series = TorqueSeries::new(self)?;
         let mut torque = vec![Vec::with_capacity(motion.samples()); self.model.joints()];
         for first in (0..motion.samples()).step_by(AT_ONCE) {

@@ -6,7 +6,15 @@ use std::{
     cell::Cell,
 };
 
-use aurt::{prelude::*, traits::Motion as Series};
+use aurt::{
+    friction::hysteresis::dahl::Dahl,
+    plugins::Registry,
+    prelude::*,
+    simulate,
+    simulation::{Motion, Scenario, robots},
+    traits::Motion as Series,
+};
+use serde_json::{Value, json};
 
 /// The system's allocator, counting per thread what is taken.
 struct Counting;
@@ -49,6 +57,16 @@ fn calibrated(build: impl FnOnce(ModelBuilder) -> ModelBuilder, choice: LoadTorq
         .calibrated
 }
 
+/// Friction of models by their names.
+fn named([coulomb, hysteresis, viscous]: [Value; 3]) -> Friction {
+    let registry = Registry::linked().unwrap();
+    Friction::new(
+        registry.build_from_json(&coulomb).unwrap(),
+        registry.build_from_json(&hysteresis).unwrap(),
+        registry.build_from_json(&viscous).unwrap(),
+    )
+}
+
 /// A motion of all joints, one value each a sample.
 fn sample(k: usize) -> [[f64; JOINTS]; 3] {
     let t = DT_S * k as f64;
@@ -88,13 +106,21 @@ fn whole(model: &CalibratedModel, samples: usize) -> Vec<Vec<f64>> {
 fn samples_give_what_the_series_gives_without_taking_memory() {
     let friction = ["sign", "tanh", "dahl", "lugre", "maxwell_slip", "bouc_wen", "gms"];
     for (k, hysteresis) in friction.into_iter().enumerate() {
-        let coulomb = ["none", "absolute", "square", "stribeck"][k % 4];
-        let viscous = [r#"{ model = "polynomial", powers = [1, 2] }"#, "saturating"][k % 2];
+        let coulomb = ["constant", "absolute", "square", "stribeck"][k % 4];
+        let viscous = [json!({ "model": "polynomial", "powers": [1, 2] }), json!({ "model": "saturating" })]
+            [k % 2]
+            .clone();
         let choice = [LoadTorqueChoice::Fitted, LoadTorqueChoice::Literal][k % 2];
         let with_terms = ["maxwell_slip", "gms"].contains(&hysteresis);
         let build = |model: ModelBuilder| {
-            let model = model.coulomb(coulomb).hysteresis(hysteresis).viscous(viscous);
-            if with_terms { model.arm_term("rotor_inertia").arm_term("current_offset") } else { model }
+            let friction =
+                named([json!({ "model": coulomb }), json!({ "model": hysteresis }), viscous.clone()]);
+            let model = model.friction(friction);
+            if with_terms {
+                model.arm_term(RotorInertia::default()).arm_term(CurrentOffset::default())
+            } else {
+                model
+            }
         };
         let model = calibrated(build, choice);
         let (samples, taken) = by_samples(&model, 400);
@@ -112,7 +138,8 @@ fn samples_give_what_the_series_gives_without_taking_memory() {
 
 #[test]
 fn a_reset_predictor_begins_anew_and_refuses_other_robots() {
-    let model = calibrated(|m| m.hysteresis("dahl"), LoadTorqueChoice::Fitted);
+    let model =
+        calibrated(|m| m.friction(Friction::default().hysteresis(Dahl::default())), LoadTorqueChoice::Fitted);
     let mut predictor = model.predictor().unwrap();
     let [q, qd, qdd] = sample(30);
     let first = predictor.torque(DT_S, &q, &qd, &qdd).unwrap().to_vec();

@@ -18,7 +18,7 @@ use files::{Modules, sources};
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Crates that are being cleaned; the list ends empty.
-const NOT_YET: &[&str] = &["aurt", "aurt-calibration", "aurt-cli", "aurt-recording", "aurt-report"];
+const NOT_YET: &[&str] = &[];
 
 /// The houses, from what anyone may use to what nobody may.
 const HOUSES: [&str; 3] = ["library", "application", "laboratory"];

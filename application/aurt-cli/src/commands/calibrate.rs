@@ -2,9 +2,22 @@
 
 use std::{path::PathBuf, sync::Arc};
 
+use aurt::{
+    Role,
+    data::Source,
+    fitting::{Assigned, Detail, Job},
+    origins::Origins,
+};
 use aurt_calibration::TermScopes;
-use aurt_experiment::{BASE_PARAMETER_SEED, Registry, RigidBodyDynamics, model_file::read_robot_model};
+use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_robot_model};
+use aurt_plugins::Registry;
+use aurt_report::results::{metrics::Results, parameters};
 use aurt_traits::RobotModel;
+use aurt_workbench::{
+    failure::Failure,
+    output::{OutputFile, Outputs, distinct},
+    streaming::{Bytes, TooLarge, fit_in_stretches},
+};
 use clap::Args;
 use serde_json::json;
 
@@ -15,17 +28,7 @@ use super::{
 };
 use crate::{
     arguments::{Gravity, parse_gravity},
-    data::Source,
-    failure::Failure,
-    fitting::{Assigned, Detail, Job},
-    origins::Origins,
-    output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
-    results::{
-        metrics::{Results, Role},
-        parameters,
-    },
-    streaming::{Bytes, TooLarge},
 };
 
 /// Calibrate robot dynamics on recordings.
@@ -51,7 +54,7 @@ pub struct Calibrate {
     /// File for the calibrated model
     #[arg(long, value_name = "JSON")]
     out_calibrated_model: PathBuf,
-    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them
+    /// Recordings larger than this in total are read in stretches, in constant memory
     #[arg(long, value_name = "SIZE", default_value = "500MB")]
     stream_above: Bytes,
     #[command(flatten)]
@@ -85,7 +88,7 @@ impl Calibrate {
         let outcome = if together > self.stream_above {
             let because = TooLarge { together, limit: self.stream_above };
             let assigned: Vec<_> = sources.into_iter().map(|source| (source, Role::Calibration)).collect();
-            job.fit_in_stretches(&assigned, because, &progress)?
+            fit_in_stretches(&job, &assigned, because, &progress)?
         } else {
             let assigned = job.read(sources, [], &progress)?;
             let mut outcome = job.fit(&assigned, Detail::Errors, &progress)?;

@@ -3,7 +3,20 @@
 
 use std::path::PathBuf;
 
+use aurt::{
+    Role,
+    data::{Loaded, Source},
+    fitting::{Assigned, Detail, Job},
+};
 use aurt_calibration::TermScopes;
+use aurt_report::{
+    reports,
+    results::{metrics::Results, parameters},
+};
+use aurt_workbench::{
+    failure::Failure,
+    output::{OutputFile, Outputs, distinct},
+};
 use clap::Args;
 use serde_json::json;
 
@@ -16,16 +29,7 @@ use super::{
 };
 use crate::{
     arguments::{Gravity, parse_gravity, parse_share},
-    data::{Loaded, Source},
-    failure::Failure,
-    fitting::{Assigned, Detail, Job},
-    output::{OutputFile, Outputs, distinct},
     rendering::terminal::Report,
-    reports,
-    results::{
-        metrics::{Results, Role},
-        parameters,
-    },
 };
 
 /// Calibrate on the first part of a recording and validate on the rest.

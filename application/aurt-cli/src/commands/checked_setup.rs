@@ -2,20 +2,15 @@
 
 use std::path::Path;
 
-use aurt_experiment::{Experiment, Registry};
+use aurt::{RecordingResult, fitting::Assigned};
+use aurt_doctor::doctor::{self, Examination, Subject};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_report::rendering::text::wrapped;
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use serde_json::{Value, json};
 
-use crate::{
-    doctor::{self, Examination, Subject},
-    failure::Failure,
-    fitting::Assigned,
-    output::OutputFile,
-    rendering::{
-        terminal::{Emphasis, Report, Terminal},
-        text::wrapped,
-    },
-    results::metrics::RecordingResult,
-};
+use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
 /// Where `--fixed` goes: beside the experiment, since its paths start there.
 ///

@@ -2,29 +2,26 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::{
-    Experiment, Registry,
-    model_file::{read_rigid_body, robot_model_to_json},
-};
+use aurt::file_contents;
+use aurt_doctor::inspection::judged::build;
+use aurt_experiment::Experiment;
+use aurt_model::model_file::{read_rigid_body, robot_model_to_json};
+use aurt_plugins::Registry;
+use aurt_report::rendering::table::Table;
 use aurt_traits::{
     ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
 };
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::Session;
-use crate::{
-    calibrated_file::file_contents,
-    failure::Failure,
-    inspection::judged::build,
-    output::OutputFile,
-    rendering::{table::Table, terminal::Report},
-};
+use crate::rendering::terminal::Report;
 
 /// Compile robot dynamics: rigid bodies with the friction of the joints.
 ///
-/// All joints get the same models, τ_JD = f_C(τ_J) sgn(q̇) + f_v(q̇). For other models, or other ones on some
-/// joints, take them from an experiment file. The rigid bodies are not compiled again.
+/// All joints have the same models, τ_JD = f_C(τ_J) sgn(q̇) + f_v(q̇). Other models, or different models
+/// per joint, come from an experiment file. The rigid bodies are not compiled again.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt compile-rd --model-rbd rbd.json --friction-torque-model square \
     --friction-viscous-powers 1 2 3 --out rd.json")]
@@ -50,7 +47,8 @@ pub struct CompileRd {
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum LoadDependence {
     /// f_C = F_C0
-    None,
+    #[value(alias = "none")]
+    Constant,
     /// f_C = F_C0 + F_C1 τ_J²
     Square,
     /// f_C = F_C0 + F_C1 |τ_J|
@@ -60,7 +58,7 @@ enum LoadDependence {
 impl LoadDependence {
     const fn model(self) -> &'static str {
         match self {
-            Self::None => "none",
+            Self::Constant => "constant",
             Self::Square => "square",
             Self::Absolute => "absolute",
         }
@@ -90,7 +88,10 @@ impl CompileRd {
                         remedy: "use files of one robot".into(),
                     });
                 }
-                (experiment.joint_dynamics.stacks(joints).map_err(Failure::Models)?, experiment.arm_terms)
+                (
+                    experiment.joint_dynamics.stacks(joints).map_err(aurt_model::Error::Assembly)?,
+                    experiment.arm_terms,
+                )
             }
             None => (vec![self.stack(&session.registry)?; joints], Vec::<Box<dyn ArmTerm>>::new()),
         };
@@ -117,14 +118,14 @@ impl CompileRd {
 
     /// The stack that the options describe.
     fn stack(&self, registry: &Registry) -> Result<JointStack, Failure> {
-        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::None).model();
+        let coulomb = self.friction_torque_model.unwrap_or(LoadDependence::Constant).model();
         let coulomb = build::<dyn CoulombModel>(registry, json!({ "model": coulomb }));
         let hysteresis = build::<dyn HysteresisModel>(registry, json!({ "model": "sign" }));
         let viscous = build::<dyn ViscousBasis>(
             registry,
             json!({ "model": "polynomial", "powers": self.friction_viscous_powers }),
         );
-        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Failure::Models)
+        JointStack::new(coulomb?, hysteresis?, viscous?).map_err(Into::into)
     }
 }
 

@@ -1,10 +1,11 @@
 //! `aurt completions`: what a shell needs to complete command lines.
 
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use clap_complete::{Shell, generate};
 use serde_json::json;
 
-use crate::{arguments::definition, failure::Failure, rendering::terminal::Report};
+use crate::{arguments::definition, rendering::terminal::Report};
 
 /// Print a script that lets your shell complete aurt's command lines.
 #[derive(Debug, Args)]

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
+use aurt_report::rendering::{number::significant, table::Table, text::wrapped};
+use aurt_workbench::{demo, failure::Failure, output::OutputFolder};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -12,23 +14,13 @@ use super::{
     diagnose::Diagnose,
     run::{fit_experiment_watched, write_results},
 };
-use crate::{
-    demo,
-    failure::Failure,
-    output::OutputFolder,
-    rendering::{
-        number::significant,
-        table::Table,
-        terminal::{Emphasis, Report},
-        text::wrapped,
-    },
-};
+use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
 ///
-/// Writes recordings of a robot whose friction is known, with noise, and an experiment file, runs the experiment,
-/// and compares what it found with what was put in. Then it diagnoses recordings of the same robot after something
-/// has changed, and tells what it was. The files are a start for experiments of your own.
+/// Writes noisy recordings of a robot with known friction and an experiment file, runs the experiment, and
+/// compares estimated with true parameters. Then diagnoses recordings of the same robot with an undeclared
+/// load. The files are a template for your own experiments.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt demo\n  aurt run aurt-demo/experiment.toml --out results")]
 pub struct Demo {
@@ -52,7 +44,7 @@ impl Demo {
         let outcome = fit_experiment_watched(&experiment, session.terminal)?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
         let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
-        let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
+        let title = session.terminal.emphasise(Emphasis::Title, "estimated and true");
         let table = table(&compared);
         let later = folder.path().join(demo::QUESTION_FILE);
         let diagnosis = Diagnose::new(later, folder.path().join("diagnosis")).run(session)?;

@@ -2,32 +2,32 @@
 
 use std::path::PathBuf;
 
-use aurt::{ChainEnds, GivenModel};
 use aurt_diagnosis::Learnt;
-use aurt_experiment::{Experiment, Registry};
+use aurt_doctor::doctor::{self, Examination, Subject};
+use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use aurt_plugins::Registry;
+use aurt_report::{rendering::text::wrapped, reports};
+use aurt_workbench::{
+    described_model::{ChainEnds, GivenModel},
+    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    results::diagnosed_series,
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, checked_setup, plots::PlotOptions};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
-    diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
-    doctor::{self, Examination, Subject},
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    rendering::{
-        json::pretty,
-        terminal::{Report, Terminal},
-        text::wrapped,
-    },
-    reports,
-    results::diagnosed_series,
+    rendering::terminal::{Report, Terminal},
 };
 
-/// Locate the mismatch between a model and recordings, name the physics left out, and model it.
+/// Locate the mismatch between a model and recordings, name the missing physics, and model it.
 ///
-/// Where `[recordings] target` is given, the question is what these show beyond the model; where it is not, what
-/// the model lacks in its own calibration recordings. Exit status 1 if something was found.
+/// With `[recordings] target`, reports what the targets show beyond the model; without, what the model
+/// lacks in its calibration recordings. Exit status 1 if something was found.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
@@ -49,23 +49,23 @@ pub struct Diagnose {
     /// The link of the URDF or MJCF file that the chain ends at
     #[arg(long, value_name = "LINK", requires = "model")]
     tip: Option<String>,
-    /// Do as if an effect were unknown; may be given several times
+    /// Exclude an effect from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
     /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
-    /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
+    /// Write comparison.json: the answers of simpler methods (best single candidate, LASSO, STLSQ)
     #[arg(long)]
     compare: bool,
     /// Write the verdict alone: no report, no improved experiment, no improved model
     #[arg(long, conflicts_with = "plots")]
     verdict_only: bool,
-    /// Also write measurement, predictions and residuals of every recording, before and after what was found, and the windows
-    /// that were located, in this format, as series_<recording>.parquet or .mcap
+    /// Also write measurement, predictions and residuals of every recording, without and with the claimed
+    /// effects, and the located windows, as series_<recording>.parquet or .mcap
     #[arg(long, value_enum, value_name = "FORMAT")]
     series: Option<SeriesName>,
-    /// Look at so many rows of all recordings together; of longer recordings stretches are taken, evenly spread
+    /// Use at most this many rows of all recordings; of longer recordings evenly spread stretches are used
     #[arg(long, value_name = "ROWS", default_value_t = MOST_ROWS)]
     most_rows: usize,
     #[command(flatten)]
@@ -153,8 +153,8 @@ impl Diagnose {
         }
         let mut json = diagnosis.document.clone();
         json["command"] = json!("diagnose");
-        json["warnings"] =
-            json!(diagnosis.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings));
+        let improved = diagnosis.improved.iter().flat_map(|i| &i.model.calibration.warnings);
+        json["warnings"] = json!(diagnosis.verdict.warnings.iter().chain(improved).collect::<Vec<_>>());
         json["notes"] = json!(notes);
         json["outputs"] = json!(written);
         json["setup"] = json!(setup.as_ref().map(Examination::to_json));

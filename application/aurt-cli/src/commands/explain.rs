@@ -2,20 +2,20 @@
 
 use aurt_diagnosis::effects;
 use aurt_plugins::{ModelListing, suggestion};
-use clap::Args;
-use serde_json::{Value, json};
-
-use super::{Session, models::describe};
-use crate::{
-    failure::Failure,
+use aurt_report::{
     glossary::{self, terms},
     rendering::{
         number::significant,
         table::Table,
-        terminal::{Emphasis, Report, Terminal},
         text::{wrapped_at, wrapped_with},
     },
 };
+use aurt_workbench::failure::Failure;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::{Session, models::describe};
+use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
 /// Columns of running text.
 const WIDTH: usize = 78;

@@ -5,23 +5,25 @@ use std::{
     path::PathBuf,
 };
 
+use aurt_doctor::{
+    doctor::Examination,
+    first_experiment::{Known, draft},
+};
+use aurt_report::rendering::text::wrapped;
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
     arguments::{Constants, Gravity, parse_gravity, parse_torque_constants},
-    doctor::Examination,
-    failure::Failure,
-    first_experiment::{Known, draft},
-    output::OutputFile,
-    rendering::{terminal::Report, text::wrapped},
+    rendering::terminal::Report,
 };
 
 /// Write an experiment for a robot and its logs.
 ///
-/// Looks at the robot and the recordings, splits these into calibration and validation, suggests f_dyn, tries the usual
-/// mistakes against the data, and says every guess in a comment of the file. On a terminal it asks for what is missing.
+/// Splits the recordings into calibration and validation, suggests f_dyn, tries common mistakes against the
+/// data, and writes every guess as a comment into the file. On a terminal it asks for what is missing.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \

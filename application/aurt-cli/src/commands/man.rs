@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use aurt_workbench::{failure::Failure, output::OutputFolder};
 use clap::Args;
 use clap_mangen::Man as Page;
 use serde_json::json;
 
 use super::run::written_text;
-use crate::{arguments::definition, failure::Failure, output::OutputFolder, rendering::terminal::Report};
+use crate::{arguments::definition, rendering::terminal::Report};
 
 /// Write manual pages, one for aurt and one for each command.
 #[derive(Debug, Args)]
@@ -44,6 +45,6 @@ fn page(name: &str, command: &clap::Command, folder: &std::path::Path) -> Result
     let mut contents = Vec::new();
     Page::new(command.clone())
         .render(&mut contents)
-        .map_err(|source| Failure::Write { path: folder.join(&file), source })?;
+        .map_err(|source| Failure::write(folder.join(&file), source))?;
     Ok((file, contents))
 }

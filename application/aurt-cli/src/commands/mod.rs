@@ -30,12 +30,10 @@ mod track;
 mod trust;
 
 use aurt_plugins::Registry;
+use aurt_workbench::failure::Failure;
 use clap::Subcommand;
 
-use crate::{
-    failure::Failure,
-    rendering::terminal::{Report, Terminal},
-};
+use crate::rendering::terminal::{Report, Terminal};
 
 /// What to do.
 #[derive(Debug, Subcommand)]

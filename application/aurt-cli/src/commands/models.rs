@@ -1,23 +1,19 @@
 //! `aurt models`: what can be named in an experiment.
 
 use aurt_plugins::{ModelListing, Origin, Registry};
+use aurt_report::rendering::table::Table;
 use aurt_traits::Slot;
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::Session;
-use crate::{
-    failure::Failure,
-    rendering::{
-        table::Table,
-        terminal::{Emphasis, Report},
-    },
-};
+use crate::rendering::terminal::{Emphasis, Report};
 
 /// Joints of the robot for which arm terms tell their parameters.
 pub const EXAMPLE_JOINTS: usize = 6;
 
-/// List the models of friction and of other physics that experiments can name.
+/// List the friction models and arm terms that experiments can use.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt models\n  aurt explain maxwell_slip")]
 pub struct Models {}
@@ -61,7 +57,7 @@ fn title(slot: Slot) -> String {
 /// # Errors
 /// If its example gives no model.
 pub fn describe(registry: &Registry, model: &ModelListing) -> Result<Value, Failure> {
-    let description = registry.describe(model, EXAMPLE_JOINTS).map_err(Failure::Build)?;
+    let description = registry.describe(model, EXAMPLE_JOINTS).map_err(aurt_model::Error::Build)?;
     let columns: Vec<Value> =
         description.columns.iter().map(|p| json!({ "name": p.name, "unit": p.unit })).collect();
     let shape: Vec<Value> = description

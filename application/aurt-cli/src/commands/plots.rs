@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
+use aurt_workbench::{failure::Failure, output::OutputFolder};
 use clap::Args;
-
-use crate::{failure::Failure, output::OutputFolder};
 
 /// Options of commands that write a report.
 #[derive(Debug, Clone, Default, Args)]

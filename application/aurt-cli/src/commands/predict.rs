@@ -2,24 +2,22 @@
 
 use std::{path::PathBuf, sync::Arc};
 
+use aurt::{CalibratedModel, data::Purpose, origins::hash_of_file};
 use aurt_calibration::extrapolations;
-use aurt_experiment::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_report::rendering::text::wrapped;
+use aurt_workbench::{
+    failure::Failure,
+    output::OutputFile,
+    results::series::{Series, SeriesFormat},
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
 use crate::{
     arguments::{Gravity, parse_gravity},
-    calibrated_file::CalibratedModel,
-    data::Purpose,
-    failure::Failure,
-    origins::hash_of_file,
-    output::OutputFile,
-    rendering::{
-        terminal::{Emphasis, Report},
-        text::wrapped,
-    },
-    results::series::SeriesFormat,
+    rendering::terminal::{Emphasis, Report},
 };
 
 /// Predict currents or torques of a motion.
@@ -38,8 +36,8 @@ pub struct Predict {
     /// Gravitational acceleration in the base frame, if other than the model was calibrated for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Option<Gravity>,
-    /// File for the prediction: a table of text, or, by its ending, `.parquet` or `.mcap` with positions, measurement and
-    /// residual beside it
+    /// File for the prediction: a text table, or `.parquet` or `.mcap` with positions, measurement and
+    /// residual as well
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -56,13 +54,14 @@ impl Predict {
         let loaded = pipeline.read(self.reading.source(&self.data), Purpose::Prediction)?;
         let of_model = |failure: Failure| failure.of_value_in(&self.model);
         let contents = match SeriesFormat::of_ending(&self.out) {
-            None => calibrated.predict_file(&loaded).map_err(of_model)?,
+            None => calibrated.predict_file(&loaded).map_err(|error| of_model(error.into()))?,
             Some(format) => {
                 let facts = [("model", self.model.display().to_string()), ("model_blake3", blake3)];
-                calibrated.series(&loaded).map_err(of_model)?.to_file(format, &self.data, &facts)?
+                Series::of(&calibrated, &loaded).map_err(of_model)?.to_file(format, &self.data, &facts)?
             }
         };
-        let prepared = pipeline.preprocess(&loaded, Purpose::Prediction).map_err(of_model)?;
+        let prepared =
+            pipeline.preprocess(&loaded, Purpose::Prediction).map_err(|error| of_model(error.into()))?;
         let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
         out.write(&contents)?;
 

@@ -1,14 +1,13 @@
 //! `aurt robots`: the robots that experiments can name.
 
+use aurt_report::rendering::{table::Table, text::wrapped_at};
 use aurt_robots::{JointLimits, KNOWN_ROBOTS, KnownRobot};
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::Session;
-use crate::{
-    failure::Failure,
-    rendering::{table::Table, terminal::Report, text::wrapped_at},
-};
+use crate::rendering::terminal::Report;
 
 /// Columns of running text.
 const WIDTH: usize = 78;

@@ -2,31 +2,34 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt::rendering::style::Style;
+use aurt::Outcome;
 use aurt_experiment::Experiment;
+use aurt_output::pretty;
 use aurt_rbd::RobotDescription;
-use aurt_report::Page;
+use aurt_report::{
+    Page,
+    rendering::style::Style,
+    reports,
+    results::{metrics::Results, parameters},
+};
+use aurt_workbench::{
+    experiments::{fit_and_keep, fit_experiment, job},
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    results::series::{self, SeriesFormat},
+    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
+};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
-use crate::{
-    failure::Failure,
-    fitting::{Job, Outcome, fit_and_keep, fit_experiment},
-    output::{OutputFolder, Outputs},
-    rendering::{
-        json::pretty,
-        terminal::{Report, Terminal},
-    },
-    reports,
-    results::{metrics::Results, parameters, series::SeriesFormat},
-    streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
-};
+use crate::rendering::terminal::{Report, Terminal};
 
-/// Calibrate and validate a model as an experiment file says.
+/// Calibrate and validate the model of an experiment file.
 ///
-/// Reads the recordings, compiles the model, calibrates it, judges it on every recording and writes
-/// rd_calibrated.json, calibrated_parameters.csv, metrics.json, report.html and a prediction for every recording.
+/// Reads the recordings, compiles and calibrates the model, evaluates it on every recording and writes
+/// rd_calibrated.json, calibrated_parameters.csv, metrics.json, report.html and a prediction for every
+/// recording.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt run experiment.toml --out results")]
 pub struct Run {
@@ -36,8 +39,8 @@ pub struct Run {
     /// Folder for the results; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them;
-    /// predictions row by row are not written then, and mistakes of the setup not looked for
+    /// Recordings larger than this in total are read in stretches, in constant memory, without predictions
+    /// row by row and without the check for setup mistakes
     #[arg(long, value_name = "SIZE", default_value = "500MB")]
     stream_above: Bytes,
     /// Also write positions, measurement, prediction and residual of every recording in this format, as
@@ -96,7 +99,7 @@ impl Run {
         let (mut outcome, recordings) =
             fit_and_keep(&experiment, &progress).map_err(|failure| failure.of_value_in(&experiment.path))?;
         if let Some(name) = self.series {
-            let series = Job::of(&experiment)?.series(&outcome.calibrated, &recordings, name.format())?;
+            let series = series::files(&job(&experiment)?, &outcome.calibrated, &recordings, name.format())?;
             outcome.predictions.extend(series);
         }
         progress.step("looking for mistakes of the setup");
@@ -148,7 +151,8 @@ struct Written {
 impl Written {
     fn new(command: &str, experiment: &Experiment, outcome: &Outcome, style: Style) -> Result<Self, Failure> {
         let calibrated = &outcome.calibrated;
-        let notes = experiment.robot.geometry.notes();
+        let mut notes = experiment.robot.geometry.notes();
+        notes.extend(experiment.notes.clone());
         let results = Results {
             model: &calibrated.model,
             calibration: &calibrated.calibration,

@@ -4,20 +4,22 @@ use std::path::PathBuf;
 
 use aurt_diagnosis::Prepared;
 use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use aurt_report::reports;
 use aurt_simulation::inject::{Kind, injectable};
+use aurt_workbench::{
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    reports::sensitivity::Answered,
+    sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, plots::PlotOptions};
-use crate::{
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    rendering::{json::pretty, terminal::Report},
-    reports::{self, sensitivity::Answered},
-    sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
-};
+use crate::rendering::terminal::Report;
 
-/// Say from which size on each effect would have been found in the experiment's own recordings: "nothing is missing"
+/// Find the smallest size of each effect that the experiment's recordings would show: "nothing is missing"
 /// becomes "nothing larger than this is missing".
 ///
 /// Each effect is added to what the recordings measured, at growing strength, in five draws of shape and noise, and

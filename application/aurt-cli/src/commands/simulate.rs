@@ -2,22 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
+use aurt::{CalibratedModel, data::Purpose};
 use aurt_recording::Segment;
 use aurt_simulation::{
     ScenarioFile,
     model::{ModelDrive, ModelMotion, MovingModel},
     simulate,
 };
+use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
-use crate::{
-    arguments::parse_positive, calibrated_file::CalibratedModel, data::Purpose, failure::Failure,
-    output::OutputFile, rendering::terminal::Report,
-};
+use crate::{arguments::parse_positive, rendering::terminal::Report};
 
-/// Simulate a calibrated model, or a robot with concealed effects.
+/// Simulate a calibrated model, or a robot with chosen effects.
 ///
 /// A calibrated model follows a commanded motion, or goes where the measured currents or torques of a recording
 /// take it; written are q, q̇ and what drives the joints. A scenario is a simulated robot with sensors, drives and,
@@ -185,11 +184,11 @@ impl Simulate {
 }
 
 fn nothing_to_move(file: &Path) -> Failure {
-    Failure::ModelFile {
-        path: file.to_owned(),
-        reason: "has no stretch without gaps that could be simulated".into(),
-        remedy: "use a recording of a second or more".into(),
-    }
+    Failure::unfit(
+        file,
+        "has no stretch without gaps that could be simulated",
+        "use a recording of a second or more",
+    )
 }
 
 /// Largest distance between the simulated motion and that of the recording, joint by joint.

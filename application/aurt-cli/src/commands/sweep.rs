@@ -2,7 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use aurt_report::reports;
 use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, run_point, slurm};
+use aurt_workbench::{
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    results::sweep_table,
+    sweeping::ExperimentLoader,
+};
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
@@ -11,16 +18,9 @@ use super::{
     plots::PlotOptions,
     run::{drawn_text, written_text},
 };
-use crate::{
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    rendering::terminal::Report,
-    reports,
-    results::sweep_table,
-    sweeping::ExperimentLoader,
-};
+use crate::rendering::terminal::Report;
 
-/// Try many variants of an experiment and rank them by their error on what they were not fitted to.
+/// Fit many variants of an experiment and rank them by their held-out error.
 ///
 /// `[sweep]` in the experiment names the keys to vary and the values to try. A sweep that is interrupted goes on where
 /// it was when it is run again; nothing is computed twice.
@@ -281,7 +281,7 @@ fn collected(
     let document = format!("{:#}\n", json!(ranking));
     let plots = plots.folder()?;
     let definition = std::fs::read_to_string(folder.path().join("experiment.toml")).ok();
-    let page = reports::sweep::page(&ranking, plan, definition.as_deref());
+    let page = aurt_workbench::reports::sweep::page(&ranking, plan, definition.as_deref());
     let mut outputs = Outputs::default();
     outputs.folder(
         &OutputFolder::new("--out", folder.path())?,

@@ -5,23 +5,27 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use aurt_report::reports;
+use aurt_workbench::{
+    failure::Failure,
+    output::{OutputFolder, Outputs},
+    reports::track,
+    tracking::{Alarm, STANDARD_INPUT, TrackOptions, recordings_of, track},
+};
 use clap::Args;
 use serde_json::json;
 
 use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
     arguments::parse_positive,
-    calibrated_file::CalibratedModel,
     commands::run::{drawn_text, written_text},
-    failure::Failure,
-    output::{OutputFolder, Outputs},
-    rendering::{json::pretty, terminal::Report},
-    reports,
-    tracking::{Alarm, STANDARD_INPUT, TrackOptions, recordings_of, track},
+    rendering::terminal::Report,
 };
 
-/// Follow a calibrated machine through recordings: drift of friction, gains and load, and alarms when it changes.
+/// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
 ///
 /// The experiment's own recordings are the unchanged machine, from which it learns how much estimates vary anyway. Exit
 /// status 1 if something has changed; `aurt diagnose` with that recording as target names the physics.
@@ -95,7 +99,7 @@ impl Track {
         let mut said = |alarm: &Alarm| {
             if is_running {
                 // The exit status tells all the same where standard error is closed.
-                let _ = writeln!(std::io::stderr(), "alarm: {}", reports::track::sentence(alarm));
+                let _ = writeln!(std::io::stderr(), "alarm: {}", track::sentence(alarm));
             }
         };
         let tracked = track(&experiment, &calibrated, registry, &recordings, options, &progress, &mut said)?;
@@ -105,7 +109,7 @@ impl Track {
         document["command"] = json!("track");
         document["experiment"] = json!(self.experiment);
         document["model"] = json!(self.model);
-        let page = reports::track::page(&tracked, &document);
+        let page = track::page(&tracked, &document);
         let mut outputs = Outputs::default();
         outputs.folder(
             &folder,
@@ -117,8 +121,7 @@ impl Track {
         let mut written = outputs.paths();
         let drawn = outputs.figures(&page, plots.as_ref());
         outputs.write()?;
-        let text =
-            reports::track::text(&tracked) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
+        let text = track::text(&tracked) + &written_text(&written) + &drawn_text(&drawn, plots.as_ref());
         written.extend(drawn);
         document["outputs"] = json!(written);
         Ok(Report { text, json: document, findings: !tracked.alarms.is_empty() })

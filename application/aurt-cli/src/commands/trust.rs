@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use aurt_plugins::Trust;
+use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::{failure::Failure, rendering::terminal::Report};
+use crate::rendering::terminal::Report;
 
-/// Trust libraries of models that experiments name, or list those that are trusted.
+/// Trust model libraries that experiments name, or list trusted ones.
 ///
 /// A library runs with your rights, and an experiment may come from someone else. Its bytes are trusted, not its name: a
 /// library that is built again is another one.

@@ -3,5 +3,3 @@
 pub mod excerpt;
 pub mod problem;
 pub mod terminal;
-
-pub use aurt::rendering::{json, number, table, text};

@@ -7,11 +7,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_experiment::{Error, suggestion};
+use aurt::Error;
 use aurt_files::harmless;
+use aurt_model::Error as ModelError;
+use aurt_plugins::suggestion;
 use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
+use aurt_workbench::failure::Failure;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents,
     SourceCode, SourceSpan, SpanContents,
@@ -19,7 +22,6 @@ use miette::{
 use serde_json::{Value, json};
 
 use super::excerpt::Excerpt;
-use crate::failure::Failure;
 
 /// Columns that messages are wrapped to on a terminal.
 const WIDTH: usize = 96;
@@ -139,53 +141,10 @@ fn found(failure: &Failure) -> Vec<Problem> {
                 excerpt: Some(Excerpt::of_text(&errors.path, &errors.source_text, p.span.clone())),
             })
             .collect(),
-        Failure::Build(errors) => {
-            errors.iter().map(|e| Problem { help: e.help(), ..Problem::plain(e) }).collect()
-        }
-        Failure::Mdh(errors) => errors.0.iter().map(mdh).collect(),
-        Failure::Recording(error) => vec![recording(error)],
-        Failure::Models(errors) => errors.iter().map(Problem::plain).collect(),
-        Failure::Plugins(Error::ModelFile { path, line, column, reason, help }) => vec![Problem {
-            message: format!("{}:{line}:{column}: {reason}", path.display()),
-            help: help.clone(),
-            path: Some(path.clone()),
-            line: Some(*line),
-            column: Some(*column),
-            excerpt: Excerpt::of_place(path, *line, *column),
-        }],
-        Failure::Plugins(Error::Read { path, source }) if source.kind() == ErrorKind::NotFound => {
-            vec![missing(path)]
-        }
-        Failure::Plugins(Error::Plugins(error)) => {
-            let path = match &**error {
-                aurt_plugins::Error::Library { path, .. } => Some(path.clone()),
-                _ => None,
-            };
-            vec![Problem { path, ..Problem::plain(failure) }]
-        }
-        Failure::Plugins(Error::Read { path, .. } | Error::Write { path, .. })
-        | Failure::NotFinite { path, .. }
-        | Failure::Output { path, .. }
-        | Failure::Write { path, .. }
-        | Failure::ModelFile { path, .. } => {
+        Failure::Library(error) => library(error),
+        Failure::NotFinite { path, .. } | Failure::Output { path, .. } => {
             vec![Problem { path: Some(path.clone()), ..Problem::plain(failure) }]
         }
-        Failure::Simulation(error) => match &**error {
-            SimulationError::Syntax { path, line, column, reason } => vec![Problem {
-                message: format!("{}:{line}:{column}: {reason}", path.display()),
-                path: Some(path.clone()),
-                line: Some(*line),
-                column: Some(*column),
-                excerpt: Excerpt::of_place(path, *line, *column),
-                help: None,
-            }],
-            SimulationError::Unreadable { path, .. } if !path.is_file() => vec![Problem::plain(error)],
-            SimulationError::Io { path, .. } | SimulationError::Unreadable { path, .. } => {
-                vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
-            }
-            SimulationError::Several(errors) => errors.iter().map(Problem::plain).collect(),
-            other => vec![Problem::plain(other)],
-        },
         Failure::Table { path, line: Some(line), cell, .. } => {
             vec![Problem::in_file(failure, path, *line, *cell)]
         }
@@ -206,6 +165,67 @@ fn found(failure: &Failure) -> Vec<Problem> {
         Failure::Stretches { path, reason, remedy } => {
             vec![Problem { path: path.clone(), help: Some(remedy.clone()), ..Problem::plain(reason) }]
         }
+        other => vec![Problem::plain(other)],
+    }
+}
+
+fn library(error: &Error) -> Vec<Problem> {
+    match error {
+        Error::Model(error) => model(error),
+        Error::Recording(error) => vec![recording(error)],
+        Error::Simulation(error) => simulation(error),
+        Error::Unfit { path, .. } | Error::Write { path, .. } => {
+            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+        }
+        other => vec![Problem::plain(other)],
+    }
+}
+
+fn model(error: &ModelError) -> Vec<Problem> {
+    match error {
+        ModelError::Build(errors) => {
+            errors.iter().map(|e| Problem { help: e.help(), ..Problem::plain(e) }).collect()
+        }
+        ModelError::Mdh(errors) => errors.0.iter().map(mdh).collect(),
+        ModelError::Assembly(errors) => errors.iter().map(Problem::plain).collect(),
+        ModelError::ModelFile { path, line, column, reason, help } => vec![Problem {
+            message: format!("{}:{line}:{column}: {reason}", path.display()),
+            help: help.clone(),
+            path: Some(path.clone()),
+            line: Some(*line),
+            column: Some(*column),
+            excerpt: Excerpt::of_place(path, *line, *column),
+        }],
+        ModelError::Read { path, source } if source.kind() == ErrorKind::NotFound => vec![missing(path)],
+        ModelError::Plugins(plugins) => {
+            let path = match &**plugins {
+                aurt_plugins::Error::Library { path, .. } => Some(path.clone()),
+                _ => None,
+            };
+            vec![Problem { path, ..Problem::plain(error) }]
+        }
+        ModelError::Read { path, .. } | ModelError::Write { path, .. } => {
+            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+        }
+        other => vec![Problem::plain(other)],
+    }
+}
+
+fn simulation(error: &SimulationError) -> Vec<Problem> {
+    match error {
+        SimulationError::Syntax { path, line, column, reason } => vec![Problem {
+            message: format!("{}:{line}:{column}: {reason}", path.display()),
+            path: Some(path.clone()),
+            line: Some(*line),
+            column: Some(*column),
+            excerpt: Excerpt::of_place(path, *line, *column),
+            help: None,
+        }],
+        SimulationError::Unreadable { path, .. } if !path.is_file() => vec![Problem::plain(error)],
+        SimulationError::Io { path, .. } | SimulationError::Unreadable { path, .. } => {
+            vec![Problem { path: Some(path.clone()), ..Problem::plain(error) }]
+        }
+        SimulationError::Several(errors) => errors.iter().map(Problem::plain).collect(),
         other => vec![Problem::plain(other)],
     }
 }

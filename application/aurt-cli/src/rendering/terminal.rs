@@ -5,17 +5,17 @@ use std::{
     time::Duration,
 };
 
-pub use aurt::rendering::style::Emphasis;
-use aurt::{
-    progress::{Observer, Progress},
-    rendering::style::Style,
-};
+use aurt::{Progress, progress::Observer};
 use aurt_files::harmless;
+pub use aurt_report::rendering::style::Emphasis;
+use aurt_report::rendering::style::Style;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
-use super::{json, problem};
-use crate::failure::Failure;
+use aurt_output::pretty;
+use aurt_workbench::failure::Failure;
+
+use super::problem;
 
 /// What a command has to say when it is done.
 #[derive(Debug, Clone, Default)]
@@ -63,23 +63,23 @@ impl Terminal {
     /// Prints what a command has to say.
     ///
     /// # Errors
-    /// [`Failure::Write`] if standard output takes no more (a full disk): half a document is none.
+    /// [`aurt::Error::Write`] if standard output takes no more (a full disk): half a document is none.
     pub fn print_report(&self, report: &Report) -> Result<(), Failure> {
         let text = if self.json {
-            json::pretty(&report.json)
+            pretty(&report.json)
         } else if self.quiet {
             return Ok(());
         } else {
             harmless(&report.text).into_owned()
         };
         write_unless_closed(&mut std::io::stdout().lock(), &text)
-            .map_err(|source| Failure::Write { path: "standard output".into(), source })
+            .map_err(|source| Failure::write("standard output", source))
     }
 
     /// Prints why a command failed: for people to standard error, for programs to standard output.
     pub fn print_failure(&self, failure: &Failure) {
         if self.json {
-            let document = json::pretty(&problem::to_json(failure));
+            let document = pretty(&problem::to_json(failure));
             // What went wrong is said on standard error all the same, and the exit status tells.
             let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
         }
@@ -90,7 +90,7 @@ impl Terminal {
 
     /// Prints a problem with the arguments for programs.
     pub fn print_problem(&self, message: &str) {
-        let document = json::pretty(&problem::plain_to_json(message));
+        let document = pretty(&problem::plain_to_json(message));
         // The exit status tells all the same.
         let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
     }

@@ -18,7 +18,7 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 [joint_dynamics]
-coulomb = { model = "none" }
+coulomb = { model = "constant" }
 hysteresis = { model = "sign" }
 viscous = { model = "MODEL", saturation_velocity_rad_s = 1.0 }
 [recordings]

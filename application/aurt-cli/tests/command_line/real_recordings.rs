@@ -40,7 +40,7 @@ fn the_original_tool_s_results_are_reproduced() {
     };
     let whole = &read("original_aurt_results.json")["weights_1_over_sigma_squared"];
     let moving = read("original_aurt_results_moving.json");
-    for coulomb in ["none", "square", "absolute"] {
+    for coulomb in ["constant", "square", "absolute"] {
         for powers in ["[1]", "[1, 2, 3]"] {
             let name = format!("{coulomb} {powers}");
             let folder = Folder::new();

@@ -22,7 +22,7 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 [joint_dynamics]
-coulomb = {{ model = "none" }}
+coulomb = {{ model = "constant" }}
 hysteresis = {{ model = "sign" }}
 viscous = {{ model = "polynomial", powers = [1] }}
 [recordings]
@@ -39,7 +39,7 @@ f_dyn_hz = 5.0
 /// Fifty-four points, two thirds of which search for shapes.
 const MANY: &str = r#"
 [sweep.grid]
-"joint_dynamics.coulomb.model" = ["none", "square", "absolute"]
+"joint_dynamics.coulomb.model" = ["constant", "square", "absolute"]
 "joint_dynamics.hysteresis" = [
     { model = "sign" }, { model = "dahl" }, { model = "tanh" },
     { model = "maxwell_slip", elements = 2 }, { model = "dahl", presliding_rad = 0.002 },

@@ -16,7 +16,7 @@ const EXPERIMENT: &str = r#"schema = 1
 mdh = "mdh.csv"
 gravity_m_s2 = [0.0, -9.81, 0.0]
 [joint_dynamics]
-coulomb = { model = "none" }
+coulomb = { model = "constant" }
 hysteresis = { model = "sign" }
 viscous = { model = "polynomial", powers = [1] }
 [recordings]

@@ -1,5 +1,6 @@
+use aurt_plugins::Node;
+
 use super::{robot::Robot, section::Section};
-use crate::Node;
 
 /// `[calibration]`: how the coefficients are found. All keys are optional.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! `columns`: which columns of a file hold what.
 
-use aurt_recording::{ColumnRef, ColumnsRef};
+use aurt_recording::{ColumnRef, ColumnSelection, ColumnsRef};
 
 use super::{errors::Complaint, joint_count::JointCheck, section::Section};
-use crate::{Node, NodeKind};
+use aurt_plugins::{Node, NodeKind};
 
 /// `columns`: a mapping of a file's columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,6 +39,17 @@ pub enum JointColumns {
     },
     /// Names in the header, joint after joint.
     Names(Vec<String>),
+}
+
+impl From<&RecordingColumns> for ColumnSelection {
+    fn from(columns: &RecordingColumns) -> Self {
+        Self {
+            time: columns.time.as_ref().map(Into::into),
+            position: Some((&columns.position).into()),
+            velocity: columns.velocity.as_ref().map(Into::into),
+            measurement: columns.measurement.as_ref().map(Into::into),
+        }
+    }
 }
 
 impl From<&ColumnName> for ColumnRef {

@@ -1,8 +1,7 @@
 use std::{fmt, path::PathBuf};
 
+use aurt_plugins::{BuildError, Span};
 use thiserror::Error;
-
-use crate::{BuildError, Span};
 
 /// Problems of one experiment that are told at once.
 const MOST_PROBLEMS: usize = 100;

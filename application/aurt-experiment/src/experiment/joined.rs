@@ -1,3 +1,4 @@
+use aurt_plugins::{Node, NodeKind, suggestion::likely};
 use aurt_recording::{ColumnSelection, JoinedFile, Quantity, RecordedAs};
 
 use super::{
@@ -5,7 +6,6 @@ use super::{
     recorded_as::{self, UNITS},
     section::Section,
 };
-use crate::{Node, NodeKind, suggestion::likely};
 
 const QUANTITIES: [(&str, Quantity); 3] = [
     ("measurement", Quantity::Measurement),

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use aurt_plugins::{BuildError, Node, Span};
 use aurt_traits::ArmTerm;
 
 use super::errors::Complaint;
-use crate::{BuildError, Node, Span};
 
 /// A check that waits for the number of joints.
 #[derive(Debug)]

@@ -1,3 +1,4 @@
+use aurt_plugins::{Node, Registry, SlotModel};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, ModelError, Slot, ViscousBasis};
 use serde_json::json;
 
@@ -6,13 +7,12 @@ use super::{
     joint_count::{JointCheck, repeated},
     section::{Reader, Section},
 };
-use crate::{Node, Registry, SlotModel};
 
 /// `[joint_dynamics]`: the friction of every joint, τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇) (equation 6), with
 /// exceptions for some.
 #[derive(Debug, Clone)]
 pub struct JointDynamics {
-    /// `coulomb`: f_C; by default `none`, a constant level.
+    /// `coulomb`: f_C; by default `constant`.
     pub coulomb: Box<dyn CoulombModel>,
     /// `hysteresis`: H; by default `sign`.
     pub hysteresis: Box<dyn HysteresisModel>,
@@ -101,7 +101,7 @@ impl JointDynamics {
         let dynamics = Self {
             coulomb: models
                 .0
-                .or_else(|| default(given(defaults.coulomb), registry, json!({ "model": "none" })))?,
+                .or_else(|| default(given(defaults.coulomb), registry, json!({ "model": "constant" })))?,
             hysteresis: models
                 .1
                 .or_else(|| default(given(defaults.hysteresis), registry, json!({ "model": "sign" })))?,
@@ -126,7 +126,7 @@ impl JointOverride {
             for joint in repeated(&joints) {
                 section.complain("joints", node, &format!("names joint {joint} twice"), None);
             }
-            if let crate::NodeKind::Array(items) = &node.kind {
+            if let aurt_plugins::NodeKind::Array(items) = &node.kind {
                 for (joint, item) in joints.iter().zip(items) {
                     section.reader.check_joints(JointCheck::Joint { joint: *joint, span: item.span.clone() });
                 }
@@ -166,6 +166,10 @@ pub(super) fn build<M: SlotModel + ?Sized>(
     registry: &Registry,
     node: &Node,
 ) -> Option<Box<M>> {
+    let inner = [Slot::Coulomb, Slot::Hysteresis, Slot::Viscous]
+        .into_iter()
+        .filter_map(|slot| Registry::former_name(slot, node.get(slot.name())?));
+    Registry::former_name(M::SLOT, node).into_iter().chain(inner).for_each(|note| reader.note(note));
     registry.build(node).map_err(|errors| errors.into_iter().for_each(|e| reader.complain(e))).ok()
 }
 

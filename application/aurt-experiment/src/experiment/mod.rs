@@ -41,7 +41,8 @@ use self::{
     joint_count::JointCheck,
     section::{Reader, Section},
 };
-use crate::{Error, Node, NodeKind, Registry};
+use crate::Error;
+use aurt_plugins::{Node, NodeKind, Registry};
 
 /// The version of the experiment file that this program reads: `schema = 1`.
 pub const SCHEMA: i64 = 1;
@@ -74,17 +75,19 @@ pub struct Experiment {
     pub libraries: Vec<PathBuf>,
     /// `[sweep]`, as it was written.
     pub sweep: Option<Node>,
+    /// What a person should know of how the file was read.
+    pub notes: Vec<String>,
 }
 
 impl Experiment {
     /// Reads an experiment from its file. Libraries that it names are loaded into `registry`.
     ///
     /// # Errors
-    /// [`Error::Read`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
+    /// [`Error::Model`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
     pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = read_text(path, MOST_TEXT_BYTES)
-            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+            .map_err(|source| aurt_model::Error::Read { path: path.to_owned(), source })?;
         Ok(Self::parse(&text, path, registry)?)
     }
 
@@ -181,6 +184,7 @@ fn read_sections(
         calibration,
         libraries,
         sweep,
+        notes: reader.notes(),
     });
     (experiment, sizes)
 }

@@ -1,8 +1,8 @@
+use aurt_plugins::{Node, NodeKind};
 use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
 use aurt_traits::MeasurementUnit;
 
 use super::{joint_count::JointCheck, section::Section};
-use crate::{Node, NodeKind};
 
 /// Units of measurements.
 pub(super) const UNITS: [(&str, MeasurementUnit); 2] =

@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use aurt_plugins::{Node, NodeKind};
 use aurt_recording::RecordedAs;
 use aurt_traits::MeasurementUnit;
 
@@ -9,7 +10,6 @@ use super::{
     recorded_as::{self, UNITS},
     section::{Reader, Section},
 };
-use crate::{Node, NodeKind};
 
 /// `[recordings]`: what was recorded, by what it is for.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
+use aurt_plugins::Node;
 use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint};
 use aurt_recording::RobotJoints;
 use aurt_robots::{DescribedRobot, known_robot};
 use aurt_traits::RigidBodyRegressor;
 
 use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, recorded_as, section::Section};
-use crate::Node;
 
 /// `[robot]`: the arm itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,10 +6,10 @@ use std::{
 };
 
 use aurt_files::clipped;
+use aurt_plugins::{Node, NodeKind, Span, suggestion};
 use aurt_recording::is_recording_folder;
 
 use super::{errors::Complaint, joint_count::JointCheck, paths};
-use crate::{Node, NodeKind, Span, suggestion};
 
 /// Unknown keys of one table that are complained about; whoever has more has another problem than a slip of the pen.
 const MOST_UNKNOWN_KEYS: usize = 50;
@@ -21,6 +21,7 @@ pub(super) struct Reader {
     pub folder: PathBuf,
     complaints: RefCell<Vec<Complaint>>,
     checks: RefCell<Vec<JointCheck>>,
+    notes: RefCell<Vec<String>>,
 }
 
 impl Reader {
@@ -35,6 +36,18 @@ impl Reader {
     /// Notes something that can be checked as soon as the number of joints is known.
     pub(super) fn check_joints(&self, check: JointCheck) {
         self.checks.borrow_mut().push(check);
+    }
+
+    /// Notes something that a person should know of how the experiment was read, once.
+    pub(super) fn note(&self, note: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.notes.borrow().clone()
     }
 
     pub(super) fn into_complaints(self) -> (Vec<Complaint>, Vec<JointCheck>) {

@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::{Block, Page, Section, Tone, escape};
+use crate::{
+    escape,
+    page::{Block, Page, Section, Tone},
+};
 
 /// The style; colours follow the reader's choice of light or dark.
 const STYLE: &str = include_str!("style.css");

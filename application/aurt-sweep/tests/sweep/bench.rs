@@ -7,7 +7,8 @@ use std::{
 };
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
-use aurt_experiment::{Experiment, Registry, experiment::RecordingSource};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_sweep::{
     Data, Folder, Loader, Outcome, Plan, PointError, PointResult, Settings, Summary, Sweep, SweepError,
@@ -23,7 +24,7 @@ schema = 1
 mdh = "mdh.csv"
 gravity_m_s2 = [0.0, -9.81, 0.0]
 [joint_dynamics]
-coulomb = { model = "none" }
+coulomb = { model = "constant" }
 hysteresis = { model = "sign" }
 viscous = { model = "polynomial", powers = [1] }
 [recordings]

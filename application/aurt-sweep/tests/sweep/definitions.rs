@@ -27,7 +27,7 @@ fn refused(sweep: &str) -> Vec<String> {
 fn grids_zips_and_variants_are_combined() {
     let grid = r#"
 [sweep.grid]
-"joint_dynamics.coulomb.model" = ["none", "square"]
+"joint_dynamics.coulomb.model" = ["constant", "square"]
 joint_dynamics.viscous.powers = [[1], [1, 2]]
 "#;
     let expected = [
@@ -75,7 +75,7 @@ fn a_point_is_an_experiment_with_its_values_and_absolute_paths() {
 #[test]
 fn keys_that_no_experiment_has_are_refused_where_they_stand() {
     let sweep = r#"[sweep.grid]
-"joint_dynamic.coulomb.model" = ["none"]
+"joint_dynamic.coulomb.model" = ["constant"]
 "#;
     let complaints = refused(sweep);
     assert_eq!(complaints.len(), 1, "{complaints:#?}");
@@ -97,7 +97,7 @@ fn keys_that_no_experiment_has_are_refused_where_they_stand() {
 #[test]
 fn values_that_cannot_be_are_refused_where_they_stand() {
     let sweep = r#"[sweep.grid]
-"joint_dynamics.coulomb.model" = ["none", "sqare"]
+"joint_dynamics.coulomb.model" = ["constant", "sqare"]
 "joint_dynamics.viscous" = [{ model = "polynomial", powers = [1] }, { model = "polynomial", power = [1] }]
 "#;
     let complaints = refused(sweep);

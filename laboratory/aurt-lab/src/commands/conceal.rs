@@ -31,7 +31,7 @@ pub struct Conceal {
     /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
-    /// Seed of everything that is drawn
+    /// Seed of all random numbers
     #[arg(long, value_name = "N")]
     seed: u64,
     /// Folder for the cases
@@ -70,8 +70,7 @@ impl Conceal {
         let requests = injection.requests(&plan, self.seed)?;
         let references = self.references();
         for folder in [&self.cases, &self.sealed, &references] {
-            std::fs::create_dir_all(folder)
-                .map_err(|source| Failure::Write { path: folder.clone(), source })?;
+            std::fs::create_dir_all(folder).map_err(|source| Failure::write(folder.clone(), source))?;
         }
         for name in injection.references() {
             injection.reference(&name)?.write_folder(&references)?;

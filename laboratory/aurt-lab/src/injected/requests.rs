@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use aurt_simulation::{
     Random, SimulationError,
     inject::{Injection, Kind, Presence, Split, injectable, unknown_injectable},

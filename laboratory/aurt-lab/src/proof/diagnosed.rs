@@ -105,7 +105,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
 
 /// Makes a case in a temporary folder and moves it there when it is complete; the reason if it cannot be made.
 fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<Result<(), String>, Failure> {
-    let fail = |path: PathBuf| move |source| Failure::Write { path, source };
+    let fail = |path: PathBuf| move |source| Failure::write(path, source);
     let building = aurt_output::StagedFolder::new(place.root())?;
     let (cases, sealed) = (building.path().join("cases"), building.path().join("sealed"));
     for folder in [&cases, &sealed] {
@@ -137,7 +137,7 @@ fn forget(folder: &Path, options: &Options) -> Result<(), Failure> {
 fn remove(folder: &Path) -> Result<(), Failure> {
     match fs::remove_dir_all(folder) {
         Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(Failure::Write { path: folder.to_owned(), source })
+            Err(Failure::write(folder.to_owned(), source))
         }
         _ => Ok(()),
     }
@@ -146,7 +146,7 @@ fn remove(folder: &Path) -> Result<(), Failure> {
 /// Runs `aurt diagnose` in a case's folder. Nothing of the case is in the command but its folder. What it complained of,
 /// if it failed, is written where its verdict would be.
 fn diagnose(case: &Path, out: &Path, more: &[&str], options: &Options) -> Result<(), Failure> {
-    let fail = |source| Failure::Write { path: out.to_owned(), source };
+    let fail = |source| Failure::write(out.to_owned(), source);
     let out = std::path::absolute(out).map_err(fail)?;
     let done = Command::new(&options.program)
         .args(["diagnose", "experiment.toml", "--quiet", "--verdict-only", "--out"])
@@ -183,9 +183,8 @@ pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
             .unwrap_or_default()
     };
     let stem = |path: &Path| path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let read = |path: &Path| {
-        fs::read_to_string(path).map_err(|source| Failure::Write { path: path.to_owned(), source })
-    };
+    let read =
+        |path: &Path| fs::read_to_string(path).map_err(|source| Failure::write(path.to_owned(), source));
     for path in entries(&place.unmade()) {
         found.insert(stem(&path), format!("could not be made: {}", read(&path)?));
     }

@@ -61,11 +61,7 @@ impl Mujoco {
     }
 
     fn refusal(&self, reason: String) -> Failure {
-        Failure::ModelFile {
-            path: self.program.clone(),
-            reason,
-            remedy: "correct the plan, or prove other worlds".into(),
-        }
+        Failure::unfit(self.program.clone(), reason, "correct the plan, or prove other worlds")
     }
 
     fn call(&self, options: &[OsString]) -> Result<Vec<u8>, String> {
@@ -89,7 +85,7 @@ fn run(command: &mut Command) -> std::io::Result<Output> {
 fn write_plan(path: &Path, ingredients: &Ingredients) -> Result<(), Failure> {
     let text = crate::product::pretty(&serde_json::json!(ingredients.plan));
     let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+    std::fs::create_dir_all(folder).map_err(|source| Failure::write(folder.to_owned(), source))?;
     crate::product::OutputFile::new("--out", path, &[])?.write(text.as_bytes())
 }
 

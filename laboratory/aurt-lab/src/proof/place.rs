@@ -18,7 +18,7 @@ pub struct Place {
 /// What a world's folder holds the proof of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proof {
-    /// Seed of everything that is drawn.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// How many cases there are when it is complete.
     pub cases: usize,
@@ -101,7 +101,7 @@ impl Place {
             });
         }
         for folder in self.results().into_iter().chain([self.cases(), self.references()]) {
-            fs::create_dir_all(&folder).map_err(|source| Failure::Write { path: folder, source })?;
+            fs::create_dir_all(&folder).map_err(|source| Failure::write(folder, source))?;
         }
         let text = pretty(&serde_json::json!(proof));
         OutputFolder::nested("--out", &self.root)?.write(&[(PROOF.to_owned(), text.into_bytes())])
@@ -114,10 +114,8 @@ impl Place {
     pub fn proof(&self) -> Result<Option<Proof>, Failure> {
         let path = self.root.join(PROOF);
         let Ok(text) = fs::read_to_string(&path) else { return Ok(None) };
-        let proof = serde_json::from_str(&text).map_err(|error| Failure::ModelFile {
-            path,
-            reason: error.to_string(),
-            remedy: "name the folder that `aurt-lab prove --out` wrote".into(),
+        let proof = serde_json::from_str(&text).map_err(|error| {
+            Failure::unfit(path, error.to_string(), "name the folder that `aurt-lab prove --out` wrote")
         })?;
         Ok(Some(proof))
     }

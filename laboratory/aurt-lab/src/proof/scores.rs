@@ -126,11 +126,7 @@ fn truths(sealed: &Path) -> Result<Vec<PathBuf>, Failure> {
 /// What a method said of a case, from its comparison file.
 fn method(path: &Path, name: &str) -> Result<Option<Claim>, Failure> {
     let Ok(text) = aurt_files::read_text(path, aurt_files::MOST_MODEL_BYTES) else { return Ok(None) };
-    let refuse = |reason: String| Failure::ModelFile {
-        path: path.to_owned(),
-        reason,
-        remedy: "diagnose the case again with --compare".into(),
-    };
+    let refuse = |reason: String| Failure::unfit(path, reason, "diagnose the case again with --compare");
     let mut all: Value = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
     match all.get_mut(name).map(Value::take) {
         Some(claim) => serde_json::from_value(claim).map(Some).map_err(|e| refuse(e.to_string())),

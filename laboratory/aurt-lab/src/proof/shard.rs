@@ -81,7 +81,7 @@ pub fn collect(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
 fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
     let fail = |path: &Path| {
         let path = path.to_owned();
-        move |source| Failure::Write { path, source }
+        move |source| Failure::write(path, source)
     };
     fs::create_dir_all(to).map_err(fail(to))?;
     let Ok(entries) = fs::read_dir(from) else { return Ok(()) };

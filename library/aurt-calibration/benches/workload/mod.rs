@@ -1,11 +1,10 @@
 //! What benchmarks work on: a UR10e's geometry, motions of many sines, and clocks.
 #![allow(dead_code, clippy::allow_attributes, reason = "every benchmark uses a part")]
 
-use std::io::Write;
-use std::path::Path;
-use std::time::Instant;
+use std::{io::Write, path::Path, time::Instant};
 
-use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{ReadReport, Recording};
 use aurt_traits::{JointStack, MeasurementUnit, RobotModel};
@@ -55,7 +54,7 @@ pub fn variants(bodies: &RigidBodyDynamics) -> Vec<RobotModel> {
     let hystereses = [plain("sign"), plain("tanh"), plain("dahl"), slip(2), slip(3), slip(4), slip(5)];
     let powers: [&[u32]; 5] = [&[1], &[1, 2], &[1, 3], &[1, 2, 3], &[1, 2, 3, 4]];
     let mut models = Vec::new();
-    for coulomb in ["none", "square", "absolute"] {
+    for coulomb in ["constant", "square", "absolute"] {
         for hysteresis in &hystereses {
             for powers in powers {
                 models.push(with_friction(bodies, &plain(coulomb), hysteresis, powers));

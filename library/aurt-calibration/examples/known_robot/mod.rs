@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::NamedRecording;
-use aurt_experiment::{Registry, RigidBodyDynamics};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::Registry;
 use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{
@@ -120,7 +121,7 @@ impl KnownRobot {
                 truth.push(COULOMB_NM[j]);
                 truth.extend(law.map(|law| law.rise_nm));
                 truth.push(VISCOUS_NM_S[j]);
-                let coulomb = law.map_or(json!({"model": "none"}), |_| {
+                let coulomb = law.map_or(json!({"model": "constant"}), |_| {
                     json!({"model": "stribeck", "stribeck_velocity_rad_s": 0.05, "stribeck_exponent": 1.0})
                 });
                 JointStack::new(

@@ -48,7 +48,7 @@ pub struct Hausman {
     /// The probability of a larger statistic where positions are exact.
     pub probability: f64,
     /// The same of what remains when the shift that the measured noise of the positions predicts is subtracted; absent
-    /// where no noise was drawn.
+    /// where no noise was drawn, and where there is more than such a prediction holds for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_noise: Option<f64>,
 }

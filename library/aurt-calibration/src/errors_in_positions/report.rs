@@ -33,6 +33,13 @@ pub struct JointPositionNoise {
     pub acceleration_share: f64,
 }
 
+impl JointPositionNoise {
+    /// Whether its effect is beyond first order.
+    pub(super) fn is_overwhelming(&self) -> bool {
+        self.acceleration_share > OVERWHELMING
+    }
+}
+
 /// A coefficient's bias, which is part of its standard deviation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ParameterBias {
@@ -87,7 +94,7 @@ impl PositionBias {
         let worst = self.joints.iter().enumerate();
         let (joint, noise) =
             worst.max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share))?;
-        (noise.acceleration_share > OVERWHELMING).then(|| {
+        noise.is_overwhelming().then(|| {
             format!(
                 "position noise makes up {:.0} % of the power of joint {joint}'s accelerations, too much for its effect on the \
                  estimates to be determined or corrected; use a lower f_dyn",
@@ -129,8 +136,8 @@ impl PositionBias {
         if is_beyond {
             warnings.push(
                 "least squares and instrumental variables differ by more than the measured position noise explains: the model \
-                 lacks a torque, such as rotor inertia or Stribeck friction, or the recordings have an error; `aurt diagnose` \
-                 looks for it (`aurt explain position_bias`)"
+                 may lack a torque, such as rotor inertia or Stribeck friction, or the recordings have an error; run `aurt \
+                 diagnose` (`aurt explain position_bias`)"
                     .to_owned(),
             );
         }

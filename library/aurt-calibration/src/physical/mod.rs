@@ -52,7 +52,8 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
+    use aurt_model::RigidBodyDynamics;
+    use aurt_plugins::{Registry, SlotModel};
     use aurt_rbd::{MdhRows, MdhTable};
     use aurt_traits::{ArmTerm, JointStack, MeasurementUnit};
     use serde_json::{Value, json};
@@ -133,36 +134,36 @@ mod tests {
 
     #[test]
     fn what_a_machine_can_have_is_not_complained_of() {
-        assert_eq!(said("none", rotors(), &[("rotor_inertia.I_a_1", 0.5)], 0.01), Vec::<String>::new());
+        assert_eq!(said("constant", rotors(), &[("rotor_inertia.I_a_1", 0.5)], 0.01), Vec::<String>::new());
         let payload = || json!({ "model": "payload", "link": 2 });
-        assert_eq!(said("none", payload(), &ball(1.0, 0.02), 1e-4), Vec::<String>::new());
+        assert_eq!(said("constant", payload(), &ball(1.0, 0.02), 1e-4), Vec::<String>::new());
         // A load that was taken off is a body with the opposite sign.
-        assert_eq!(said("none", payload(), &ball(-1.0, 0.02), 1e-4), Vec::<String>::new());
+        assert_eq!(said("constant", payload(), &ball(-1.0, 0.02), 1e-4), Vec::<String>::new());
     }
 
     #[test]
     fn a_body_that_cannot_be_is_told_with_its_moments() {
         let payload = || json!({ "model": "payload", "link": 2 });
-        let flat = said("none", payload(), &ball(1.0, 0.06), 1e-4);
+        let flat = said("constant", payload(), &ball(1.0, 0.06), 1e-4);
         assert!(
             flat.len() == 1 && flat[0].contains("0.020, 0.020 and 0.060 kg m², the largest exceeds"),
             "{flat:?}"
         );
-        let negative = said("none", payload(), &ball(1.0, -0.01), 1e-4);
+        let negative = said("constant", payload(), &ball(1.0, -0.01), 1e-4);
         assert!(
             negative[0].contains("a principal moment of inertia about its centre of mass is negative"),
             "{negative:?}"
         );
         // What noise may have done is not held against the value.
-        assert_eq!(said("none", payload(), &ball(1.0, 0.06), 0.05), Vec::<String>::new());
+        assert_eq!(said("constant", payload(), &ball(1.0, 0.06), 0.05), Vec::<String>::new());
         let part = json!({ "model": "payload", "link": 2, "parameters": ["mX", "m"] });
-        let light = said("none", part, &[("payload.m_2", -1.0)], 0.1);
+        let light = said("constant", part, &[("payload.m_2", -1.0)], 0.1);
         assert!(light[0].contains("negative mass (-1.00 ± 0.10 kg)"), "{light:?}");
     }
 
     #[test]
     fn friction_that_drives_is_found_at_the_speed_and_load_where_it_does() {
-        let cubic = said("none", rotors(), &[("F_v3_1", -1.0)], 0.01);
+        let cubic = said("constant", rotors(), &[("F_v3_1", -1.0)], 0.01);
         assert!(
             cubic.len() == 1 && cubic[0].contains("joint 1 (-") && cubic[0].contains("at 2.00 rad/s"),
             "{cubic:?}"
@@ -174,8 +175,8 @@ mod tests {
 
     #[test]
     fn rotors_are_not_lighter_than_nothing() {
-        let negative = said("none", rotors(), &[("rotor_inertia.I_a_1", -0.1)], 0.01);
+        let negative = said("constant", rotors(), &[("rotor_inertia.I_a_1", -0.1)], 0.01);
         assert!(negative[0].contains("rotor_inertia.I_a_1 = -0.100 ± 0.010 kg m^2"), "{negative:?}");
-        assert_eq!(said("none", rotors(), &[("rotor_inertia.I_a_1", -0.1)], 0.1), Vec::<String>::new());
+        assert_eq!(said("constant", rotors(), &[("rotor_inertia.I_a_1", -0.1)], 0.1), Vec::<String>::new());
     }
 }

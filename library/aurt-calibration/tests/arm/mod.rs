@@ -2,7 +2,8 @@
 //! multi-sines, with friction that each test integrates by itself.
 
 use aurt_calibration::NamedRecording;
-use aurt_experiment::{Registry, RigidBodyDynamics, SlotModel};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{ArmTerm, JointStack, MeasurementUnit, RobotModel};

@@ -41,7 +41,7 @@ pub static EFFECT: Effect = Effect {
     source: include_str!("coulomb.rs"),
     parameters: &[Parameter::new("coulomb_nm", Unit::Torque).never_negative()],
     propose: |context| {
-        let (level, shape) = (json!({"model": "none"}), json!({"model": "sign"}));
+        let (level, shape) = (json!({"model": "constant"}), json!({"model": "sign"}));
         (0..context.joints)
             .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[]).bound(&[true]))
             .collect()

@@ -45,7 +45,7 @@ pub static EFFECT: Effect = Effect {
         Parameter::new("new_viscous_nm_s", Unit::Damping).never_negative(),
     ],
     propose: |context| {
-        let (level, shape) = (json!({"model": "none"}), json!({"model": "sign"}));
+        let (level, shape) = (json!({"model": "constant"}), json!({"model": "sign"}));
         (0..context.joints)
             .map(|j| Proposal::friction(j, level.clone(), shape.clone(), &[1]).of_targets())
             .collect()

@@ -78,7 +78,7 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
                 "model": "maxwell_slip", "elements": ELEMENTS, "smallest_rad": smallest.max(least),
                 "largest_rad": largest,
             });
-            Proposal::friction(j, json!({"model": "none"}), elements, &[])
+            Proposal::friction(j, json!({"model": "constant"}), elements, &[])
                 .bound(&[true; ELEMENTS])
                 .shaped(Shape { bounds: [least, most], ..SMALLEST })
                 .shaped(LARGEST)

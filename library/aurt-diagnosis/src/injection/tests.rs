@@ -3,15 +3,18 @@
 use std::path::Path;
 
 use aurt_calibration::CalibrationOptions;
-use aurt_experiment::{Experiment, Registry};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
 use aurt_traits::{MeasurementUnit, Motion, RegressorTile, RobotModel};
 
 use super::{AddedRows, Prepared};
-use crate::investigation::investigate;
-use crate::recordings::rows::Role;
-use crate::request::{Question, QuestionedRecording, SelectionOptions};
-use crate::verdict::{Answer, Verdict, write_verdict};
+use crate::{
+    investigation::investigate,
+    recordings::rows::Role,
+    request::{Question, QuestionedRecording, SelectionOptions},
+    verdict::{Answer, Verdict, write_verdict},
+};
 
 const RATE_HZ: f64 = 100.0;
 const F_DYN_HZ: f64 = 2.0;

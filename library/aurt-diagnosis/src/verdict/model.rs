@@ -55,6 +55,9 @@ pub struct Verdict {
     /// How much the rest of the model moved when the effects were added: parameter, before, after, and the
     /// shift in standard deviations.
     pub shifts: Vec<Shift>,
+    /// What speaks against it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// What a reader should know of how this was found.
     pub notes: Vec<String>,
 }

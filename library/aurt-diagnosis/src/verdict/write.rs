@@ -91,6 +91,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         residual,
         held_out,
         shifts: shifts(investigation, &fitted, &baseline.1),
+        warnings: Vec::new(),
         notes: Vec::new(),
     };
     verdict.notes.extend(
@@ -125,8 +126,8 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         ));
     }
     verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
-    if let Some(note) = worse_on_held_out(&verdict) {
-        verdict.notes.push(note);
+    if let Some(warning) = worse_on_held_out(&verdict) {
+        verdict.warnings.push(warning);
     }
     if investigation.undetermined {
         verdict.notes.push(
@@ -169,7 +170,7 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
     (2 * worse >= ratios.len() && found).then(|| {
         format!(
-            "WARNING: the findings increase the error on {} on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} after). \
+            "the findings increase the error on {} on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} after). \
              Validation recordings are assumed to show the robot in the state of the targets; list one from before a change under \
              `calibration`. Without `validation` the last quarter of each target is held out",
             held.recordings.join(", "),

@@ -61,7 +61,7 @@ fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
     };
     match model.name() {
         "absent" => Ok(Vec::new()),
-        "none" => Ok(vec![one]),
+        "constant" => Ok(vec![one]),
         name @ ("absolute" | "square") => {
             Ok([Some(one), load_power(tape, name)].into_iter().flatten().collect())
         }

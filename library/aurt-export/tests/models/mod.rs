@@ -18,7 +18,7 @@ use aurt_friction::{
     coulomb::{
         absent::Absent,
         absolute::Absolute,
-        none::Constant,
+        constant::Constant,
         square::Square,
         stribeck::{LoadDependence, Stribeck},
     },

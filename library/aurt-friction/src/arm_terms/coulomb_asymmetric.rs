@@ -4,7 +4,7 @@
 //! τ_j = F_C+,j for q̇_j > v_0, −F_C−,j for q̇_j < −v_0, else 0
 //!
 //! Equation (6) asks for a level that is even; this one is not, so it stands outside. Use it with
-//! `coulomb = { model = "absent" }` on the same joints: beside `none` there would be three coefficients for two
+//! `coulomb = { model = "absent" }` on the same joints: beside `constant` there would be three coefficients for two
 //! levels.
 //!
 //! # Parameters

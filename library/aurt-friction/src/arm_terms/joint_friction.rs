@@ -7,7 +7,7 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `joints` | – | joints that have the term; all unless given |
-//! | `coulomb` | – | Coulomb model, `{ model = "none" }` unless given |
+//! | `coulomb` | – | Coulomb model, `{ model = "constant" }` unless given |
 //! | `hysteresis` | – | hysteresis model, `{ model = "sign" }` unless given |
 //! | `viscous` | – | viscous model, none unless given |
 //!
@@ -33,7 +33,7 @@ use aurt_traits::{
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    arm_terms::joint_selection::JointSelection, coulomb::none::Constant, hysteresis::sign::Sign,
+    arm_terms::joint_selection::JointSelection, coulomb::constant::Constant, hysteresis::sign::Sign,
     shape::verdict, viscous::polynomial::Polynomial,
 };
 

@@ -5,7 +5,7 @@
 //!
 //! # Use when
 //! Dry friction is described outside equation (6), for instance by the arm terms `coulomb_asymmetric` or
-//! `lugre_damped`, or is to be left out on purpose. A constant level is `none`, which is the paper's name for
+//! `lugre_damped`, or is to be left out on purpose. A constant level is `constant`. The paper calls it "none", for
 //! "no dependence on the load", not for "no friction".
 //!
 //! # Source
@@ -25,7 +25,7 @@ friction_model! {
     summary: "no dry friction at all (no column)",
     equation: "f_C = 0",
     use_when: "dry friction is described by an arm term instead, or is left out on purpose; for a level \
-               that does not depend on the load use `none`",
+               that does not depend on the load use `constant`",
     source: "trivial",
     example: r#"{ model = "absent" }"#,
     columns: [],

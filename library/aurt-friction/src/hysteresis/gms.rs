@@ -29,7 +29,7 @@
 //!
 //! Multiplied by the Coulomb columns of `absolute` (1 and |τ_J|) these are the columns of the load-dependent
 //! generalised Maxwell-slip model after Madsen et al. (2021): Σ_i (F_i + G_i |τ_J|) ξ_i, break-away and sliding
-//! levels that grow with the load at fixed presliding distances. With the Coulomb model `none`: the model of 2003.
+//! levels that grow with the load at fixed presliding distances. With the Coulomb model `constant`: the model of 2003.
 //!
 //! # State
 //! Time and position of the previous sample; for each element ξ_i and the direction in which it slips (0: it

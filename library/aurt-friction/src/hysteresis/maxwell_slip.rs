@@ -19,7 +19,7 @@
 //! |---|---|---|
 //! | `m0`, `m1`, … | 1 | H_i, by ascending threshold |
 //!
-//! In equation (6) each is multiplied by each Coulomb column. `none` × `maxwell_slip` is the plain model
+//! In equation (6) each is multiplied by each Coulomb column. `constant` × `maxwell_slip` is the plain model
 //! (coefficients W_i). `absolute` × `maxwell_slip` has the columns H_i and |τ_J| H_i, levels that grow with the
 //! load, W_i = F_i + G_i |τ_J|: the load-dependent generalised Maxwell-slip model after Madsen et al. (2021)
 //! without velocity weakening, which `gms` adds. Physics asks for W_i ≥ 0; least squares does not enforce it.

@@ -82,7 +82,9 @@ fn stack(
 
 /// The paper's simplest stack with one model replaced.
 pub fn in_its_slot(model: &Model) -> Result<JointStack, Vec<ModelError>> {
-    use aurt_friction::{coulomb::none::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial};
+    use aurt_friction::{
+        coulomb::constant::Constant, hysteresis::sign::Sign, viscous::polynomial::Polynomial,
+    };
     let level = Box::new(Constant {});
     let sign = Box::new(Sign::default());
     let linear = Box::new(Polynomial { powers: vec![1] });

@@ -28,7 +28,7 @@ fn both_registries_hold_the_same_names() {
 fn the_models_that_experiments_rely_on_are_there() {
     let listed = entries();
     for (slot, names) in [
-        (Slot::Coulomb, &["absent", "absolute", "none", "square", "stribeck"][..]),
+        (Slot::Coulomb, &["absent", "absolute", "constant", "square", "stribeck"][..]),
         (Slot::Hysteresis, &["bouc_wen", "dahl", "gms", "lugre", "maxwell_slip", "sign", "tanh"][..]),
         (Slot::Viscous, &["polynomial", "saturating"][..]),
         (

@@ -66,7 +66,7 @@ impl Model {
 /// Every registered model, sorted by slot and name.
 pub fn entries() -> Vec<ModelEntry> {
     // Naming a model links the crate, and with it all registrations.
-    let _ = aurt_friction::coulomb::none::Constant {};
+    let _ = aurt_friction::coulomb::constant::Constant {};
     let mut entries: Vec<ModelEntry> = inventory::iter::<ModelEntry>.into_iter().copied().collect();
     entries.sort_by_key(|e| (e.slot, e.name));
     entries

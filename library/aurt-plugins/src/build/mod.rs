@@ -1,6 +1,6 @@
 //! From a table `{ model = "…", … }` to a model.
 
-use std::{cell::RefCell, sync::Arc};
+use std::{borrow::Cow, cell::RefCell, sync::Arc};
 
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, InnerModels, JointModel, ModelError, Slot, ViscousBasis,
@@ -98,6 +98,15 @@ slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |_| None, |m| JointMod
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
 slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |m| m.inner_models(), |_| Vec::new());
 
+/// Models by their former names, which old files have.
+const RENAMED: [(Slot, &str, &str); 1] = [(Slot::Coulomb, "none", "constant")];
+
+/// The present name of a model where a table gives it by a former one.
+fn renamed(slot: Slot, table: &Node) -> Option<(&'static str, &'static str)> {
+    let name = table.get("model")?.as_str()?;
+    RENAMED.into_iter().find(|(of, old, _)| *of == slot && *old == name).map(|(_, old, new)| (old, new))
+}
+
 impl Registry {
     /// The model that a table `{ model = "…", … }` describes, for the slot of the trait `M`:
     /// `registry.build::<dyn CoulombModel>(&table)`.
@@ -106,6 +115,13 @@ impl Registry {
     /// All complaints about the configuration, each with its place in the text.
     pub fn build<M: SlotModel + ?Sized>(&self, table: &Node) -> Result<Box<M>, Vec<BuildError>> {
         build(self, table, Form::Written)
+    }
+
+    /// What to say of a table that names a model by a former name; nothing of others.
+    #[must_use]
+    pub fn former_name(slot: Slot, table: &Node) -> Option<String> {
+        let (old, new) = renamed(slot, table)?;
+        Some(format!("the {} model `{old}` is called `{new}` now; both names mean the same", slot.name()))
     }
 
     /// The model that a saved table `{"model": "…", …}` describes.
@@ -123,6 +139,15 @@ fn build<M: SlotModel + ?Sized>(
     form: Form,
 ) -> Result<Box<M>, Vec<BuildError>> {
     let slot = M::SLOT;
+    let mut table = Cow::Borrowed(table);
+    if let Some((_, new)) = renamed(slot, &table)
+        && let NodeKind::Table(entries) = &mut table.to_mut().kind
+    {
+        for entry in entries.iter_mut().filter(|entry| entry.key == "model") {
+            entry.value.kind = NodeKind::String(new.to_owned());
+        }
+    }
+    let table = &*table;
     let NodeKind::Table(_) = table.kind else {
         return Err(vec![BuildError::NoTable { slot, found: table.kind_name(), span: table.span.clone() }]);
     };

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use aurt_experiment::{Origin, Registry, RigidBodyDynamics};
+use aurt_model::RigidBodyDynamics;
+use aurt_plugins::{Origin, Registry};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_traits::{
     ArmTerm, Columns, CoulombModel, HysteresisModel, JointModel, JointSeries, JointStack, LoadTorque, Motion,

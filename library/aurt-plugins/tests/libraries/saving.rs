@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use aurt_experiment::{Experiment, Registry, model_file};
+use aurt_experiment::Experiment;
+use aurt_model::model_file;
+use aurt_plugins::Registry;
 use aurt_traits::{HysteresisModel, ViscousBasis};
 use serde_json::json;
 

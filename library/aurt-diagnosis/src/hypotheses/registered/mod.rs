@@ -165,7 +165,7 @@ fn as_friction(
     stack: &JointStack,
 ) -> Result<Value, serde_json::Error> {
     let own_coulomb = if stack.coulomb().columns().is_empty() {
-        json!({ "model": "none" })
+        json!({ "model": "constant" })
     } else {
         without_library(serde_json::to_value(stack.coulomb())?)
     };

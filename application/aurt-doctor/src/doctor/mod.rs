@@ -1,0 +1,208 @@
+//! The setup doctor: whether a robot's description and its recordings belong together, and which of the usual mistakes
+//! would explain it if they do not.
+//!
+//! A trial undoes one mistake, calibrates rigid bodies with plain friction on a thinned part of the recordings and judges
+//! the fit on what is held out. The error of a setup is the root of the mean over joints of Σe²/Σy², of which a joint
+//! contributes 1.5 at most, and 1 at least where friction that feeds power into the joint would be needed: a model with
+//! all signs turned fits as well, but cannot be.
+//!
+//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 30 % at some joint that moves; otherwise the
+//! likely ones, each alone. A mistake is told only if undoing the mistake takes the
+//! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a third of the rest.
+
+mod columns;
+mod correction;
+mod explained;
+mod folds;
+mod mistake;
+mod search;
+mod setup;
+mod trial;
+mod usual;
+mod wording;
+
+use aurt_plugins::Registry;
+use serde_json::{Value, json};
+
+pub use self::{
+    columns::oddities,
+    correction::corrected,
+    explained::{Poor, loudly, poorly_explained},
+    mistake::{Columns, Mistake, Reading, Table},
+    search::Step,
+    setup::{Subject, median_period_s, recordings_of},
+    trial::Score,
+};
+use self::{
+    search::{Thorough, search},
+    setup::Setup,
+    trial::Bench,
+};
+use crate::{inspection::judged::loaded_friction, inspection::judged::plain_friction};
+use aurt_workbench::failure::Failure;
+
+/// What the doctor found.
+#[derive(Debug, Clone)]
+pub struct Examination {
+    /// How well the setup as it is explains the data; nothing if it allows no fit.
+    pub before: Option<Score>,
+    /// How well it does with all mistakes undone.
+    pub after: Option<Score>,
+    /// The mistakes.
+    pub steps: Vec<Step>,
+    /// Fits that were tried.
+    pub trials: usize,
+    compares_robots: bool,
+    files: Vec<String>,
+}
+
+/// Looks for the usual mistakes in a setup.
+///
+/// # Errors
+/// If a window holds no samples.
+pub fn examine(subject: &Subject, registry: &Registry) -> Result<Examination, Failure> {
+    examined(subject, registry, Thorough::AnyJoint)
+}
+
+/// As [`examine`] for a setup on which a model was calibrated: `poor` if that explains little of a joint.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_calibrated(
+    subject: &Subject,
+    poor: bool,
+    registry: &Registry,
+) -> Result<Examination, Failure> {
+    let thorough = if poor { Thorough::Always } else { Thorough::AllJoints };
+    examined(subject, registry, thorough)
+}
+
+fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Result<Examination, Failure> {
+    let bench = Bench {
+        friction: plain_friction(registry)?,
+        arm_terms: subject.arm_terms.clone(),
+        scopes: subject.scopes.clone(),
+        loaded_friction: loaded_friction(registry)?,
+        compares: false,
+    };
+    let found = search(subject, &bench, &Setup::of(subject)?, thorough);
+    Ok(Examination {
+        before: found.before,
+        after: found.after,
+        steps: found.steps,
+        trials: found.trials,
+        compares_robots: subject.compares_robots(),
+        files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
+    })
+}
+
+impl Examination {
+    /// What was found, in sentences that say by how much it helps and what to change.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let before = std::iter::once(self.before.as_ref()).chain(self.steps.iter().map(|s| Some(&s.after)));
+        self.steps
+            .iter()
+            .zip(before)
+            .map(|(step, before)| wording::sentence(step, before, &self.files))
+            .collect()
+    }
+
+    /// What undoes each mistake, as orders.
+    #[must_use]
+    pub fn cures(&self) -> Vec<String> {
+        self.steps.iter().map(|s| wording::undone(&s.mistake)).collect()
+    }
+
+    /// A line for people on how well robot and recordings fit.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Some(before) = &self.before else {
+            return "this robot cannot be fitted to these recordings at all".into();
+        };
+        let joints: Vec<String> =
+            before.joints.iter().map(|e| e.map_or_else(|| "–".into(), wording::percent)).collect();
+        format!(
+            "held-out error of rigid bodies with plain friction, joint by joint: {} ({} setups tried)",
+            joints.join(", "),
+            self.trials
+        )
+    }
+
+    /// For programs.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let score = |s: &Score| json!({ "error": s.total, "joints": s.joints });
+        json!({
+            "before": self.before.as_ref().map(score),
+            "after": self.after.as_ref().map(score),
+            "trials": self.trials,
+            "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
+                "sentence": sentence,
+                "change": wording::undone(&step.mistake),
+                "error": step.after.total,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}
+
+impl Examination {
+    /// What is said if nothing was found.
+    #[must_use]
+    pub const fn nothing(&self) -> &'static str {
+        if self.compares_robots {
+            "no common mistake explains more"
+        } else {
+            "no common mistake explains much more; to detect wrong zeros and tables, torque constants are needed"
+        }
+    }
+}
+
+/// Below this share a joint counts as hardly explained.
+const HARDLY: f64 = 0.1;
+
+impl Examination {
+    /// Whether it should be heeded whatever a calibrated model explains: a mistake was found, nothing can be fitted, or
+    /// friction gives power.
+    #[must_use]
+    pub fn is_serious(&self) -> bool {
+        let fed = self.after.as_ref().is_none_or(|s| s.fed.contains(&true));
+        !self.steps.is_empty() || fed
+    }
+
+    /// What is said if joints are hardly explained and no mistake that was tried would explain them.
+    #[must_use]
+    pub fn hardly(&self) -> Option<String> {
+        let Some(score) = &self.after else {
+            return Some(
+                "No common mistake explains it: check that table and recordings are of the same robot, and the \
+                 stamps."
+                    .into(),
+            );
+        };
+        let poor: Vec<String> = score
+            .of_moving()
+            .map(|(j, e)| (j, (1.0 - e * e).max(0.0)))
+            .filter(|(_, e)| *e < HARDLY)
+            .map(|(j, e)| format!("{:.0} % of joint {j}", 100.0 * e))
+            .collect();
+        let fed: Vec<String> =
+            (0..score.fed.len()).filter(|j| score.fed[*j]).map(|j| j.to_string()).collect();
+        let mut said = Vec::new();
+        if !poor.is_empty() {
+            said.push(format!(
+                "Rigid bodies with plain friction explain {}, and no common mistake explains more: check that table and \
+                 recordings are of the same robot, and what is measured.",
+                poor.join(", ")
+            ));
+        }
+        if !fed.is_empty() {
+            said.push(format!(
+                "The friction that fits joints {} gives power instead of taking it: check the signs of their positions and \
+                 measurements.",
+                fed.join(", ")
+            ));
+        }
+        (!said.is_empty()).then(|| said.join(" "))
+    }
+}

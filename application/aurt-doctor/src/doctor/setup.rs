@@ -1,0 +1,343 @@
+//! What is tried: a robot's geometry under gravity with recordings of it, small enough to be fitted many times.
+
+use std::{
+    any::Any,
+    sync::{Arc, OnceLock},
+};
+
+use aurt::{
+    Role,
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
+    fitting::Assigned,
+};
+use aurt_calibration::{NamedRecording, TermScopes};
+use aurt_experiment::{Experiment, experiment::Geometry};
+use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription};
+use aurt_recording::{Recording, preprocess};
+use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
+use aurt_workbench::{experiments, failure::Failure};
+
+/// Samples of all recordings of one role that a trial looks at.
+const MOST_SAMPLES: usize = 1800;
+/// Samples per period of f_dyn that thinned recordings keep: the position filter at 5 f_dyn needs more than ten.
+const SAMPLES_PER_PERIOD: f64 = 12.0;
+/// Share of a recording that is fitted where none is held out; the rest judges.
+const FITTED_SHARE: f64 = 0.7;
+/// f_dyn over the sampling rate, at most.
+const F_DYN_SHARE_OF_RATE: f64 = 0.06;
+/// f_dyn of a trial, at most, Hz.
+const HIGHEST_F_DYN_HZ: f64 = 5.0;
+
+/// A robot with recordings of it, as a user has set them up.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// Links and joints, as they are used.
+    pub joints: Vec<Joint>,
+    /// How each of them moves; empty where none follows another.
+    pub couplings: Vec<Coupling>,
+    /// The table that they are from, if they are from one.
+    pub table: Option<MdhTable>,
+    /// The name of the robot, if it is known by name.
+    pub name: Option<String>,
+    /// Gravitational acceleration in the base frame.
+    pub gravity_m_s2: [f64; 3],
+    /// The recordings.
+    pub recordings: Vec<Assigned>,
+    /// How they are preprocessed.
+    pub preprocessing: Preprocessing,
+    /// What is undone in their measurements.
+    pub instrument: Instrument,
+    /// What the model has beside rigid bodies and friction.
+    pub arm_terms: Vec<Box<dyn ArmTerm>>,
+    /// In which recordings each of them acts.
+    pub scopes: TermScopes,
+}
+
+impl Subject {
+    /// A robot given by a table.
+    pub fn of_table(
+        table: &MdhTable,
+        gravity_m_s2: [f64; 3],
+        recordings: Vec<Assigned>,
+        f_dyn_hz: f64,
+    ) -> Self {
+        Self {
+            joints: table.joints(),
+            couplings: Vec::new(),
+            table: Some(table.clone()),
+            name: None,
+            gravity_m_s2,
+            recordings,
+            preprocessing: Preprocessing::new(f_dyn_hz),
+            instrument: Instrument::default(),
+            arm_terms: Vec::new(),
+            scopes: TermScopes::everywhere(),
+        }
+    }
+
+    /// The robot and the recordings of an experiment.
+    ///
+    /// # Errors
+    /// If the geometry gives no chain.
+    pub fn of_experiment(experiment: &Experiment, recordings: Vec<Assigned>) -> Result<Self, Failure> {
+        let geometry = &experiment.robot.geometry;
+        let rigid_body = experiment.robot.rigid_body()?;
+        let any: &dyn Any = &*rigid_body;
+        let (joints, couplings) = match any.downcast_ref::<CoupledChain>() {
+            Some(coupled) => (coupled.chain().joints().to_vec(), coupled.couplings().to_vec()),
+            None => (geometry.chain(experiment.robot.gravity_m_s2)?.joints().to_vec(), Vec::new()),
+        };
+        Ok(Self {
+            joints,
+            couplings,
+            table: match geometry {
+                Geometry::Mdh { table, .. } => Some(table.clone()),
+                Geometry::Urdf { .. } | Geometry::Known(_) => None,
+            },
+            name: match geometry {
+                Geometry::Known(robot) => Some(robot.name.clone()),
+                Geometry::Mdh { .. } | Geometry::Urdf { .. } => None,
+            },
+            gravity_m_s2: experiment.robot.gravity_m_s2,
+            recordings,
+            preprocessing: experiment.preprocess.clone(),
+            instrument: experiments::instrument(experiment),
+            arm_terms: experiment.arm_terms.clone(),
+            scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
+        })
+    }
+
+    /// Whether other robots can be compared with this one. By currents whose torque constants are not known they cannot:
+    /// parameters that joints share are wrong there by the ratios of the constants, which a wrong robot can make up for better
+    /// than the right one.
+    pub(super) fn compares_robots(&self) -> bool {
+        let is_current =
+            |r: &Assigned| self.instrument.unit(r.loaded.recording.unit) == MeasurementUnit::Ampere;
+        !self.recordings.iter().any(is_current)
+    }
+
+    /// Number of joints that move on their own.
+    pub(super) fn moving_joints(&self) -> usize {
+        moving_joints(&self.joints, &self.couplings)
+    }
+}
+
+fn moving_joints(joints: &[Joint], couplings: &[Coupling]) -> usize {
+    couplings.iter().map(|c| c.coordinate + 1).max().unwrap_or(joints.len())
+}
+
+/// Reads what an experiment calibrates and validates on.
+///
+/// # Errors
+/// What is wrong with a file.
+pub fn recordings_of(experiment: &Experiment) -> Result<Vec<Assigned>, Failure> {
+    let recordings = &experiment.recordings;
+    let calibration = recordings.calibration.iter().map(|r| (r, Role::Calibration));
+    let validation = recordings.validation.iter().map(|r| (r, Role::Validation));
+    calibration
+        .chain(validation)
+        .map(|(source, role)| {
+            let loaded = Loaded::read(
+                experiments::source(source),
+                Some(&experiment.robot.robot_joints()),
+                Purpose::Calibration,
+            )?;
+            Ok(Assigned { loaded, role })
+        })
+        .collect()
+}
+
+/// What one trial fits and judges.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// Links and joints.
+    pub joints: Vec<Joint>,
+    /// How each of them moves; empty where none follows another.
+    pub couplings: Vec<Coupling>,
+    /// Gravitational acceleration in the base frame.
+    pub gravity_m_s2: [f64; 3],
+    /// The recordings' parts.
+    pub parts: Vec<Part>,
+    /// The model of these links and joints, once it was asked for; nothing in it if there is none.
+    pub model: OnceLock<Option<Arc<RobotModel>>>,
+}
+
+/// A thinned stretch of a recording.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// The recording that it is from, by its place among the subject's.
+    pub file: usize,
+    /// What the user calls that.
+    pub label: String,
+    /// Whether it is fitted; otherwise it judges.
+    pub fitted: bool,
+    /// The samples.
+    pub recording: Arc<Recording>,
+    /// How it is preprocessed.
+    pub options: Arc<Preprocessing>,
+    prepared: OnceLock<Option<Arc<NamedRecording>>>,
+}
+
+impl Part {
+    /// The part on its grid; nothing if its samples allow no filter.
+    pub fn prepared(&self) -> Option<Arc<NamedRecording>> {
+        self.prepared
+            .get_or_init(|| {
+                let data = preprocess(&self.recording, &self.options).ok()?;
+                Some(Arc::new(NamedRecording { name: self.label.clone(), data }))
+            })
+            .clone()
+    }
+
+    /// The same with other samples or another way of preprocessing.
+    #[must_use]
+    pub fn with(&self, recording: Arc<Recording>, options: Arc<Preprocessing>) -> Self {
+        Self {
+            file: self.file,
+            label: self.label.clone(),
+            fitted: self.fitted,
+            recording,
+            options,
+            prepared: OnceLock::new(),
+        }
+    }
+}
+
+impl Setup {
+    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each does.
+    ///
+    /// # Errors
+    /// If a window holds no samples.
+    pub fn of(subject: &Subject) -> Result<Self, Failure> {
+        let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
+        let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
+        let pipeline = Pipeline {
+            joints: subject.moving_joints().into(),
+            preprocessing: &subject.preprocessing,
+            instrument: &subject.instrument,
+        };
+        let counted =
+            |role| subject.recordings.iter().filter(measured).filter(move |r| r.role == role).count();
+        let mut parts = Vec::new();
+        for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
+            let whole = window(&assigned.loaded)?;
+            let options = pipeline.options(whole.unit, Purpose::Calibration);
+            let most = MOST_SAMPLES / counted(assigned.role).max(1);
+            let thin = Thin::new(&whole, &options, most);
+            let recording = thin.recording(&whole);
+            let options = thin.options(&options);
+            let [cut_to_motion, whole_of] = [true, false].map(|trim_rest| {
+                Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
+            });
+            let label = assigned.loaded.source.label.clone();
+            let part = |range: std::ops::Range<usize>, fitted| Part {
+                file,
+                label: label.clone(),
+                fitted,
+                recording: Arc::new(cut(&recording, range)),
+                options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
+                prepared: OnceLock::new(),
+            };
+            let samples = recording.samples();
+            if is_held_out {
+                parts.push(part(0..samples, assigned.role == Role::Calibration));
+            } else {
+                let fitted = (samples as f64 * FITTED_SHARE) as usize;
+                parts.extend([part(0..fitted, true), part(fitted..samples, false)]);
+            }
+        }
+        Ok(Self {
+            joints: subject.joints.clone(),
+            couplings: subject.couplings.clone(),
+            gravity_m_s2: subject.gravity_m_s2,
+            parts,
+            model: OnceLock::new(),
+        })
+    }
+
+    /// Number of joints that move on their own.
+    pub fn moving_joints(&self) -> usize {
+        moving_joints(&self.joints, &self.couplings)
+    }
+
+    /// Number of recordings that are looked at.
+    pub fn files(&self) -> Vec<usize> {
+        let mut files: Vec<usize> = self.parts.iter().map(|p| p.file).collect();
+        files.dedup();
+        files
+    }
+}
+
+fn window(loaded: &Loaded) -> Result<Recording, Failure> {
+    Ok(match loaded.source.window_s {
+        Some(window) => loaded.recording.window(window)?,
+        None => loaded.recording.clone().into(),
+    })
+}
+
+/// How a recording is thinned.
+struct Thin {
+    /// Samples that become one.
+    together: usize,
+    /// Of the thinned samples, those that are kept.
+    most: usize,
+    f_dyn_hz: f64,
+}
+
+impl Thin {
+    fn new(recording: &Recording, options: &Preprocessing, most: usize) -> Self {
+        let rate_hz = 1.0 / median_period_s(&recording.time_s);
+        let f_dyn_hz = options.f_dyn_hz.min(F_DYN_SHARE_OF_RATE * rate_hz).min(HIGHEST_F_DYN_HZ);
+        let together = ((rate_hz / (SAMPLES_PER_PERIOD * f_dyn_hz)).floor() as usize).max(1);
+        Self { together, most, f_dyn_hz }
+    }
+
+    /// Means over neighbouring samples, which keep noise from folding back.
+    fn recording(&self, recording: &Recording) -> Recording {
+        let mean = |series: &Vec<f64>| -> Vec<f64> {
+            let means = series.chunks_exact(self.together).map(|c| c.iter().sum::<f64>() / c.len() as f64);
+            means.take(self.most).collect()
+        };
+        let family = |family: &Vec<Vec<f64>>| family.iter().map(mean).collect();
+        Recording {
+            file: recording.file.clone(),
+            time_s: mean(&recording.time_s),
+            position_rad: family(&recording.position_rad),
+            velocity_rad_s: None,
+            measurement: recording.measurement.as_ref().map(family),
+            unit: recording.unit,
+            joints: recording.joints.clone(),
+            report: recording.report.clone(),
+        }
+    }
+
+    fn options(&self, options: &Preprocessing) -> Preprocessing {
+        Preprocessing {
+            f_dyn_hz: self.f_dyn_hz,
+            sample_rate_hz: None,
+            position_cutoff_hz: None,
+            parallel_cutoff_hz: None,
+            ..options.clone()
+        }
+    }
+}
+
+fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {
+    let family = |family: &Vec<Vec<f64>>| family.iter().map(|s| s[range.clone()].to_vec()).collect();
+    Recording {
+        time_s: recording.time_s[range.clone()].to_vec(),
+        position_rad: family(&recording.position_rad),
+        measurement: recording.measurement.as_ref().map(family),
+        ..recording.clone()
+    }
+}
+
+/// The median distance of stamps, s.
+pub fn median_period_s(time_s: &[f64]) -> f64 {
+    let mut distances: Vec<f64> = time_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
+    if distances.is_empty() {
+        return 1.0;
+    }
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}

@@ -1,0 +1,179 @@
+//! One trial: a calibration with plain friction on the fitted parts, judged on the others.
+
+use std::sync::Arc;
+
+use aurt_calibration::{CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped};
+use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_rbd::{CoupledChain, SerialChain};
+use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
+
+use super::setup::{Part, Setup};
+
+/// Beyond this a joint's error says no more than that the model is wrong there.
+const WORST: f64 = 1.5;
+/// Power that friction feeds into a joint, as a share of the power of its measurement, from which on the joint counts as
+/// not explained: friction takes power.
+const FED_SHARE: f64 = 0.1;
+
+/// A joint that moves for less than this share of the time counts as resting.
+const LEAST_MOVING: f64 = 0.1;
+
+/// What all trials have in common.
+#[derive(Debug, Clone)]
+pub struct Bench {
+    /// Friction of a joint: a Coulomb coefficient and a viscous one.
+    pub friction: JointStack,
+    /// What the model has beside.
+    pub arm_terms: Vec<Box<dyn ArmTerm>>,
+    /// In which recordings each of them acts.
+    pub scopes: TermScopes,
+    /// Friction that grows with the load too.
+    pub loaded_friction: JointStack,
+    /// Whether robots are compared: with friction that grows with the load, and by rows in which a joint moves.
+    pub compares: bool,
+}
+
+/// How well a setup explains what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Score {
+    /// Per joint, root mean square of the held-out error over that of the measurement; nothing for a joint that measures
+    /// nothing.
+    pub joints: Vec<Option<f64>>,
+    /// Whether each joint moves in what judges.
+    pub moving: Vec<bool>,
+    /// Whether the friction that fits a joint feeds power into it.
+    pub fed: Vec<bool>,
+    /// The same for each judging recording alone, with its place among the subject's.
+    pub files: Vec<(usize, f64)>,
+    /// Over all joints: the root of the mean square, with 1.5 at most and 1 at least for a joint that friction feeds.
+    pub total: f64,
+}
+
+impl Score {
+    /// The joints that move while they are judged, with their errors.
+    pub fn of_moving(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let errors = self.joints.iter().zip(&self.moving).enumerate();
+        errors.filter_map(|(j, (error, moves))| error.filter(|_| *moves).map(|e| (j, e)))
+    }
+}
+
+impl Bench {
+    /// Fits and judges; nothing if the setup allows no fit.
+    pub fn score(&self, setup: &Setup) -> Option<Score> {
+        let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
+        let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
+        let mut load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
+        let mut system = self.system(&model, &fitted, &load)?;
+        let weights: Vec<f64> =
+            measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
+        let (mut coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        if self.compares {
+            // The bodies of the first fit are the load of the second.
+            load = LoadTorque::Fitted(coefficients);
+            system = self.system(&model, &fitted, &load)?;
+            (coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        }
+        let fed = fed(&model, &coefficients, &fitted, &measured(&system));
+        let joints = setup.moving_joints();
+        let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
+        let mut files = Vec::new();
+        let mut moving = vec![false; joints];
+        for part in setup.parts.iter().filter(|p| !p.fitted) {
+            let prepared = prepared(std::iter::once(part))?;
+            for (joint, moves) in moving.iter_mut().enumerate() {
+                *moves |= share_moving(&prepared, joint, part.options.rest_velocity_rad_s) > LEAST_MOVING;
+            }
+            let judged = self.system(&model, &prepared, &load)?;
+            let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
+            let alone: Vec<Option<f64>> =
+                error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
+            files.push((part.file, total(&alone, &vec![false; joints])));
+            for joint in 0..joints {
+                errors[joint] += error[joint];
+                measurements[joint] += measurement[joint].powi(2);
+            }
+        }
+        let joints: Vec<Option<f64>> = errors.iter().zip(&measurements).map(|(e, y)| ratio(*e, *y)).collect();
+        let total = total(&joints, &fed);
+        total.is_finite().then_some(Score { joints, moving, fed, files, total })
+    }
+
+    fn model(&self, setup: &Setup) -> Option<RobotModel> {
+        let chain = SerialChain::new(setup.joints.clone(), setup.gravity_m_s2).ok()?;
+        let rigid_body: Arc<dyn RigidBodyRegressor> = if setup.couplings.is_empty() {
+            Arc::new(chain)
+        } else {
+            Arc::new(CoupledChain::new(chain, setup.couplings.clone()).ok()?)
+        };
+        let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED).ok()?;
+        let friction = if self.compares { &self.loaded_friction } else { &self.friction };
+        let stacks = vec![friction.clone(); setup.moving_joints()];
+        dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
+    }
+
+    fn system(&self, model: &RobotModel, recordings: &[NamedRecording], load: &LoadTorque) -> Option<System> {
+        let rest = if self.compares { Rest::Exclude } else { Rest::Keep };
+        let options = CalibrationOptions { rest, ..CalibrationOptions::default() };
+        accumulate_scoped(model, recordings, &self.scopes, load, &options).ok()
+    }
+}
+
+fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecording>> {
+    let all: Option<Vec<NamedRecording>> = parts.map(|p| p.prepared().map(|r| (*r).clone())).collect();
+    all.filter(|a| !a.is_empty())
+}
+
+fn share_moving(recordings: &[NamedRecording], joint: usize, rest_velocity_rad_s: f64) -> f64 {
+    let motions = || recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+    let samples: usize = motions().map(|m| m.samples()).sum();
+    let moving = |v: &&f64| v.abs() > rest_velocity_rad_s;
+    let moving: usize = motions().map(|m| m.velocity_rad_s(joint).iter().filter(moving).count()).sum();
+    moving as f64 / samples.max(1) as f64
+}
+
+/// ‖y_j‖ of each joint.
+fn measured(system: &System) -> Vec<f64> {
+    let norm = |f: &aurt_calibration::JointFactor| {
+        let (triangle, size) = (f.triangle(), f.columns().len() + 1);
+        triangle[(size - 1) * size..].iter().map(|v| v * v).sum::<f64>().sqrt()
+    };
+    system.factors().iter().map(norm).collect()
+}
+
+fn ratio(error: f64, measurement: f64) -> Option<f64> {
+    (measurement > 0.0).then(|| (error / measurement).sqrt())
+}
+
+fn total(joints: &[Option<f64>], fed: &[bool]) -> f64 {
+    let squares: Vec<f64> = joints
+        .iter()
+        .zip(fed)
+        .filter_map(|(e, fed)| e.map(|e| e.max(if *fed { 1.0 } else { 0.0 }).min(WORST).powi(2)))
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+/// Whether the friction of each joint gives power instead of taking it.
+fn fed(
+    model: &RobotModel,
+    coefficients: &[f64],
+    recordings: &[NamedRecording],
+    measured: &[f64],
+) -> Vec<bool> {
+    let rows: usize = recordings.iter().map(NamedRecording::rows).sum();
+    (0..model.joints())
+        .map(|joint| {
+            let columns = model.group(ColumnGroup::JointDynamics(joint));
+            let [coulomb, viscous] = coefficients[columns] else { return false };
+            let speeds = || {
+                let motions = recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+                motions.flat_map(move |m| m.velocity_rad_s(joint).to_vec())
+            };
+            let samples = speeds().count().max(1) as f64;
+            let mean = speeds().map(f64::abs).sum::<f64>() / samples;
+            let square = speeds().map(|v| v * v).sum::<f64>() / samples;
+            let typical = measured[joint] / (rows.max(1) as f64).sqrt() * square.sqrt();
+            coulomb * mean + viscous * square < -FED_SHARE * typical
+        })
+        .collect()
+}

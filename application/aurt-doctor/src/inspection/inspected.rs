@@ -1,0 +1,198 @@
+//! One recording, looked at.
+
+use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose};
+use aurt_calibration::NamedRecording;
+use aurt_diagnosis::RecordingFaults;
+use aurt_recording::{Preprocessed, Segment};
+use aurt_report::rendering::{
+    style::{Emphasis, Style},
+    text::wrapped,
+};
+use aurt_traits::{ModelError, Motion};
+use aurt_workbench::failure::Failure;
+use serde_json::{Value, json};
+
+use super::{
+    joints::{JointReport, suitable_f_dyn_hz, tables},
+    judged::Judged,
+};
+use crate::doctor::oddities;
+
+/// A recording with what can be said of it by itself.
+pub struct Inspected {
+    /// As it was read.
+    pub loaded: Loaded,
+    /// On its grid.
+    pub prepared: Preprocessed,
+    /// Joint by joint.
+    pub joints: Vec<JointReport>,
+}
+
+impl Inspected {
+    /// Looks at a recording.
+    ///
+    /// # Errors
+    /// What makes it unfit.
+    pub fn new(loaded: Loaded, preprocessing: &Preprocessing) -> Result<Self, Failure> {
+        let instrument = Instrument::default();
+        let pipeline =
+            Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
+        let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
+        let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
+        Ok(Self { loaded, prepared, joints })
+    }
+
+    /// What the user calls it.
+    pub fn label(&self) -> &str {
+        &self.loaded.source.label
+    }
+
+    /// The f_dyn that suits it, Hz.
+    pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
+        suitable_f_dyn_hz(&self.joints, self.prepared.report.rate_hz)
+    }
+
+    /// What was found while it was read and put on its grid.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.loaded.recording.report.notes();
+        notes.extend(self.prepared.report.notes());
+        notes
+    }
+
+    /// What should be heeded of the file and its sensors, in sentences.
+    pub fn faults(&self) -> Vec<String> {
+        let name = self.loaded.source.file.file_name().unwrap_or_default().to_string_lossy();
+        let mut findings: Vec<String> = RecordingFaults::find(&name, &self.loaded.recording)
+            .faults
+            .into_iter()
+            .map(|f| f.sentence)
+            .collect();
+        findings.extend(oddities(&name, &self.loaded.recording));
+        let report = &self.loaded.recording.report;
+        if !report.dropped.is_empty() {
+            findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
+        }
+        findings.extend(report.remarks.iter().cloned());
+        let gaps = self.prepared.report.clock.gaps_s.len();
+        if gaps > 0 {
+            findings.push(format!("{gaps} gaps split the recording"));
+        }
+        for (joint, scale) in self.prepared.report.velocity_scale.iter().enumerate() {
+            if let Some(scale) = scale.filter(|s| (s - 1.0).abs() > 0.05) {
+                findings.push(format!(
+                    "the logged velocity of joint {joint} is {scale:.2} times the derivative of its position"
+                ));
+            }
+        }
+        findings
+    }
+
+    /// The recording as a calibration takes it, cut to the motion, with joints that rest exactly at rest: the noise of a
+    /// sensor excites nothing.
+    ///
+    /// # Errors
+    /// If the series do not fit each other.
+    pub fn still(&self, preprocessing: &Preprocessing) -> Result<NamedRecording, Failure> {
+        let preprocessing = Preprocessing { trim_rest: true, ..preprocessing.clone() };
+        let pipeline = Pipeline {
+            joints: self.loaded.recording.robot_joints(),
+            preprocessing: &preprocessing,
+            instrument: &Instrument::default(),
+        };
+        // Where nothing moves there is nothing to cut to.
+        let cut = pipeline.preprocess(&self.loaded, Purpose::Calibration);
+        let data = cut.map_or_else(|_| self.prepared.clone(), |cut| cut.data);
+        let segments: Result<Vec<Segment>, ModelError> =
+            data.segments.iter().map(|s| without_resting_joints(s, &self.joints)).collect();
+        let segments = segments?;
+        let data = Preprocessed { segments, ..data };
+        Ok(NamedRecording { name: self.label().to_owned(), data })
+    }
+
+    /// For people.
+    pub fn to_text(&self, judged: Option<&Judged>, style: Style) -> String {
+        let recording = &self.loaded.recording;
+        let unit = recording.unit;
+        let title = |text: &str| style.emphasise(Emphasis::Title, text);
+        let mut text = format!(
+            "{}\n  {} samples over {:.2} s, {} joints, {}\n",
+            title(&self.loaded.source.file.display().to_string()),
+            recording.samples(),
+            recording.duration_s(),
+            self.joints.len(),
+            if recording.measurement.is_some() {
+                format!("{} in {}", unit.quantity(), unit.symbol())
+            } else {
+                "without measurement".into()
+            }
+        );
+        text.extend(self.notes().iter().map(|n| wrapped(n)));
+        let [motion, sensors] = tables(&self.joints, unit);
+        text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
+        text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
+        if let Some(judged) = judged {
+            text.push_str(&format!("\n{}\n{}", title("excitation"), judged.to_text()));
+        }
+        text
+    }
+
+    /// For programs.
+    pub fn to_json(&self, judged: Option<&Judged>, findings: &[String]) -> Value {
+        let recording = &self.loaded.recording;
+        json!({
+            "file": self.loaded.source.file,
+            "samples": recording.samples(),
+            "duration_s": recording.duration_s(),
+            "unit": recording.measurement.as_ref().map(|_| recording.unit.symbol()),
+            "reading": recording.report,
+            "preprocessing": self.prepared.report,
+            "joints": self.joints,
+            "suitable_f_dyn_hz": self.suitable_f_dyn_hz(),
+            "excitation": judged.map(Judged::to_json),
+            "findings": findings,
+        })
+    }
+}
+
+/// What should be heeded of which joints move, in one recording or in any of several.
+pub fn rest(moves: &[bool]) -> Option<String> {
+    let numbers = |wanted: bool| -> Vec<String> {
+        (0..moves.len()).filter(|j| moves[*j] == wanted).map(|j| j.to_string()).collect()
+    };
+    let (moving, resting) = (numbers(true), numbers(false));
+    if moving.is_empty() {
+        return Some("no joint moves: nothing can be calibrated on it".into());
+    }
+    let verb = if moving.len() == 1 { "moves" } else { "move" };
+    (!resting.is_empty()).then(|| {
+        format!(
+            "only {} {verb}; the friction of {} is out of reach, and so are inertial parameters that need {} motion",
+            numbered(&moving),
+            numbered(&resting),
+            if resting.len() == 1 { "its" } else { "their" }
+        )
+    })
+}
+
+/// `joint 1`, `joints 0, 2`.
+fn numbered(joints: &[String]) -> String {
+    format!("{} {}", if joints.len() == 1 { "joint" } else { "joints" }, joints.join(", "))
+}
+
+fn without_resting_joints(segment: &Segment, reports: &[JointReport]) -> Result<Segment, ModelError> {
+    let view = segment.motion.view();
+    let samples = view.samples();
+    let mut series = [Vec::new(), Vec::new(), Vec::new()];
+    for (joint, report) in reports.iter().enumerate() {
+        let all = [view.position_rad(joint), view.velocity_rad_s(joint), view.acceleration_rad_s2(joint)];
+        if report.moves() {
+            series.iter_mut().zip(all).for_each(|(s, a)| s.extend_from_slice(a));
+        } else {
+            let middle = all[0].iter().sum::<f64>() / samples.max(1) as f64;
+            series.iter_mut().zip([middle, 0.0, 0.0]).for_each(|(s, v)| s.resize(s.len() + samples, v));
+        }
+    }
+    let [position, velocity, acceleration] = series;
+    let motion = Motion::new(reports.len(), view.time_s().to_vec(), position, velocity, acceleration)?;
+    Ok(Segment { motion, ..segment.clone() })
+}

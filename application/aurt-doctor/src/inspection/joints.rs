@@ -1,0 +1,160 @@
+//! What a recording covers and how its sensors are, joint by joint.
+
+use aurt_recording::{Preprocessed, Recording};
+use aurt_report::rendering::{number::significant, table::Table};
+use aurt_traits::MeasurementUnit;
+use serde::Serialize;
+
+use super::series::{bandwidth_hz, resolution, reversals, white_noise};
+
+/// One joint of a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointReport {
+    /// Smallest and largest angle, rad.
+    pub position_rad: [f64; 2],
+    /// Largest |q̇|, rad/s.
+    pub max_velocity_rad_s: f64,
+    /// Largest |q̈|, rad/s².
+    pub max_acceleration_rad_s2: f64,
+    /// Share of the samples at which the joint moves.
+    pub moving_share: f64,
+    /// How often it turns round.
+    pub reversals: usize,
+    /// 99.9 % of the power of its velocity lies below this, Hz.
+    pub bandwidth_hz: Option<f64>,
+    /// Resolution of its angles, rad.
+    pub position_step_rad: Option<f64>,
+    /// White noise of its angles, rad.
+    pub position_noise_rad: Option<f64>,
+    /// What was measured; absent without measurement.
+    pub measurement: Option<MeasurementReport>,
+}
+
+/// A joint's measurement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasurementReport {
+    /// Smallest and largest value.
+    pub range: [f64; 2],
+    /// Root mean square.
+    pub rms: f64,
+    /// Resolution.
+    pub step: Option<f64>,
+    /// White noise.
+    pub noise: Option<f64>,
+}
+
+impl JointReport {
+    /// Every joint of a recording.
+    pub fn of(recording: &Recording, prepared: &Preprocessed, rest_velocity_rad_s: f64) -> Vec<Self> {
+        (0..recording.joints())
+            .map(|joint| Self::joint(recording, prepared, joint, rest_velocity_rad_s))
+            .collect()
+    }
+
+    fn joint(recording: &Recording, prepared: &Preprocessed, joint: usize, rest_velocity_rad_s: f64) -> Self {
+        let position = &recording.position_rad[joint];
+        let motions = || prepared.segments.iter().map(|s| s.motion.view());
+        let largest =
+            |series: &mut dyn Iterator<Item = &[f64]>| series.flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let samples: usize = motions().map(|m| m.samples()).sum();
+        let moving: usize =
+            motions().flat_map(|m| m.velocity_rad_s(joint)).filter(|v| v.abs() > rest_velocity_rad_s).count();
+        let longest = prepared.segments.iter().max_by_key(|s| s.motion.samples());
+        Self {
+            position_rad: range(position),
+            max_velocity_rad_s: largest(&mut motions().map(|m| m.velocity_rad_s(joint))),
+            max_acceleration_rad_s2: largest(&mut motions().map(|m| m.acceleration_rad_s2(joint))),
+            moving_share: moving as f64 / samples.max(1) as f64,
+            reversals: motions().map(|m| reversals(m.velocity_rad_s(joint), rest_velocity_rad_s)).sum(),
+            bandwidth_hz: longest
+                .filter(|_| moving > 0)
+                .and_then(|s| bandwidth_hz(s.motion.view().velocity_rad_s(joint), s.rate_hz)),
+            position_step_rad: resolution(position),
+            position_noise_rad: white_noise(position),
+            measurement: recording.measurement.as_ref().map(|m| {
+                let series = &m[joint];
+                let raw = longest.and_then(|s| s.raw_measurement.as_ref()).map(|m| m[joint].as_slice());
+                MeasurementReport {
+                    range: range(series),
+                    rms: (series.iter().map(|v| v * v).sum::<f64>() / series.len().max(1) as f64).sqrt(),
+                    step: resolution(series),
+                    noise: white_noise(raw.unwrap_or(series)),
+                }
+            }),
+        }
+    }
+
+    /// Whether the joint moves at all.
+    pub fn moves(&self) -> bool {
+        self.moving_share > 0.0
+    }
+}
+
+/// Values of f_dyn that are offered, Hz.
+const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
+/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
+const ROOM: f64 = 3.0;
+
+/// The f_dyn that suits a recording: the lowest round one with room above the motion whose position filter, at
+/// 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
+pub fn suitable_f_dyn_hz<'j>(joints: impl IntoIterator<Item = &'j JointReport>, rate_hz: f64) -> Option<f64> {
+    let top_hz = joints.into_iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
+    let possible = |f: &f64| 10.0 * f < rate_hz;
+    let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
+    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)
+}
+
+fn range(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)])
+}
+
+/// Motion and sensors as two tables.
+pub fn tables(joints: &[JointReport], unit: MeasurementUnit) -> [Table; 2] {
+    let short = |value: f64| significant(value, 3);
+    let maybe = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
+    let mut motion = Table::new([
+        "joint",
+        "from rad",
+        "to rad",
+        "|q̇| rad/s",
+        "|q̈| rad/s²",
+        "moving %",
+        "reversals",
+        "below Hz",
+    ]);
+    let symbol = unit.symbol();
+    let mut sensors = Table::new([
+        "joint".to_owned(),
+        "step rad".into(),
+        "noise rad".into(),
+        format!("from {symbol}"),
+        format!("to {symbol}"),
+        format!("rms {symbol}"),
+        format!("step {symbol}"),
+        format!("noise {symbol}"),
+    ]);
+    for (j, joint) in joints.iter().enumerate() {
+        motion.row([
+            j.to_string(),
+            short(joint.position_rad[0]),
+            short(joint.position_rad[1]),
+            short(joint.max_velocity_rad_s),
+            short(joint.max_acceleration_rad_s2),
+            format!("{:.0}", 100.0 * joint.moving_share),
+            joint.reversals.to_string(),
+            maybe(joint.bandwidth_hz),
+        ]);
+        let m = joint.measurement.as_ref();
+        sensors.row([
+            j.to_string(),
+            maybe(joint.position_step_rad),
+            maybe(joint.position_noise_rad),
+            maybe(m.map(|m| m.range[0])),
+            maybe(m.map(|m| m.range[1])),
+            maybe(m.map(|m| m.rms)),
+            maybe(m.and_then(|m| m.step)),
+            maybe(m.and_then(|m| m.noise)),
+        ]);
+    }
+    [motion, sensors]
+}

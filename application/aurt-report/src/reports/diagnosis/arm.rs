@@ -1,0 +1,137 @@
+//! Where an error is: the arm as lines, seen from the side, in a pose of its recordings.
+
+use std::any::Any;
+
+use aurt_diagnosis::{QuestionedRecording, Verdict};
+use aurt_rbd::SerialChain;
+use aurt_traits::RobotModel;
+
+use crate::figure::Arm;
+
+/// Samples of each recording among which the pose is chosen.
+const POSES: usize = 40;
+/// An arm that is flatter than this share of its length, seen from the side, is drawn from above.
+const FLAT: f64 = 0.1;
+
+/// Base and joints in the plane of a drawing, m: in the pose, of some of all recordings, in which they take the most room. None of an
+/// arm that is no serial chain.
+pub fn points_m(model: &RobotModel, recordings: &[QuestionedRecording]) -> Option<Vec<[f64; 2]>> {
+    let any: &dyn Any = &**model.rigid_body();
+    let chain = any.downcast_ref::<SerialChain>()?;
+    let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
+    let mut frames = Vec::new();
+    for recording in recordings {
+        let positions = &recording.raw.position_rad;
+        for k in (0..recording.raw.samples()).step_by((recording.raw.samples() / POSES).max(1)) {
+            let pose: Vec<f64> = positions.iter().map(|q| q[k]).collect();
+            if pose.len() != model.joints() {
+                return None;
+            }
+            chain.link_frames(&pose, &mut frames);
+            let points: Vec<[f64; 3]> =
+                std::iter::once([0.0; 3]).chain(frames.iter().map(|f| f.origin_m)).collect();
+            let seen = seen(&points, model.rigid_body().gravity_m_s2());
+            let [width, height] = [0, 1].map(|axis| extent(seen.iter().map(|p| p[axis])));
+            let room = width * height;
+            if best.as_ref().is_none_or(|(most, _)| room > *most) {
+                best = Some((room, seen));
+            }
+        }
+    }
+    best.map(|(_, points)| points).filter(|points| points.iter().flatten().all(|x| x.is_finite()))
+}
+
+fn extent(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(a, a).sqrt();
+    (length > 1e-9).then(|| a.map(|x| x / length))
+}
+
+/// Points from the side on which they are widest, gravity downwards; from above where they lie in a plane that is level.
+fn seen(points: &[[f64; 3]], gravity: [f64; 3]) -> Vec<[f64; 2]> {
+    let up = unit(gravity.map(|g| -g)).unwrap_or([0.0, 0.0, 1.0]);
+    let aside = if up[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let x = unit(cross(aside, up)).unwrap_or([0.0, 1.0, 0.0]);
+    let y = cross(up, x);
+    let level: Vec<[f64; 2]> = points.iter().map(|p| [dot(*p, x), dot(*p, y)]).collect();
+    // The direction in which the level coordinates vary most.
+    let n = level.len() as f64;
+    let mean = [0, 1].map(|i| level.iter().map(|p| p[i]).sum::<f64>() / n);
+    let moment = |i: usize, j: usize| level.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>();
+    let angle = 0.5 * f64::atan2(2.0 * moment(0, 1), moment(0, 0) - moment(1, 1));
+    let (sin, cos) = angle.sin_cos();
+    let along = |p: &[f64; 2]| cos * p[0] + sin * p[1];
+    let across = |p: &[f64; 2]| cos * p[1] - sin * p[0];
+    let heights: Vec<f64> = points.iter().map(|p| dot(*p, up)).collect();
+    let from_above = extent(heights.iter().copied()) < FLAT * extent(level.iter().map(along));
+    level
+        .iter()
+        .zip(&heights)
+        .map(|(p, height)| [along(p), if from_above { across(p) } else { *height }])
+        .collect()
+}
+
+/// The drawing: errors on held-out data over the noise, or, without such data, on the rows that were fitted.
+pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
+    let held = &verdict.held_out;
+    let joints = points_m.len().saturating_sub(1);
+    let is_held_out = [&held.rms_before, &held.rms_after, &held.rms_floor].iter().all(|l| l.len() == joints);
+    let multiple = |error: f64, noise: f64| Some(error / noise).filter(|m| m.is_finite());
+    let state = |before: bool| -> Vec<Option<f64>> {
+        if is_held_out {
+            let errors = if before { &held.rms_before } else { &held.rms_after };
+            return errors.iter().zip(&held.rms_floor).map(|(e, n)| multiple(*e, *n)).collect();
+        }
+        let of = |joint| verdict.residual.iter().find(|r| r.joint == joint);
+        (0..joints)
+            .map(|joint| {
+                let r = of(joint)?;
+                multiple(if before { r.baseline_rms } else { r.unexplained_rms }, r.floor_rms)
+            })
+            .collect()
+    };
+    let rows = if is_held_out { "on held-out data" } else { "on the rows that were fitted" };
+    Arm {
+        title: "where the error is".into(),
+        name: "arm".into(),
+        caption: format!(
+            "Joints by their error {rows}, in multiples of the noise floor. A pose of the recordings; joints at one place \
+             are drawn side by side."
+        ),
+        of: "noise".into(),
+        points_m: points_m.to_vec(),
+        states: vec![("before".into(), state(true)), ("after".into(), state(false))],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arm_is_seen_from_its_widest_side_and_a_level_one_from_above() {
+        let standing = [[0.0; 3], [0.0, 0.0, 0.2], [0.3, 0.4, 0.5], [0.6, 0.8, 0.1]];
+        let side = seen(&standing, [0.0, 0.0, -9.81]);
+        for (point, [along, height]) in [(1, [0.0, 0.2]), (2, [0.5, 0.5]), (3, [1.0, 0.1])] {
+            assert!((side[point][0] - side[0][0]).abs() - along < 1e-12, "{side:?}");
+            assert!((side[point][1] - height).abs() < 1e-12, "{side:?}");
+        }
+        let hanging = seen(&standing, [0.0, 0.0, 9.81]);
+        assert!((hanging[1][1] + 0.2).abs() < 1e-12);
+        let level = [[0.0; 3], [0.5, 0.0, 0.0], [0.5, 0.4, 0.0]];
+        let above = seen(&level, [0.0, 0.0, -9.81]);
+        let length = |a: usize, b: usize| f64::hypot(above[a][0] - above[b][0], above[a][1] - above[b][1]);
+        assert!((length(0, 1) - 0.5).abs() < 1e-12 && (length(1, 2) - 0.4).abs() < 1e-12, "{above:?}");
+    }
+}

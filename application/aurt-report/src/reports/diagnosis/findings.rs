@@ -1,0 +1,141 @@
+//! What was found, effect by effect.
+
+use aurt_diagnosis::{Finding, RegisteredFinding, effects};
+use serde_json::Value;
+
+use super::{Diagnosed, capital};
+use crate::{
+    page::{Block, Section},
+    rendering::{number::significant, text::listed},
+    table::Table,
+    words::{claim, groups, indicated, nothing, objection},
+};
+
+impl Diagnosed<'_> {
+    pub(super) fn findings(&self) -> Section {
+        let several = self.verdict.effects.len() > 4;
+        let mut blocks = Vec::new();
+        for group in groups(self.verdict, self.asked) {
+            if group.findings.is_empty() {
+                blocks.push(Block::Text(format!(
+                    "{}: {}.",
+                    capital(group.title),
+                    nothing(self.verdict.verdict)
+                )));
+            } else if !group.title.is_empty() {
+                blocks.push(Block::Text(format!("{}:", capital(group.title))));
+            }
+            blocks.extend(group.findings.iter().map(|(number, finding)| Block::Folded {
+                title: format!("{number}. {}", claim(finding, self.asked)),
+                open: !several || *number < 3,
+                blocks: self.finding(finding),
+            }));
+        }
+        blocks.extend(self.verdict.registered_models.iter().map(|model| Block::Folded {
+            title: capital(&model.sentence),
+            open: true,
+            blocks: registered_blocks(model),
+        }));
+        if !self.verdict.indications.is_empty() {
+            blocks.push(Block::Text(
+                "Indications. These describe the recordings and fail a test; they are not claimed, and the improved model \
+                 does without them:"
+                    .into(),
+            ));
+            let lines =
+                self.verdict.indications.iter().map(|i| format!("{}.", capital(&indicated(i, self.asked))));
+            blocks.push(Block::List(lines.collect()));
+        }
+        Section {
+            title: "What was found".into(),
+            introduction:
+                "aurt explain NAME says of each effect what it is, how it shows, and what it is easily \
+                           confused with."
+                    .into(),
+            blocks,
+        }
+    }
+
+    fn finding(&self, finding: &Finding) -> Vec<Block> {
+        let mut table = Table::new("", ["<parameter", "<of", "value", "± 1 σ"]);
+        for (name, parameter) in &finding.parameters {
+            match (&parameter.value, &parameter.std) {
+                (Value::Array(values), stds) => {
+                    for (k, value) in values.iter().enumerate() {
+                        let of = component(finding, name, values.len(), k);
+                        table.row([name.clone(), of, text(value), text(stds.get(k).unwrap_or(&Value::Null))]);
+                    }
+                }
+                (value, std) => table.row([name.clone(), String::new(), text(value), text(std)]),
+            }
+        }
+        let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
+        let mut facts = vec![format!(
+            "{} on joints {}, in {} recordings; score {:.0}, {:.0} were needed",
+            finding.effect,
+            listed(&joints),
+            listed(&finding.present_in),
+            finding.evidence.score,
+            finding.evidence.threshold
+        )];
+        if let Some(share) = finding.stability {
+            facts.push(format!("lowers the error on {:.0} % of the blocks of time", 100.0 * share));
+        }
+        if let Some([from, to]) = finding.window_s {
+            let recording = finding.recording.as_deref().unwrap_or("the recording");
+            facts.push(format!("from {from:.2} s to {to:.2} s of {recording}"));
+        }
+        facts.extend(objection(self.verdict, finding, self.unit.symbol()));
+        for other in &finding.alternatives {
+            facts.push(format!("or {}; to tell them apart: {}", other.effect, other.record));
+        }
+        let mut blocks = vec![Block::List(facts)];
+        if !finding.parameters.is_empty() {
+            blocks.push(Block::Table(table));
+        }
+        blocks
+    }
+}
+
+/// A registered model: the vocabulary has no word for what it describes.
+fn registered_blocks(model: &RegisteredFinding) -> Vec<Block> {
+    let mut table = Table::new("", ["<parameter", "value", "± 1 σ"]);
+    for (name, parameter) in &model.parameters {
+        table.row([name.clone(), text(&parameter.value), text(&parameter.std)]);
+    }
+    let facts = vec![
+        format!("{} model {} of {}", model.slot.name(), model.model, model.origin),
+        format!(
+            "in {} recordings; score {:.0}, {:.0} were needed",
+            listed(&model.present_in),
+            model.evidence.score,
+            model.evidence.threshold
+        ),
+    ];
+    vec![Block::List(facts), Block::Table(table)]
+}
+
+/// What an entry of a list is of: a component of a vector or tensor, or a joint.
+fn component(finding: &Finding, parameter: &str, length: usize, entry: usize) -> String {
+    let known = effects::find(&finding.effect).and_then(|e| e.parameter(parameter));
+    match known.map(|p| p.components).filter(|c| c.len() == length) {
+        Some(components) => components[entry].into(),
+        None if length == finding.joints.len() => format!("joint {}", finding.joints[entry]),
+        None => (entry + 1).to_string(),
+    }
+}
+
+/// A parameter's value, whatever it is made of.
+fn text(value: &Value) -> String {
+    match value {
+        Value::Null => "–".into(),
+        Value::Number(number) => match number.as_f64() {
+            // Links, orders and joints are numbers of things.
+            Some(value) if value.fract() == 0.0 && value.abs() < 1e6 => value.to_string(),
+            value => significant(value.unwrap_or(f64::NAN), 4),
+        },
+        Value::String(text) => text.clone(),
+        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(", "),
+        other => other.to_string(),
+    }
+}

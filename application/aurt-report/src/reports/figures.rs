@@ -1,0 +1,158 @@
+//! Figures that several reports have: series over time, residuals over coordinates.
+
+use crate::figure::{
+    Axis, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means, subsample,
+};
+
+/// A series of a figure.
+pub struct Series<'a> {
+    /// What the legend calls it.
+    pub name: &'a str,
+    /// What it is of.
+    pub style: Style,
+    /// Its values.
+    pub values: &'a [f64],
+}
+
+/// Series over time in panels.
+pub struct TimeFigure<'a> {
+    /// Title.
+    pub title: String,
+    /// Stem of the file name.
+    pub name: String,
+    /// What stands below.
+    pub caption: String,
+    /// Time of the samples, s.
+    pub time_s: &'a [f64],
+    /// First samples of the stretches without gaps.
+    pub segment_starts: &'a [usize],
+    /// What is shown, panel by panel: the name of the values, their unit, the series.
+    pub panels: Vec<(Axis, Vec<Series<'a>>)>,
+    /// Windows that are set off in all panels.
+    pub windows: &'a [([f64; 2], &'a str)],
+    /// Figures that show the same part of time.
+    pub link: String,
+}
+
+/// Bytes that the series of one report may take, roughly.
+const BUDGET: usize = 2_500_000;
+/// Bytes of a point in a drawing.
+const POINT: usize = 13;
+
+/// How many points each series of a report may keep, if it has that many series in all.
+pub fn points_per_series(series: usize) -> usize {
+    (BUDGET / POINT / series.max(1)).clamp(200, 4000)
+}
+
+impl TimeFigure<'_> {
+    /// The figure, with at most about that many points a series.
+    pub fn figure(&self, points: usize) -> Figure {
+        let all: Vec<&[f64]> = self.panels.iter().flat_map(|p| &p.1).map(|s| s.values).collect();
+        let kept = decimated(&all, points / (2 + 2 * all.len()).max(1));
+        // A line must not run across a gap: one value that is none stands before each stretch.
+        let is_start = |k: usize| k > 0 && self.segment_starts.contains(&k);
+        let breaks: Vec<bool> =
+            kept.iter().enumerate().map(|(i, k)| i > 0 && (kept[i - 1] + 1..=*k).any(is_start)).collect();
+        let with_breaks = |values: &[f64], in_gap: Option<f64>| -> Vec<f64> {
+            let mut out = Vec::with_capacity(kept.len());
+            for (k, fresh) in kept.iter().zip(&breaks) {
+                if *fresh {
+                    out.push(in_gap.unwrap_or(values[*k]));
+                }
+                out.push(values[*k]);
+            }
+            out
+        };
+        let time = with_breaks(self.time_s, None);
+        let count = self.panels.len();
+        let panels = self
+            .panels
+            .iter()
+            .enumerate()
+            .map(|(p, (y, series))| Panel {
+                y: y.clone(),
+                height: if p == 0 && count > 1 { 150.0 } else { 95.0 },
+                layers: series
+                    .iter()
+                    .map(|s| Layer {
+                        name: s.name.to_owned(),
+                        style: s.style,
+                        mark: Mark::Line,
+                        x: time.clone(),
+                        y: with_breaks(s.values, Some(f64::NAN)),
+                    })
+                    .collect(),
+                windows: self
+                    .windows
+                    .iter()
+                    .map(|(x, name)| Window { x: *x, name: (*name).to_owned() })
+                    .collect(),
+            })
+            .collect();
+        Figure::Plot(Plot {
+            title: self.title.clone(),
+            name: self.name.clone(),
+            caption: self.caption.clone(),
+            x: Axis::new("time since the first stamp", "s"),
+            panels,
+            link: Some(self.link.clone()),
+            small: false,
+        })
+    }
+}
+
+/// Points of a cloud that are drawn.
+const CLOUD: usize = 500;
+/// Classes of equal count whose means are drawn.
+const CLASSES: usize = 16;
+
+/// One or two residuals over a coordinate, with means over classes of it.
+pub fn residual_over(
+    title: String,
+    name: String,
+    coordinate: Axis,
+    x: &[f64],
+    unit: &str,
+    residuals: &[Series<'_>],
+) -> Figure {
+    let mut layers = Vec::new();
+    for residual in residuals {
+        let finite: Vec<usize> =
+            (0..x.len()).filter(|k| x[*k].is_finite() && residual.values[*k].is_finite()).collect();
+        let pick = |of: &[f64], most: usize| -> Vec<f64> {
+            subsample(finite.len(), most).into_iter().map(|k| of[finite[k]]).collect()
+        };
+        let layer = |mark, x, y, named: bool| Layer {
+            name: if named { residual.name.to_owned() } else { String::new() },
+            style: residual.style,
+            mark,
+            x,
+            y,
+        };
+        layers.push(layer(Mark::Points, pick(x, CLOUD), pick(residual.values, CLOUD), false));
+        let (mean_x, mean_y) = quantile_means(x, residual.values, CLASSES);
+        layers.push(layer(Mark::Means, mean_x, mean_y, true));
+    }
+    // Means lie above all clouds.
+    layers.sort_by_key(|l| l.mark == Mark::Means);
+    Figure::Plot(Plot {
+        title,
+        name,
+        caption: String::new(),
+        x: coordinate,
+        panels: vec![Panel { y: Axis::new("residual", unit), height: 130.0, layers, windows: Vec::new() }],
+        link: None,
+        small: true,
+    })
+}
+
+/// The last part of a recording's name, for headings; the whole stands where it was computed from.
+pub fn file_name(recording: &str) -> &str {
+    recording.rsplit(['/', '\\']).next().unwrap_or(recording)
+}
+
+/// The stem of a recording's name, for titles and file names.
+pub fn stem(recording: &str) -> &str {
+    let file = file_name(recording);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+}

@@ -1,0 +1,249 @@
+//! `metrics.json`, and the same numbers as tables on the terminal.
+
+use aurt::RecordingResult;
+use aurt_calibration::{Calibration, Estimator, LoadTorqueChoice, Metrics, Rest, Validation};
+use aurt_traits::RobotModel;
+use serde_json::{Map, Value, json};
+
+use super::shapes;
+use crate::rendering::{
+    joints::with_names,
+    number::{percent, significant},
+    style::{Emphasis, Style},
+    table::Table,
+    text::wrapped,
+};
+
+/// A calibration with its errors on every recording.
+#[derive(Debug)]
+pub struct Results<'a> {
+    /// The model.
+    pub model: &'a RobotModel,
+    /// Its calibration.
+    pub calibration: &'a Calibration,
+    /// What was noted about the robot.
+    pub notes: &'a [String],
+    /// The recordings.
+    pub recordings: &'a [RecordingResult],
+}
+
+impl Results<'_> {
+    /// The contents of `metrics.json`.
+    pub fn to_json(&self) -> Value {
+        let Calibration { options, .. } = self.calibration;
+        let mut document = json!({
+            "aurt_version": env!("CARGO_PKG_VERSION"),
+            "base_parameters": self.model.base().len(),
+            "parameters": self.model.parameters().len(),
+            "condition_number": self.calibration.condition_number,
+            "load_torque": load_torque(options.load_torque),
+            "estimator": estimator(options.estimator),
+            "rest": rest(options.rest),
+            "rest_velocity_rad_s": options.rest_velocity_rad_s,
+            "f_dyn_hz": self.calibration.f_dyn_hz,
+            "sigma": self.calibration.sigma,
+            "joint_names": self.model.rigid_body().joint_names(),
+            "samples_per_joint": self.calibration.samples_per_joint,
+            "warnings": self.calibration.warnings,
+            "notes": self.notes,
+            "recordings": self.recordings.iter().map(|r| self.recording_json(r)).collect::<Vec<_>>(),
+        });
+        if self.model.rigid_body().joint_names().is_empty()
+            && let Some(entries) = document.as_object_mut()
+        {
+            entries.remove("joint_names");
+        }
+        if let Some(report) = &self.calibration.shape_fit {
+            document["shape_fit"] = json!(report);
+        }
+        if let Some(report) = &self.calibration.consistent {
+            document["consistent"] = json!(report);
+        }
+        if let Some(report) = &self.calibration.essential {
+            document["essential"] = json!(report);
+        }
+        if let Some(report) = &self.calibration.robust {
+            document["robust"] = json!(report);
+        }
+        if let Some(report) = &self.calibration.position_bias {
+            document["position_bias"] = json!(report);
+        }
+        with_names(document, self.model.rigid_body().joint_names())
+    }
+
+    fn recording_json(&self, recording: &RecordingResult) -> Value {
+        let validation = &recording.validation;
+        let mut entries = Map::new();
+        entries.insert("file".into(), json!(recording.label));
+        entries.insert("role".into(), json!(recording.role.name()));
+        if let Some(window) = recording.window_s {
+            entries.insert("window_s".into(), json!(window));
+        }
+        entries.insert("samples".into(), json!(validation.samples));
+        entries.insert("unit".into(), json!(self.calibration.unit.symbol()));
+        let errors = |metrics: &Metrics| {
+            [("mse", &metrics.mse), ("nmse", &metrics.nmse), ("nrmse", &metrics.nrmse)]
+                .map(|(name, values)| (name.to_owned(), json!(values)))
+        };
+        entries.extend(errors(&validation.all));
+        let mut moving = Map::new();
+        moving.insert("samples".into(), json!(validation.moving.samples));
+        moving.extend(errors(&validation.moving));
+        entries.insert("moving".into(), Value::Object(moving));
+        entries.insert("warnings".into(), json!(validation.warnings));
+        entries.insert("notes".into(), json!(recording.notes));
+        entries.insert("prediction".into(), json!(recording.prediction));
+        Value::Object(entries)
+    }
+
+    /// The same for a terminal of 80 columns.
+    pub fn to_text(&self, style: Style) -> String {
+        let Calibration { options, .. } = self.calibration;
+        let mut text = format!(
+            "{}\n  {} joints, {} parameters ({} base parameters), unit {}\n  \
+             {} fit to {} rows per joint, τ_J {}, rest {}, f_dyn {} Hz\n  condition number {}\n",
+            style.emphasise(Emphasis::Title, "calibration"),
+            self.model.joints(),
+            self.model.parameters().len(),
+            self.model.base().len(),
+            self.calibration.unit.symbol(),
+            estimator(options.estimator).to_uppercase(),
+            rows(&self.calibration.samples_per_joint),
+            load_torque(options.load_torque),
+            match options.rest {
+                Rest::Keep => "kept",
+                Rest::Exclude => "excluded",
+            },
+            self.calibration.f_dyn_hz,
+            significant(self.calibration.condition_number, 3),
+        );
+        let names = self.model.rigid_body().joint_names();
+        if !names.is_empty() {
+            text.push_str(&wrapped(&format!("joints, from 0: {}", names.join(", "))));
+        }
+        for note in self.notes {
+            text.push_str(&wrapped(&format!("note: {note}")));
+        }
+        let warning = style.emphasise(Emphasis::Warning, "warning");
+        let warn = |text: &mut String, sentences: &[String]| {
+            text.extend(sentences.iter().map(|s| wrapped(&format!("{warning}: {s}"))));
+        };
+        if let Some(report) = &self.calibration.shape_fit {
+            text.push_str(&shapes::to_text(report, self.calibration.unit));
+        }
+        if let Some(report) = &self.calibration.consistent {
+            let open = report.standard.iter().filter(|s| !s.determined).count();
+            text.push_str(&wrapped(&format!(
+                "consistent: χ² {} above least squares, {} coefficients determined; {open} of {} standard parameters are one \
+                 choice of many that explain the data equally (metrics.json names them)",
+                significant(report.loss, 3),
+                report.determined,
+                report.standard.len()
+            )));
+        }
+        if let Some(report) = &self.calibration.essential {
+            text.push_str(&super::essential::to_text(report));
+        }
+        if let Some(report) = &self.calibration.robust {
+            text.push_str(&wrapped(&super::robust::sentence(report)));
+        }
+        if let Some(report) = &self.calibration.position_bias {
+            text.push_str(&wrapped(&super::position_bias::sentence(report)));
+        }
+        warn(&mut text, &self.calibration.warnings);
+        for recording in self.recordings {
+            let window =
+                recording.window_s.map_or(String::new(), |[from, to]| format!(", {from} s to {to} s"));
+            let title = format!("{} ({}{window})", recording.label, recording.role.name());
+            text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Title, &title)));
+            text.push_str(&self.table(&recording.validation));
+            warn(&mut text, &recording.validation.warnings);
+        }
+        let title = style.emphasise(Emphasis::Title, "what was done to the recordings");
+        text.push_str(&format!("\n{title}\n"));
+        for (note, labels) in self.notes_by_sentence() {
+            let whose = if labels.len() == self.recordings.len() { "all".into() } else { labels.join(", ") };
+            text.push_str(&wrapped(&format!("{whose}: {note}")));
+        }
+        text
+    }
+
+    /// The notes about recordings, each with the recordings that it is about.
+    fn notes_by_sentence(&self) -> Vec<(&str, Vec<&str>)> {
+        let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
+        for recording in self.recordings {
+            let label = recording.label.rsplit(['/', '\\']).next().unwrap_or(&recording.label);
+            for note in &recording.notes {
+                match notes.iter_mut().find(|(known, _)| known == note) {
+                    Some((_, labels)) => labels.push(label),
+                    None => notes.push((note, vec![label])),
+                }
+            }
+        }
+        notes
+    }
+
+    /// One row per joint: errors over all rows and over those at which the joint moves.
+    fn table(&self, validation: &Validation) -> String {
+        let unit = self.calibration.unit.symbol();
+        let titles = [
+            "joint".to_owned(),
+            format!("MSE {unit}²"),
+            format!("NMSE {unit}"),
+            "NRMS %".into(),
+            "rows".into(),
+            format!("MSE {unit}²"),
+            format!("NMSE {unit}"),
+            "NRMS %".into(),
+        ];
+        let threshold = self.calibration.options.rest_velocity_rad_s;
+        let mut table = Table::new(titles)
+            .group(1, "")
+            .group(3, format!("all {} rows", validation.samples))
+            .group(4, format!("moving, |q̇| > {threshold} rad/s"));
+        for joint in 0..validation.all.mse.len() {
+            let errors = |m: &Metrics| {
+                [significant(m.mse[joint], 4), significant(m.nmse[joint], 4), percent(m.nrmse[joint])]
+            };
+            let [a, b, c] = errors(&validation.all);
+            let [d, e, f] = errors(&validation.moving);
+            table.row([joint.to_string(), a, b, c, validation.moving.samples[joint].to_string(), d, e, f]);
+        }
+        table.render()
+    }
+}
+
+/// Rows per joint, as one number where all joints have the same.
+fn rows(samples_per_joint: &[usize]) -> String {
+    match (samples_per_joint.iter().min(), samples_per_joint.iter().max()) {
+        (Some(least), Some(most)) if least != most => format!("{least} to {most}"),
+        (Some(least), _) => least.to_string(),
+        _ => "0".into(),
+    }
+}
+
+const fn load_torque(choice: LoadTorqueChoice) -> &'static str {
+    match choice {
+        LoadTorqueChoice::Fitted => "fitted",
+        LoadTorqueChoice::Literal => "literal",
+    }
+}
+
+const fn estimator(estimator: Estimator) -> &'static str {
+    match estimator {
+        Estimator::Wls => "wls",
+        Estimator::Ols => "ols",
+        Estimator::Consistent => "consistent",
+        Estimator::Essential => "essential",
+        Estimator::Eiv => "eiv",
+        Estimator::Iv => "iv",
+        Estimator::Irls => "irls",
+    }
+}
+
+const fn rest(rest: Rest) -> &'static str {
+    match rest {
+        Rest::Keep => "keep",
+        Rest::Exclude => "exclude",
+    }
+}

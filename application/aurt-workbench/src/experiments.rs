@@ -1,0 +1,136 @@
+//! What an experiment asks of the library: its recordings, instrument, options, and the fit of its model.
+
+use aurt::{
+    CalibratedModel, Outcome, Progress,
+    data::{Instrument, Source},
+    fitting::{Assigned, Detail, Job},
+    origins::Origins,
+};
+use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
+use aurt_experiment::{
+    Experiment,
+    experiment::{self, RecordingSource},
+};
+
+use aurt_recording::RobotJoints;
+
+use crate::failure::Failure;
+
+/// `[instrument]`, and what of `[robot]` concerns it.
+#[must_use]
+pub fn instrument(experiment: &Experiment) -> Instrument {
+    let i = &experiment.instrument;
+    Instrument {
+        torque_constants_nm_per_a: experiment.robot.torque_constants_nm_per_a.clone(),
+        gains: i.gains.clone(),
+        offsets: i.offsets.clone(),
+        delay_s: i.delay_s.clone(),
+    }
+}
+
+/// A recording as an experiment asks for it.
+#[must_use]
+pub fn source(source: &RecordingSource) -> Source {
+    Source {
+        file: source.file.clone(),
+        label: source.written.clone(),
+        window_s: source.window_s,
+        unit: source.unit,
+        columns: source.columns.as_ref().map(Into::into),
+        recorded: source.recorded.clone(),
+    }
+}
+
+/// Whether the model is of the robot of an experiment, as far as joints and their names tell.
+///
+/// # Errors
+/// [`Failure::Argument`] if it is not.
+pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> Result<(), Failure> {
+    let (ours, theirs) = (RobotJoints::of(&**calibrated.model.rigid_body()), experiment.robot.robot_joints());
+    let named = !ours.names.is_empty() && !theirs.names.is_empty();
+    let reason = if ours.count != theirs.count {
+        format!("the model has {} joints, the experiment {}", ours.count, theirs.count)
+    } else if named && ours.names != theirs.names {
+        let listed = |joints: &RobotJoints| joints.names.join(", ");
+        format!("the model's joints are {}, the experiment's {}", listed(&ours), listed(&theirs))
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Argument {
+        option: "--model",
+        reason,
+        remedy: "name the model that `aurt run` made of this experiment; if the joints have other names only, give those of \
+                 the model under [robot]: joint_names = […]"
+            .into(),
+    })
+}
+
+/// What an experiment asks to be fitted.
+///
+/// # Errors
+/// If its model cannot be assembled.
+pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
+    Ok(Job {
+        model: experiment.robot_model()?,
+        preprocessing: experiment.preprocess.clone(),
+        instrument: instrument(experiment),
+        options: calibration_options(experiment),
+        scopes: TermScopes::new(experiment.arm_term_recordings.clone()),
+    })
+}
+
+/// Does what an experiment says, without writing anything.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn fit_experiment(experiment: &Experiment, progress: &Progress) -> Result<Outcome, Failure> {
+    fit_and_keep(experiment, progress).map(|(outcome, _)| outcome)
+}
+
+/// As [`fit_experiment`]; the recordings are kept, to be looked at again.
+///
+/// # Errors
+/// As [`fit_experiment`].
+pub fn fit_and_keep(
+    experiment: &Experiment,
+    progress: &Progress,
+) -> Result<(Outcome, Vec<Assigned>), Failure> {
+    let recordings = &experiment.recordings;
+    progress.step("compiling the model");
+    let job = job(experiment)?;
+    let assigned = job.read(
+        recordings.calibration.iter().map(source),
+        recordings.validation.iter().map(source),
+        progress,
+    )?;
+    let mut outcome = job.fit(&assigned, Detail::RowByRow, progress)?;
+    outcome.calibrated.origins =
+        Origins::of(Some(&experiment.source_text), assigned.iter().map(Assigned::origin));
+    Ok((outcome, assigned))
+}
+
+/// `[calibration]` and what of `[preprocess]` concerns it.
+pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
+    let experiment::Calibration { estimator, load_torque, rest, fit_shapes, prior_weight: _ } =
+        experiment.calibration;
+    CalibrationOptions {
+        estimator: match estimator {
+            experiment::Estimator::WeightedLeastSquares => Estimator::Wls,
+            experiment::Estimator::OrdinaryLeastSquares => Estimator::Ols,
+            experiment::Estimator::Consistent => Estimator::Consistent,
+            experiment::Estimator::Essential => Estimator::Essential,
+            experiment::Estimator::ReweightedLeastSquares => Estimator::Irls,
+        },
+        load_torque: match load_torque {
+            experiment::LoadTorqueChoice::Fitted => LoadTorqueChoice::Fitted,
+            experiment::LoadTorqueChoice::Literal => LoadTorqueChoice::Literal,
+        },
+        rest: match rest {
+            experiment::Rest::Keep => Rest::Keep,
+            experiment::Rest::Exclude => Rest::Exclude,
+        },
+        rest_velocity_rad_s: experiment.preprocess.rest_velocity_rad_s,
+        fit_shapes,
+        deviations: Deviations::Memory,
+    }
+}

@@ -1,0 +1,233 @@
+//! Calibrated models as sources and files of other programs.
+
+use std::path::Path;
+
+pub use aurt_export::fmu::{Kind, Version};
+use aurt_export::{
+    Check, Export, Provenance, Source, c,
+    fmu::{self, Fmu},
+    mjcf::{
+        self,
+        into::{Corrected, Original, correct},
+    },
+    rust, sdf, urdf,
+};
+use aurt_model::model_file::read_json;
+use aurt_plugins::Registry;
+use aurt_robots::RobotError;
+use aurt_simulation::Random;
+use aurt_traits::{Motion, MotionView};
+use serde_json::Value;
+
+use crate::failure::Failure;
+use aurt::CalibratedModel;
+
+/// What a model is exported to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A C99 header and source.
+    C,
+    /// A MuJoCo model.
+    Mjcf,
+    /// A Rust crate.
+    Rust,
+    /// A URDF file.
+    Urdf,
+    /// An SDF file.
+    Sdf,
+    /// A functional mock-up unit.
+    Fmu(Kind, Version),
+}
+
+/// Files of a target.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exported {
+    /// Their names and contents.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// What was changed in a file of the user.
+    pub changed: Vec<String>,
+    /// What of the model the target has no word for.
+    pub lost: Vec<String>,
+    /// What a person should know of the files.
+    pub notes: Vec<String>,
+}
+
+impl From<Export> for Exported {
+    fn from(Export { files, lost, notes }: Export) -> Self {
+        let files = files.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
+        Self { files, changed: Vec::new(), lost, notes }
+    }
+}
+
+impl From<Fmu> for Exported {
+    fn from(Fmu { file, bytes, lost, notes }: Fmu) -> Self {
+        Self { files: vec![(file, bytes)], changed: Vec::new(), lost, notes }
+    }
+}
+
+impl Target {
+    /// Its name, as the command takes it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::C => "c",
+            Self::Mjcf => "mjcf",
+            Self::Rust => "rust",
+            Self::Urdf => "urdf",
+            Self::Sdf => "sdf",
+            Self::Fmu(..) => "fmu",
+        }
+    }
+}
+
+/// States at which exported sources are compared with the model.
+const STATES: usize = 32;
+/// Samples of a path, for models with memory, and their distance, s.
+const PATH: usize = 96;
+const PATH_STEP_S: f64 = 0.02;
+const SEED: u64 = 1;
+/// Positions of the states, rad or m, and accelerations, rad/s² or m/s².
+const REACH: f64 = 3.0;
+const ACCELERATION: f64 = 10.0;
+
+/// The files of a target, of the model in `path`, for a robot called `name`.
+///
+/// # Errors
+/// A file that is no calibrated model; [`Failure::Export`] for what the target cannot take.
+pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Exported, Failure> {
+    with_source(path, name, registry, |source, calibrated| {
+        Ok(match target {
+            Target::C => c::export(source, &checks(calibrated)?)?.into(),
+            Target::Rust => rust::export(source, &checks(calibrated)?)?.into(),
+            Target::Mjcf => mjcf::export(source)?.into(),
+            Target::Urdf => urdf::export(source)?.into(),
+            Target::Sdf => sdf::export(source)?.into(),
+            Target::Fmu(kind, version) => fmu::export(source, kind, version)?.into(),
+        })
+    })
+}
+
+/// The dynamics of the model in `path` in the user's MuJoCo file `into`: the same file with other inertias and attributes of
+/// joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
+///
+/// # Errors
+/// As [`export`]; what is wrong with the file, or that it describes another robot.
+pub fn correct_mjcf(
+    path: &Path,
+    into: &Path,
+    base: Option<&str>,
+    tip: Option<&str>,
+    registry: &Registry,
+) -> Result<Exported, Failure> {
+    let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES).map_err(|source| {
+        aurt_robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
+    })?;
+    let original = Original { text: &text, path: into, base, tip };
+    with_source(path, "robot", registry, |source, _| {
+        let Corrected { text, changed, lost, notes } = correct(source, &original)?;
+        let stem = into.file_stem().unwrap_or_default().to_string_lossy();
+        let files = vec![(format!("{stem}_calibrated.xml"), text.into_bytes())];
+        Ok(Exported { files, changed, lost, notes })
+    })
+}
+
+/// Gives `make` the model in `path` as exports need it.
+fn with_source(
+    path: &Path,
+    name: &str,
+    registry: &Registry,
+    make: impl FnOnce(&Source<'_>, &CalibratedModel) -> Result<Exported, Failure>,
+) -> Result<Exported, Failure> {
+    let calibrated = CalibratedModel::read(path, registry)?;
+    let (document, text) = read_json(path)?;
+    let calibration = &calibrated.calibration;
+    let provenance = Provenance {
+        file: path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        schema: document.get("schema").and_then(Value::as_u64).unwrap_or_default(),
+        blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        aurt_version: document.get("aurt_version").and_then(Value::as_str).map(str::to_owned),
+        recordings: calibration
+            .recordings
+            .iter()
+            .map(|name| match calibrated.origins.blake3(name) {
+                Some(hash) => format!("{name} (BLAKE3 {hash})"),
+                None => name.clone(),
+            })
+            .collect(),
+    };
+    let coefficients = calibration.coefficients();
+    let standard: Option<Vec<f64>> =
+        calibration.consistent.as_ref().map(|report| report.standard.iter().map(|s| s.value).collect());
+    let source = Source {
+        name,
+        model: &calibrated.model,
+        coefficients: &coefficients,
+        load: &calibration.load,
+        unit: calibration.unit,
+        standard: standard.as_deref(),
+        provenance: &provenance,
+    };
+    make(&source, &calibrated)
+}
+
+/// States and what the model predicts there.
+fn checks(calibrated: &CalibratedModel) -> Result<Vec<Check>, Failure> {
+    let joints = calibrated.model.joints();
+    let remembers = calibrated.model.stacks().iter().any(|stack| {
+        stack.coulomb().state_len() + stack.hysteresis().state_len() + stack.viscous().state_len() > 0
+    }) || calibrated.model.arm_terms().iter().any(|term| term.state_len(joints) > 0);
+    let speed = |j: usize| calibrated.calibration.ranges[j].velocity_rad_s;
+    let (times, states) = if remembers { along_a_path(joints, speed) } else { random_states(joints, speed) };
+    let by_joint =
+        |k: usize| -> Vec<f64> { (0..joints).flat_map(|j| states.iter().map(move |s| s[k][j])).collect() };
+    let motion = Motion::new(joints, times, by_joint(0), by_joint(1), by_joint(2))?;
+    let view: MotionView<'_> = motion.view();
+    let torque = calibrated.torque(view)?;
+    Ok(states
+        .into_iter()
+        .enumerate()
+        .map(|(n, [q_rad, qd_rad_s, qdd_rad_s2])| Check {
+            time_s: view.time_s()[n],
+            q_rad,
+            qd_rad_s,
+            qdd_rad_s2,
+            torque_nm: torque.iter().map(|series| series[n]).collect(),
+        })
+        .collect())
+}
+
+type States = (Vec<f64>, Vec<[Vec<f64>; 3]>);
+
+/// States within the velocities of the calibration; in the first, all joints rest.
+fn random_states(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let mut within = |reach: f64| reach * (2.0 * random.unit() - 1.0);
+    let mut states = Vec::with_capacity(STATES);
+    for state in 0..STATES {
+        let mut draw =
+            |reach: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..joints).map(|j| within(reach(j))).collect() };
+        let speed = |j: usize| if state == 0 { 0.0 } else { speed(j) };
+        states.push([draw(&|_| REACH), draw(&speed), draw(&|_| ACCELERATION)]);
+    }
+    ((0..STATES).map(|n| n as f64).collect(), states)
+}
+
+/// Samples of sines that reverse, of large and of small amplitude in turn, for friction that remembers its path.
+fn along_a_path(joints: usize, speed: impl Fn(usize) -> f64) -> States {
+    let mut random = Random::new(SEED);
+    let waves: Vec<[f64; 2]> =
+        (0..joints).map(|_| [4.0 + 4.0 * random.unit(), std::f64::consts::TAU * random.unit()]).collect();
+    let times: Vec<f64> = (0..PATH).map(|n| PATH_STEP_S * n as f64).collect();
+    let states = times.iter().enumerate().map(|(n, time_s)| {
+        let share = if n % 32 < 16 { 0.01 } else { 0.5 };
+        [0.0, 1.0, 2.0].map(|derivative| {
+            let wave = |(j, [rate, start]): (usize, &[f64; 2])| {
+                let phase = rate * time_s + start + derivative * std::f64::consts::FRAC_PI_2;
+                share * speed(j) / rate * rate.powf(derivative) * phase.sin()
+            };
+            waves.iter().enumerate().map(wave).collect()
+        })
+    });
+    let states = states.collect();
+    (times, states)
+}

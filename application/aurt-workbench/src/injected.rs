@@ -1,0 +1,149 @@
+//! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
+
+use aurt::data::{Pipeline, Purpose};
+use aurt_experiment::{
+    Experiment,
+    experiment::{Geometry, RecordingSource},
+};
+use aurt_files::escaped;
+use aurt_rbd::RobotDescription;
+use aurt_recording::Recording;
+use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
+
+use crate::{
+    experiments::{instrument, source},
+    failure::Failure,
+};
+
+/// An experiment and its recordings as plain data, those of every part in the order of writing, each once.
+///
+/// # Errors
+/// Recordings that cannot be read; what an injection has no use for.
+pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
+    let refuse = |reason: &str, remedy: &str| Failure::unfit(experiment.path.clone(), reason, remedy);
+    if !experiment.recordings.simulated.is_empty() {
+        return Err(refuse(
+            "asks about another simulator's predictions, which an effect added to the measurement would not change",
+            "leave out `simulated`",
+        ));
+    }
+    if experiment.arm_term_recordings.iter().any(Option::is_some) {
+        return Err(refuse(
+            "has arm terms that act in some recordings alone, and an injection changes the recordings' roles",
+            "leave out the arm term and the recordings that have it",
+        ));
+    }
+    let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
+    let parts = &experiment.recordings;
+    let mut sources: Vec<&RecordingSource> = Vec::new();
+    for source in parts.calibration.iter().chain(&parts.target).chain(&parts.validation) {
+        if !sources.iter().any(|s| s.is_the_same_as(source)) {
+            sources.push(source);
+        }
+    }
+    let loaded = sources
+        .iter()
+        .map(|s| pipeline.read(source(s), Purpose::Validation))
+        .collect::<Result<Vec<_>, _>>()?;
+    let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
+    let mut recordings = Vec::new();
+    for loaded in &loaded {
+        let options = pipeline.options(loaded.recording.unit, Purpose::Calibration);
+        let whole = match loaded.source.window_s {
+            Some(window) => loaded.recording.window(window)?,
+            None => loaded.recording.clone().into(),
+        };
+        let name = match loaded.source.window_s {
+            Some([from, to]) => format!("{} from {from} to {to} s", loaded.source.label),
+            None => loaded.source.label.clone(),
+        };
+        let recording =
+            Recording { velocity_rad_s: None, unit, ..undone(whole, options.gains, options.offsets) };
+        recordings.push(RealRecording { name, recording });
+    }
+    let mut options = pipeline.options(unit, Purpose::Calibration);
+    (options.gains, options.offsets) = (None, None);
+    let Geometry::Mdh { path, .. } = &experiment.robot.geometry else {
+        return Err(refuse(
+            "has its geometry from `urdf` or `name`, and cases carry a table",
+            "write the geometry as a table and name it with `mdh`",
+        ));
+    };
+    let mdh = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
+        .map_err(|source| aurt_model::Error::Read { path: path.clone(), source })?;
+    Ok(RealExperiment {
+        name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+        mdh_csv: mdh,
+        chain: experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?,
+        unit,
+        experiment_toml: without_recordings(experiment).map_err(|reason| refuse(&reason, "simplify it"))?,
+        options,
+        structure: structure(experiment)?,
+        recordings,
+    })
+}
+
+/// The recording in the model's unit: (raw − offset) · gain.
+fn undone(recording: Recording, gains: Option<Vec<f64>>, offsets: Option<Vec<f64>>) -> Recording {
+    let of = |all: &Option<Vec<f64>>, j: usize, otherwise: f64| {
+        all.as_ref().and_then(|list| list.get(j)).copied().unwrap_or(otherwise)
+    };
+    let measurement = recording.measurement.as_ref().map(|measured| {
+        let joint = |(j, series): (usize, &Vec<f64>)| {
+            let (gain, offset) = (of(&gains, j, 1.0), of(&offsets, j, 0.0));
+            series.iter().map(|raw| (raw - offset) * gain).collect()
+        };
+        measured.iter().enumerate().map(joint).collect()
+    });
+    Recording { measurement, ..recording }
+}
+
+/// The experiment's text without its recordings, with the geometry beside it and the gains undone.
+fn without_recordings(experiment: &Experiment) -> Result<String, String> {
+    let mut table: toml::Table = toml::from_str(&experiment.source_text).map_err(|e| e.to_string())?;
+    table.remove("recordings");
+    table.remove("sweep");
+    if let Some(robot) = table.get_mut("robot").and_then(toml::Value::as_table_mut) {
+        robot.insert("mdh".into(), "mdh.csv".into());
+        robot.remove("torque_constants_nm_per_a");
+    }
+    if let Some(instrument) = table.get_mut("instrument").and_then(toml::Value::as_table_mut) {
+        instrument.retain(|key, _| key == "delay_s");
+    }
+    if let Some(plugins) = table.get_mut("plugins").and_then(toml::Value::as_table_mut) {
+        let libraries = experiment.libraries.iter().map(|library| {
+            let absolute = std::path::absolute(library).unwrap_or_else(|_| library.clone());
+            toml::Value::from(escaped(&absolute.to_string_lossy()))
+        });
+        plugins.insert("libraries".into(), toml::Value::Array(libraries.collect()));
+    }
+    toml::to_string(&table).map_err(|e| e.to_string())
+}
+
+/// What each joint's row has beyond rigid bodies, as far as a small least squares can follow.
+fn structure(experiment: &Experiment) -> Result<Structure, Failure> {
+    let joints = experiment.joints();
+    let stacks = experiment.joint_dynamics.stacks(joints).map_err(aurt_model::Error::Assembly)?;
+    let rotors: Vec<usize> = experiment
+        .arm_terms
+        .iter()
+        .filter(|term| term.name() == "rotor_inertia")
+        .flat_map(|term| term.joints(joints))
+        .collect();
+    let of_joint = |(j, stack): (usize, &aurt_traits::JointStack)| {
+        let coulomb = stack.coulomb().columns();
+        let with_load = |name: &str| name.starts_with("F_C1") || name.starts_with("F_C2");
+        JointStructure {
+            coulomb: !coulomb.is_empty(),
+            viscous: !stack.viscous().columns().is_empty(),
+            rotor: rotors.contains(&j),
+            load: coulomb.iter().any(|p| with_load(&p.name)),
+        }
+    };
+    Ok(Structure { joints: stacks.iter().enumerate().map(of_joint).collect() })
+}

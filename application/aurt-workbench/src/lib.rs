@@ -1,0 +1,30 @@
+//! What the commands of AURT do with experiments, for every front end.
+//!
+//! | room | what it does |
+//! |---|---|
+//! | [`failure`] | why a command failed |
+//! | [`output`], [`table_file`] | where results go, tables of numbers |
+//! | [`experiments`], [`described_model`] | what an experiment asks of the library; descriptions as models |
+//! | [`streaming`], [`gains`], [`tracking`], [`sweeping`] | recordings longer than memory, gains of drives, drift, variants |
+//! | [`diagnosing`], [`sensitivity`] | what a model lacks, and how large an effect could stay hidden |
+//! | [`exporting`] | models as files of other programs |
+//! | [`results`], [`reports`] | what these leave behind in files, and their pages |
+//! | [`demo`] | the recordings of `aurt demo` |
+
+pub mod demo;
+pub mod described_model;
+pub mod diagnosing;
+pub mod experiments;
+pub mod exporting;
+pub mod failure;
+pub mod gains;
+pub mod injected;
+pub mod output;
+pub mod reports;
+pub mod results;
+pub mod sensitivity;
+mod simulated;
+pub mod streaming;
+pub mod sweeping;
+pub mod table_file;
+pub mod tracking;

@@ -1,0 +1,254 @@
+//! The page of a sensitivity: from which size on effects would have been found.
+
+use std::fmt::Write as _;
+
+use aurt_diagnosis::Answer;
+use aurt_output::pretty;
+use aurt_report::{
+    BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
+    rendering::number::significant, reports::parts,
+};
+use aurt_simulation::inject::Presence;
+use serde_json::Value;
+
+use crate::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
+
+/// What was found, and for what.
+#[derive(Debug)]
+pub struct Answered<'a> {
+    /// The limits.
+    pub rows: &'a [Row],
+    /// Whole diagnoses at twice and at half of some limits.
+    pub checks: &'a [Check],
+    /// What effects were added to.
+    pub subject: &'a Subject,
+    /// What is said of the recordings as they are.
+    pub said: Answer,
+    /// Seed of the shapes.
+    pub seed: u64,
+    /// The results for programs.
+    pub document: &'a Value,
+}
+
+impl Answered<'_> {
+    /// The page.
+    pub fn page(&self) -> Page {
+        let mut provenance = parts::program("sensitivity");
+        let real = self.subject.injection.real();
+        provenance.push(parts::entry("Seed of the shapes", self.seed.to_string()));
+        provenance.push(parts::entry("Draws of each effect", DRAWS.to_string()));
+        provenance.push(parts::entry("f_dyn", format!("{} Hz", real.options.f_dyn_hz)));
+        let left = self.subject.injection.model().left_rms();
+        let left: Vec<String> = left.iter().map(|l| significant(*l, 3)).collect();
+        provenance.push(parts::entry(
+            "What the model leaves, joint by joint",
+            format!("{} {}", left.join(", "), real.unit.symbol()),
+        ));
+        let mut sections = vec![self.sizes(), self.pictures()];
+        if !self.checks.is_empty() {
+            sections.push(self.checked());
+        }
+        Page {
+            title: "From which size on effects would have been found".into(),
+            verdict: self.verdict(),
+            sections,
+            provenance,
+            results_json: pretty(self.document),
+        }
+    }
+
+    fn verdict(&self) -> Verdict {
+        let asked = self.rows.iter().filter(|r| r.status != Status::NotPossible).count();
+        let named = self.rows.iter().filter(|r| r.named_from.is_some()).count();
+        let place = match self.subject.split.presence {
+            Presence::Changed => "the targets and what is held out",
+            Presence::All => "all recordings",
+        };
+        Verdict {
+            tone: if named == asked { Tone::Good } else { Tone::Attention },
+            headline: format!(
+                "{named} of {asked} effects on their joints would have been named from some size on"
+            ),
+            sentences: self.sentences(place),
+        }
+    }
+
+    fn sentences(&self, place: &str) -> Vec<String> {
+        let mut sentences = vec![
+            format!(
+                "Each effect was added to {place}, on one joint at a time, in {DRAWS} draws of shape and noise; {NAMED_IN} of them \
+                 have to name it."
+            ),
+            "A limit is known to a factor of 1.2 either way: strengths were tried in steps of √2.".into(),
+        ];
+        if self.said == Answer::Unexplained {
+            sentences.push(
+                "What is left of the recordings as they are has no name: nothing beside it is named before it outweighs that."
+                    .into(),
+            );
+        }
+        sentences
+    }
+
+    fn sizes(&self) -> Section {
+        let mut table = Table::new(
+            "Named from: the diagnosis names the effect on the joint in four of five draws. Noticed from: it claims something new \
+             there, or says that something has no name.",
+            ["<effect", "joint", "<size", "named from", "noticed from", "<unit", "<remark"],
+        );
+        for row in self.rows {
+            let size =
+                |limit: Option<Limit>| limit.map_or_else(|| "–".to_owned(), |l| significant(l.size, 2));
+            table.row([
+                Cell::from(row.effect.as_str()),
+                Cell::from(place(row)),
+                Cell::from(row.quantity.as_str()),
+                Cell { text: size(row.named_from), strong: row.named_from.is_some() },
+                Cell::from(size(row.noticed_from)),
+                Cell::from(row.unit.as_str()),
+                Cell::from(remark(row.status)),
+            ]);
+        }
+        Section {
+            title: "Sizes".into(),
+            introduction:
+                "What is smaller than this may be there and was not seen; what is larger would have been."
+                    .into(),
+            blocks: vec![Block::Table(table)],
+        }
+    }
+
+    /// One figure for each joint and one for the arm, in units of what the model leaves.
+    fn pictures(&self) -> Section {
+        let mut places: Vec<Option<usize>> = self.rows.iter().map(|r| r.joint).collect();
+        places.sort_unstable();
+        places.dedup();
+        let figures = places
+            .into_iter()
+            .map(|joint| {
+                let strength = |limit: Option<Limit>| limit.map(|l| l.strength);
+                let label = joint.map_or_else(|| "whole arm".to_owned(), |j| format!("joint {j}"));
+                Figure::Bars(Bars {
+                    name: format!("sensitivity_{}", label.replace(' ', "_")),
+                    title: label,
+                    caption: String::new(),
+                    unit: "×".into(),
+                    series: vec![("noticed from".into(), Style::Before), ("named from".into(), Style::After)],
+                    level_name: "what the model leaves".into(),
+                    one_scale: true,
+                    groups: self
+                        .rows
+                        .iter()
+                        .filter(|r| r.joint == joint && r.status == Status::Named)
+                        .map(|r| BarGroup {
+                            label: r.effect.clone(),
+                            values: vec![strength(r.noticed_from), strength(r.named_from)],
+                            level: Some(1.0),
+                        })
+                        .collect(),
+                })
+            })
+            .collect();
+        Section {
+            title: "The same beside what the model leaves".into(),
+            introduction: "Root mean square of an effect's torque over that of what the model leaves of the recordings as they \
+                           are; shorter is better."
+                .into(),
+            blocks: vec![Block::Figures(figures)],
+        }
+    }
+
+    /// What whole diagnoses say.
+    fn checked(&self) -> Section {
+        let mut table = Table::new(
+            "The shape of the first draw in the recordings' own noise, at twice and at half of the size from which on the trials \
+             name it.",
+            ["<effect", "joint", "named from", "<unit", "<twice", "<half"],
+        );
+        for check in self.checks {
+            table.row([
+                Cell::from(check.effect.as_str()),
+                Cell::from(joint_or_arm(check.joint)),
+                Cell::from(significant(check.named_from, 2)),
+                Cell::from(check.unit.as_str()),
+                Cell::from(word(check.named_at_double)),
+                Cell::from(word(check.named_at_half)),
+            ]);
+        }
+        Section {
+            title: "Checked with whole diagnoses".into(),
+            introduction: "Trials take over from the recordings as they are what an effect changes little; whole diagnoses do \
+                           not."
+                .into(),
+            blocks: vec![Block::Table(table)],
+        }
+    }
+
+    /// The table for a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!("{}\n\n", self.verdict().headline);
+        let _ = writeln!(
+            text,
+            "{:<32} {:>5} {:>12} {:>12}  {:<9} remark",
+            "effect", "joint", "named from", "noticed from", "unit"
+        );
+        for row in self.rows {
+            let size =
+                |limit: Option<Limit>| limit.map_or_else(|| "-".to_owned(), |l| significant(l.size, 2));
+            let _ = writeln!(
+                text,
+                "{:<32} {:>5} {:>12} {:>12}  {:<9} {}",
+                row.effect,
+                place(row),
+                size(row.named_from),
+                size(row.noticed_from),
+                row.unit,
+                remark(row.status)
+            );
+        }
+        if !self.checks.is_empty() {
+            let _ = writeln!(
+                text,
+                "\n{:<32} {:>5} {:>12}  {:<9} {:<10} half",
+                "checked with whole diagnoses", "joint", "named from", "unit", "twice"
+            );
+        }
+        for check in self.checks {
+            let _ = writeln!(
+                text,
+                "{:<32} {:>5} {:>12}  {:<9} {:<10} {}",
+                check.effect,
+                joint_or_arm(check.joint),
+                significant(check.named_from, 2),
+                check.unit,
+                word(check.named_at_double),
+                word(check.named_at_half)
+            );
+        }
+        text
+    }
+}
+
+fn place(row: &Row) -> String {
+    joint_or_arm(row.joint)
+}
+
+fn joint_or_arm(joint: Option<usize>) -> String {
+    joint.map_or_else(|| "arm".to_owned(), |j| j.to_string())
+}
+
+const fn word(named: bool) -> &'static str {
+    if named { "named" } else { "not named" }
+}
+
+const fn remark(status: Status) -> &'static str {
+    match status {
+        Status::Named => "",
+        Status::NotNamed => {
+            "not named in four of five draws at 8 times what the model leaves, or at the most that the joint can have"
+        }
+        Status::AlreadyClaimed => "claimed of the recordings as they are",
+        Status::Absorbed => "the experiment's own parameters absorb it, or no real machine has that much",
+        Status::NotPossible => "these recordings cannot have it, or cannot show it at their rate",
+    }
+}

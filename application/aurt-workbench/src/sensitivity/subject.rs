@@ -1,0 +1,139 @@
+use aurt_calibration::CalibrationOptions;
+use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_plugins::Registry;
+use aurt_recording::Recording;
+use aurt_simulation::inject::{Added, Injection, Presence, Split};
+use aurt_traits::RobotModel;
+
+use super::claims::Claims;
+use crate::{experiments::calibration_options, failure::Failure, injected};
+
+/// The experiment and recordings that effects are added to.
+#[derive(Debug)]
+pub struct Subject {
+    /// The recordings, and what the experiment's structure leaves of them.
+    pub injection: Injection,
+    /// What each recording is for.
+    pub split: Split,
+    model: RobotModel,
+    calibration: CalibrationOptions,
+    /// The recordings as they are, in the order of [`Self::places`].
+    recordings: Vec<QuestionedRecording>,
+}
+
+/// A recording in the question.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Its number among those of the injection.
+    pub number: usize,
+    /// What it is for.
+    pub role: Role,
+    /// Whether effects are added to it.
+    pub affected: bool,
+}
+
+impl Subject {
+    /// The subject of an experiment.
+    ///
+    /// # Errors
+    /// As [`injected::plain`]; models that do not fit the robot.
+    pub fn new(experiment: &Experiment) -> Result<Self, Failure> {
+        let injection = Injection::new(injected::plain(experiment)?)?;
+        let parts = &experiment.recordings;
+        let all: Vec<&RecordingSource> =
+            parts.calibration.iter().chain(&parts.target).chain(&parts.validation).collect();
+        // Recordings are numbered as the injection has them: in this order, each once.
+        let mut known: Vec<&RecordingSource> = Vec::new();
+        for source in all {
+            if !known.iter().any(|s| s.is_the_same_as(source)) {
+                known.push(source);
+            }
+        }
+        let places = |list: &[RecordingSource]| -> Vec<usize> {
+            list.iter().filter_map(|source| known.iter().position(|s| s.is_the_same_as(source))).collect()
+        };
+        let (calibration, target) = (places(&parts.calibration), places(&parts.target));
+        let validation = places(&parts.validation);
+        let presence = if target.is_empty() { Presence::All } else { Presence::Changed };
+        let mut subject = Self {
+            injection,
+            split: Split { presence, turn: 0, calibration, target, validation },
+            model: experiment.robot_model()?,
+            calibration: calibration_options(experiment),
+            recordings: Vec::new(),
+        };
+        subject.recordings = subject.with(&[])?;
+        Ok(subject)
+    }
+
+    /// The recordings of the question, in its order.
+    pub fn places(&self) -> Vec<Place> {
+        let changed = self.split.presence == Presence::Changed;
+        let parts = [
+            (&self.split.calibration, Role::Calibration, !changed),
+            (&self.split.target, Role::Target, true),
+            (&self.split.validation, Role::Validation, true),
+        ];
+        let of = |(list, role, affected): (&Vec<usize>, Role, bool)| {
+            list.iter().map(move |number| Place { number: *number, role, affected }).collect::<Vec<_>>()
+        };
+        parts.into_iter().flat_map(of).collect()
+    }
+
+    /// Whether an effect is added to a recording: what is local in time is in the first target alone.
+    pub fn has(&self, place: Place, effect: &Added) -> bool {
+        place.affected && (!effect.is_local() || self.split.target.first() == Some(&place.number))
+    }
+
+    /// A recording of the question with effects, as read.
+    ///
+    /// # Errors
+    /// If the rigid bodies refuse.
+    pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
+        let recorded = &self.injection.recorded()[place.number];
+        let mut here = effects.iter().filter(|e| self.has(place, e));
+        Ok(here.try_fold(recorded.recording.clone(), |r, e| e.applied(&recorded.scene, &r))?)
+    }
+
+    /// The recordings with effects.
+    fn with(&self, effects: &[&Added]) -> Result<Vec<QuestionedRecording>, Failure> {
+        let options = &self.injection.real().options;
+        let one = |place: Place| {
+            let raw = self.altered(place, effects)?;
+            let name = self.injection.recorded()[place.number].name.clone();
+            Ok(QuestionedRecording::new(place.role, name, raw, options.clone())?)
+        };
+        self.places().into_iter().map(one).collect()
+    }
+
+    /// What is asked of the recordings as they are.
+    pub fn question(&self) -> Question<'_> {
+        self.asked(&self.recordings)
+    }
+
+    fn asked<'a>(&'a self, recordings: &'a [QuestionedRecording]) -> Question<'a> {
+        let real = self.injection.real();
+        Question {
+            model: &self.model,
+            frozen: None,
+            recordings,
+            unit: real.unit,
+            f_dyn_hz: real.options.f_dyn_hz,
+            calibration: self.calibration,
+            selection: SelectionOptions::default(),
+            without: &[],
+        }
+    }
+
+    /// What a whole diagnosis claims of the recordings with effects.
+    ///
+    /// # Errors
+    /// What the diagnosis reports.
+    pub fn diagnosed(&self, effects: &[&Added], registry: &Registry) -> Result<Claims, Failure> {
+        let recordings = self.with(effects)?;
+        let question = self.asked(&recordings);
+        let investigation = investigate(&question, registry, |_| {})?;
+        Ok(Claims::of(&write_verdict(&question, &investigation)))
+    }
+}

@@ -1,0 +1,63 @@
+//! How a sweep reads recordings and fits: as `aurt run` does.
+
+use aurt::{
+    Error, Role,
+    data::{Loaded, Pipeline, Purpose},
+    fitting::judged_rows,
+};
+use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_sweep::{Data, Loader, PointError, Settings, Validate};
+
+use crate::experiments::{calibration_options, instrument, source};
+
+/// Reads what experiments name.
+#[derive(Debug, Clone, Copy)]
+pub struct ExperimentLoader;
+
+impl Loader for ExperimentLoader {
+    fn load(&self, experiment: &Experiment, validate: Validate) -> Result<Data, PointError> {
+        load(experiment, validate).map_err(|failure| PointError::Recordings(failure.to_string()))
+    }
+
+    fn settings(&self, experiment: &Experiment) -> Settings {
+        Settings {
+            // Points are ranked by their errors; deviations that look at the rows again would cost more than a variant.
+            calibration: CalibrationOptions {
+                deviations: Deviations::White,
+                ..calibration_options(experiment)
+            },
+            shapes: ShapeOptions::default(),
+            rows: judged_rows(Role::Validation, experiment.preprocess.trim_rest),
+        }
+    }
+}
+
+fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Error> {
+    let (preprocessing, instrument) = (experiment.preprocess.clone(), instrument(experiment));
+    let pipeline = Pipeline {
+        joints: experiment.robot.robot_joints(),
+        preprocessing: &preprocessing,
+        instrument: &instrument,
+    };
+    let read = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Error> {
+        sources.iter().map(|recording| pipeline.read(source(recording), purpose)).collect()
+    };
+    let prepare = |recordings: &[Loaded], purpose| -> Result<Vec<_>, Error> {
+        recordings.iter().map(|loaded| pipeline.preprocess(loaded, purpose)).collect()
+    };
+    let calibration = read(&experiment.recordings.calibration, Purpose::Calibration)?;
+    let held_out = match validate {
+        Validate::HeldOut => read(&experiment.recordings.validation, Purpose::Validation)?,
+        Validate::LeaveOneOut => Vec::new(),
+    };
+    let judged = match validate {
+        Validate::HeldOut => &held_out,
+        Validate::LeaveOneOut => &calibration,
+    };
+    Ok(Data {
+        unit: pipeline.common_unit(calibration.iter().chain(&held_out))?.unwrap_or_default(),
+        judged: prepare(judged, Purpose::Validation)?,
+        calibration: prepare(&calibration, Purpose::Calibration)?,
+    })
+}

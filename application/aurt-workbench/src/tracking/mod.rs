@@ -1,0 +1,274 @@
+//! How a machine has changed since its calibration, recording after recording or row after row.
+
+mod follower;
+mod running;
+
+use std::path::{Path, PathBuf};
+
+use aurt::{
+    CalibratedModel, Progress,
+    data::{Loaded, Purpose, Source},
+};
+use aurt_calibration::{
+    Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
+    DriftWindow, LeftOut, NamedRecording, accumulate, drift_windows,
+};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_recording::RecordedAs;
+use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
+use serde::Serialize;
+use serde_json::json;
+
+use self::{follower::Follower, running::Running};
+use crate::{
+    experiments::{check_robot_of, source},
+    failure::Failure,
+};
+
+/// How drift is followed.
+#[derive(Debug, Clone, Serialize)]
+pub struct TrackOptions {
+    /// How the recordings are read, where it is another way than the experiment's.
+    #[serde(skip)]
+    pub recorded: RecordedAs,
+    /// Length of the windows that are compared with the unchanged machine, s.
+    pub window_s: f64,
+    /// Mean time of recording between two false alarms of the whole arm, h.
+    pub false_alarm_h: f64,
+    /// Time of recording after which old rows count half in the tracked estimate, for friction, gains and load, s.
+    pub half_life_s: [f64; 3],
+}
+
+/// A recording's drift.
+#[derive(Debug, Clone, Serialize)]
+pub struct TrackedRecording {
+    /// The recording.
+    pub recording: String,
+    /// What was measured of it, s.
+    pub duration_s: f64,
+    /// Windows that entered the charts; a stretch that is too short for one enters the estimates only.
+    pub windows: usize,
+    /// Drift of this recording alone, in the order of the parameters.
+    pub drift: Vec<Drift>,
+    /// Tracked estimate at its end, with forgetting.
+    pub tracked: Vec<Drift>,
+}
+
+/// A change that charts found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Alarm {
+    /// What changed.
+    pub group: DriftGroup,
+    /// Its joint; none for the load.
+    pub joint: Option<usize>,
+    /// That joint's name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_name: Option<String>,
+    /// The parameter.
+    pub parameter: String,
+    /// Whether it rose.
+    pub rose: bool,
+    /// The recording in which the change began.
+    pub since_recording: String,
+    /// From that recording's first stamp, s.
+    pub since_s: f64,
+    /// The recording in which it was certain.
+    pub certain_recording: String,
+    /// End of the window in which it was certain, from that recording's first stamp, s.
+    pub certain_s: f64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Tracked {
+    /// How.
+    pub options: TrackOptions,
+    /// The parameters.
+    pub parameters: Vec<DriftParameter>,
+    /// The unchanged machine.
+    pub baseline: Baseline,
+    /// Recordings of the unchanged machine.
+    pub baseline_recordings: Vec<String>,
+    /// Charts, and their threshold in deviations.
+    pub charts: usize,
+    /// Threshold of the CUSUM, in deviations.
+    pub threshold: f64,
+    /// Mean number of windows between two false alarms of one chart.
+    pub average_run_length_windows: f64,
+    /// The recordings, in time order.
+    pub recordings: Vec<TrackedRecording>,
+    /// Alarms, in the order in which they were certain.
+    pub alarms: Vec<Alarm>,
+    /// What to know.
+    pub notes: Vec<String>,
+}
+
+/// The name of rows that come on standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// Follows a calibrated machine through recordings in time order; [`STANDARD_INPUT`] stands for rows as they come. The
+/// recordings of the experiment are the unchanged machine. `said` hears of each alarm as soon as it is certain.
+///
+/// # Errors
+/// What makes a recording unfit, and [`CalibrationError::TooFewWindows`].
+pub fn track(
+    experiment: &Experiment,
+    calibrated: &CalibratedModel,
+    registry: &Registry,
+    recordings: &[PathBuf],
+    options: TrackOptions,
+    progress: &Progress,
+    said: &mut dyn FnMut(&Alarm),
+) -> Result<Tracked, Failure> {
+    if experiment.arm_term_recordings.iter().any(Option::is_some) {
+        return Err(Failure::Argument {
+            option: "EXPERIMENT.toml",
+            reason: "an arm term acts in some `recordings` only, and nothing says in which of the tracked ones it does"
+                .into(),
+            remedy: "calibrate without that term, on recordings without it".into(),
+        });
+    }
+    check_robot_of(calibrated, experiment)?;
+    let calibration = &calibrated.calibration;
+    let model = with_load(calibrated, registry)?;
+    let mut load = calibration.load.clone();
+    if let LoadTorque::Fitted(weights) = &mut load {
+        weights.resize(model.parameters().len(), 0.0);
+    }
+    let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
+    let sources: Vec<Source> = sources.map(source).collect();
+    let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
+    let mut unchanged = Vec::new();
+    for source in sources {
+        progress.step(format!("the unchanged machine: {}", source.label));
+        unchanged.push(prepared(calibrated, source)?);
+    }
+    let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
+    let reference =
+        DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
+    let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
+    let mut motions = Vec::new();
+    for (recording, coefficients) in unchanged.iter().zip(&others) {
+        let reference = DriftReference { coefficients, ..reference };
+        let windows = drift_windows(&reference, recording, Cut::whole(options.window_s))?;
+        let whole = windows.iter().filter(|w| w.whole);
+        let estimate = |w: &DriftWindow| Ok(DriftEstimate::of(&w.system, &calibration.sigma)?.solution);
+        motions.push(whole.map(estimate).collect::<Result<Vec<_>, CalibrationError>>()?);
+    }
+    drop(unchanged);
+    let baseline = Baseline::learn(&motions)?;
+    follower.chart(&baseline);
+    // Files of one machine are alike: what the experiment says of columns and units holds for these.
+    for path in recordings {
+        let is_running = path.as_path() == Path::new(STANDARD_INPUT);
+        let label = if is_running { "standard input".to_owned() } else { path.display().to_string() };
+        progress.step(label.clone());
+        // Files that belong to a recording of the experiment do not belong to these.
+        let alone = |recorded: &RecordedAs| RecordedAs {
+            joined: Vec::new(),
+            ..options.recorded.clone().or(recorded)
+        };
+        let (unit, columns, recorded) = template
+            .as_ref()
+            .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), alone(&t.recorded)));
+        let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
+        if is_running {
+            Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
+            continue;
+        }
+        let recording = prepared(calibrated, source)?;
+        let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
+        follower.begin(recording.name.clone());
+        for window in windows {
+            if let Some(alarm) = follower.take(&window, &baseline)? {
+                said(&alarm);
+            }
+        }
+        follower.close(recording.name, &baseline)?;
+    }
+    Ok(follower.finished(baseline, names, calibration.unit))
+}
+
+/// The files of a folder that are recordings, by name; a file stands for itself.
+///
+/// # Errors
+/// [`Failure::Argument`] for folders without any, or that cannot be read.
+pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut found = Vec::new();
+    for path in paths {
+        if path.as_path() == Path::new(STANDARD_INPUT) && found.contains(path) {
+            return Err(Failure::Argument {
+                option: "RECORDING",
+                reason: "standard input is named twice".into(),
+                remedy: "name `-` once".into(),
+            });
+        }
+        if !path.is_dir() {
+            found.push(path.clone());
+            continue;
+        }
+        let refuse = |reason: String| Failure::Argument {
+            option: "RECORDING",
+            reason: format!("{} {reason}", path.display()),
+            remedy: "name recordings, or a folder of recordings that end in .csv".into(),
+        };
+        let entries = std::fs::read_dir(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
+        let mut inside = Vec::new();
+        for entry in entries {
+            let file = entry.map_err(|e| refuse(format!("cannot be read: {e}")))?.path();
+            if file.is_file() && file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+                inside.push(file);
+            }
+        }
+        if inside.is_empty() {
+            return Err(refuse("holds no file that ends in .csv".into()));
+        }
+        inside.sort();
+        found.append(&mut inside);
+    }
+    Ok(found)
+}
+
+fn prepared(calibrated: &CalibratedModel, source: Source) -> Result<NamedRecording, Failure> {
+    prepared_of(calibrated, &calibrated.pipeline().read(source, Purpose::Calibration)?)
+}
+
+/// The coefficients of all recordings of the unchanged machine, and of all but each of them.
+fn left_out(calibrated: &CalibratedModel, unchanged: &[NamedRecording]) -> Result<LeftOut, CalibrationError> {
+    let (model, calibration) = (&calibrated.model, &calibrated.calibration);
+    let of = |recording: &NamedRecording| {
+        accumulate(model, std::slice::from_ref(recording), &calibration.load, &calibration.options)
+    };
+    let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
+}
+
+fn prepared_of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<NamedRecording, Failure> {
+    let pipeline = calibrated.pipeline();
+    let file = &loaded.source.file;
+    let unit = pipeline.unit(loaded).ok_or_else(|| CalibrationError::NoMeasurement { file: file.clone() })?;
+    if unit != calibrated.calibration.unit {
+        return Err(aurt::Error::MixedUnits {
+            first: Path::new("the calibrated model").to_owned(),
+            first_unit: calibrated.calibration.unit,
+            other: file.clone(),
+            other_unit: unit,
+        }
+        .into());
+    }
+    Ok(pipeline.preprocess(loaded, Purpose::Calibration)?)
+}
+
+/// The model with a body on its last link; without one where masses have no unit, in amperes.
+fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotModel, Failure> {
+    let model = &calibrated.model;
+    if calibrated.calibration.unit == MeasurementUnit::Ampere {
+        return Ok(model.clone());
+    }
+    let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });
+    let load: Box<dyn ArmTerm> = registry.build_from_json(&load).map_err(aurt_model::Error::Build)?;
+    let terms = model.arm_terms().iter().cloned().chain([load]).collect();
+    RobotModel::new(model.rigid_body().clone(), model.base().clone(), model.stacks().to_vec(), terms)
+        .map_err(Into::into)
+}

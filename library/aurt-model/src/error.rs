@@ -1,0 +1,135 @@
+//! Why a robot model cannot be put together, read or written.
+
+use std::path::PathBuf;
+
+use aurt_plugins::BuildError;
+use aurt_rbd::{MdhErrors, RbdError};
+use aurt_robots::RobotErrors;
+use aurt_traits::ModelError;
+use thiserror::Error;
+
+use crate::place::{Step, in_words};
+
+/// Why a robot model cannot be put together, read or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Models, libraries or plugins.
+    #[error(transparent)]
+    Plugins(Box<aurt_plugins::Error>),
+    /// The table of modified Denavit–Hartenberg parameters.
+    #[error(transparent)]
+    Mdh(#[from] MdhErrors),
+    /// The description of a robot.
+    #[error(transparent)]
+    Robot(#[from] RobotErrors),
+    /// No known robot has this name.
+    #[error("`{name}` is not the name of a known robot; {remedy}")]
+    UnknownRobot {
+        /// The name.
+        name: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// The rigid bodies cannot be built, or their base parameters not be determined.
+    #[error(transparent)]
+    RigidBody(RbdError),
+    /// Friction models or arm terms are unknown, or their keys are wrong.
+    #[error("{}", lines(.0))]
+    Build(Vec<BuildError>),
+    /// Stacks, arm terms and rigid bodies do not fit together.
+    #[error("{}", lines(.0))]
+    Assembly(Vec<ModelError>),
+    /// A value of a model file is wrong; [`Error::in_file`] makes a [`Error::ModelFile`] of it.
+    #[error("{}{reason}{}", in_words(place), and_help(help))]
+    ModelValue {
+        /// The way to the value.
+        place: Vec<Step>,
+        /// What is wrong with it, as the rest of a sentence about it.
+        reason: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// A model file is wrong.
+    #[error("{}:{line}:{column}: {reason}{}", path.display(), and_help(help))]
+    ModelFile {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// Something cannot be written into a model file.
+    #[error("{what} cannot be saved: {reason}")]
+    Unsaved {
+        /// What could not be saved.
+        what: String,
+        /// Why.
+        reason: String,
+    },
+    /// A file could not be read.
+    #[error("{path}: cannot be read: {source}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A file could not be written.
+    #[error("{path}: cannot be written: {source}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+fn lines<E: ToString>(errors: &[E]) -> String {
+    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+fn and_help(help: &Option<String>) -> String {
+    help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
+}
+
+impl From<aurt_plugins::Error> for Error {
+    fn from(error: aurt_plugins::Error) -> Self {
+        match error {
+            aurt_plugins::Error::Write { path, source } => Self::Write { path, source },
+            other => Self::Plugins(Box::new(other)),
+        }
+    }
+}
+
+impl From<RbdError> for Error {
+    fn from(error: RbdError) -> Self {
+        match error {
+            RbdError::Mdh(errors) => Self::Mdh(errors),
+            other => Self::RigidBody(other),
+        }
+    }
+}
+
+impl From<Vec<ModelError>> for Error {
+    fn from(errors: Vec<ModelError>) -> Self {
+        Self::Assembly(errors)
+    }
+}
+
+impl From<Vec<BuildError>> for Error {
+    fn from(errors: Vec<BuildError>) -> Self {
+        Self::Build(errors)
+    }
+}
+
+impl From<aurt_output::WriteError> for Error {
+    fn from(error: aurt_output::WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
+    }
+}

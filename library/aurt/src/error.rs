@@ -1,0 +1,153 @@
+//! Why something failed.
+
+use std::path::PathBuf;
+
+use aurt_calibration::{CalibrationError, GainsError};
+use aurt_diagnosis::DiagnosisError;
+use aurt_output::WriteError;
+use aurt_plugins::BuildError;
+use aurt_rbd::{MdhErrors, RbdError};
+use aurt_recording::RecordingError;
+use aurt_robots::RobotErrors;
+use aurt_traits::{MeasurementUnit, ModelError};
+
+/// Why something failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A robot, its models, or a file that holds them.
+    #[error(transparent)]
+    Model(Box<aurt_model::Error>),
+    /// A recording.
+    #[error(transparent)]
+    Recording(Box<RecordingError>),
+    /// Calibration, validation or prediction.
+    #[error(transparent)]
+    Calibration(Box<CalibrationError>),
+    /// Gains of the drives.
+    #[error(transparent)]
+    Gains(Box<GainsError>),
+    /// A simulation.
+    #[cfg(feature = "simulation")]
+    #[error(transparent)]
+    Simulation(Box<aurt_simulation::SimulationError>),
+    /// A diagnosis.
+    #[error(transparent)]
+    Diagnosis(Box<DiagnosisError>),
+    /// A file or a model is not what is needed here.
+    #[error("{}: {reason}; {remedy}", path.display())]
+    Unfit {
+        /// The file, or what stands for it.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// Recordings of one model measure different quantities.
+    #[error(
+        "{} is in {}, but {} is in {}; one model has one unit: declare `unit` for the recording whose columns \
+         are misread, convert with `torque_constants_nm_per_a`, or calibrate them separately",
+        first.display(), first_unit.symbol(), other.display(), other_unit.symbol()
+    )]
+    MixedUnits {
+        /// A recording.
+        first: PathBuf,
+        /// Its unit.
+        first_unit: MeasurementUnit,
+        /// Another recording.
+        other: PathBuf,
+        /// Its unit.
+        other_unit: MeasurementUnit,
+    },
+    /// A given model and the recordings have different units.
+    #[error(
+        "the model is in {}, the recordings are in {}; with `torque_constants_nm_per_a` currents become torques; a model in A \
+         goes with recordings in A", given.symbol(), recorded.symbol()
+    )]
+    GivenUnit {
+        /// Of the model.
+        given: MeasurementUnit,
+        /// Of the recordings.
+        recorded: MeasurementUnit,
+    },
+    /// A file could not be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+}
+
+impl From<aurt_model::Error> for Error {
+    fn from(error: aurt_model::Error) -> Self {
+        match error {
+            aurt_model::Error::Write { path, source } => Self::Write { path, source },
+            other => Self::Model(Box::new(other)),
+        }
+    }
+}
+
+/// Errors of robots and models.
+macro_rules! of_model {
+    ($($error:ty),+) => {$(
+        impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                aurt_model::Error::from(error).into()
+            }
+        }
+    )+};
+}
+
+of_model!(aurt_plugins::Error, RbdError, MdhErrors, RobotErrors, Vec<BuildError>, Vec<ModelError>);
+
+impl From<ModelError> for Error {
+    fn from(error: ModelError) -> Self {
+        vec![error].into()
+    }
+}
+
+impl From<RecordingError> for Error {
+    fn from(error: RecordingError) -> Self {
+        Self::Recording(Box::new(error))
+    }
+}
+
+impl From<CalibrationError> for Error {
+    fn from(error: CalibrationError) -> Self {
+        match error {
+            CalibrationError::Recording(error) => error.into(),
+            other => Self::Calibration(Box::new(other)),
+        }
+    }
+}
+
+impl From<GainsError> for Error {
+    fn from(error: GainsError) -> Self {
+        match error {
+            GainsError::Calibration(error) => error.into(),
+            other => Self::Gains(Box::new(other)),
+        }
+    }
+}
+
+#[cfg(feature = "simulation")]
+impl From<aurt_simulation::SimulationError> for Error {
+    fn from(error: aurt_simulation::SimulationError) -> Self {
+        Self::Simulation(Box::new(error))
+    }
+}
+
+impl From<DiagnosisError> for Error {
+    fn from(error: DiagnosisError) -> Self {
+        Self::Diagnosis(Box::new(error))
+    }
+}
+
+impl From<WriteError> for Error {
+    fn from(error: WriteError) -> Self {
+        Self::Write { path: error.path, source: error.source }
+    }
+}
