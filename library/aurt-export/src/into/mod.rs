@@ -1,29 +1,30 @@
-//! MuJoCo: the dynamics of a calibrated model in the user's own file.
+//! The dynamics of a calibrated model in the user's own file, of MuJoCo or URDF.
 //!
-//! Attributes of `inertial` and `joint` along the chain are set where they stand; comments, blanks, shapes, actuators and all
-//! else stay byte for byte. Bodies that are welded to a link, and bodies on joints beside the chain, keep what the file states,
-//! and the body of the joint gets the rest. An attribute of an element overrides the default of its class.
+//! What the chain's elements say of inertias, friction, rotors and springs is set where it stands; comments, blanks, shapes,
+//! limits, actuators and all else stay byte for byte. Bodies that are welded to a link, and bodies on joints beside the chain,
+//! keep what the file states, and the body of the joint gets the rest.
 
 mod edits;
+mod mjcf;
+mod urdf;
 
 use std::path::Path;
 
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody, SerialChain, inconsistencies};
-use aurt_robots::{DescribedRobot, MjcfBody, MjcfJoint, MjcfLink, mjcf_links};
-use roxmltree::{Document, Node, ParsingOptions};
+pub use aurt_robots::Format;
+use aurt_robots::{DescribedRobot, PlacedBody, PlacedLink, placed_links};
+use roxmltree::{Document, ParsingOptions};
 
-use super::{
-    body::numbers,
-    joint::{JointDynamics, dynamics},
+use crate::{
+    ExportError, Source,
+    mjcf::joint::dynamics,
+    source::{frames, heading},
+    urdf::{rotors_lost, springs_lost},
 };
-use crate::{ExportError, Source, naming::for_comment, source::frames};
 use edits::Edits;
 
 /// How far the chain of the file may be from that of the model: m, and entries of rotations.
 const SAME_CHAIN: f64 = 1e-9;
-/// Orientations of an inertial, which a full inertia does not need, and the other inertia.
-const REPLACED: [&str; 6] = ["diaginertia", "quat", "axisangle", "xyaxes", "zaxis", "euler"];
-
 /// The file whose dynamics are corrected.
 #[derive(Debug, Clone, Copy)]
 pub struct Original<'a> {
@@ -31,6 +32,8 @@ pub struct Original<'a> {
     pub text: &'a str,
     /// What messages call it.
     pub path: &'a Path,
+    /// Its format.
+    pub format: Format,
     /// The body that the chain starts from, and that at which it ends, where the file leaves a choice.
     pub base: Option<&'a str>,
     /// As `base`.
@@ -44,7 +47,7 @@ pub struct Corrected {
     pub text: String,
     /// What was changed, body by body and joint by joint.
     pub changed: Vec<String>,
-    /// What of the model MuJoCo has no word for.
+    /// What of the model the format has no word for.
     pub lost: Vec<String>,
     /// What a person should know of the file.
     pub notes: Vec<String>,
@@ -53,55 +56,91 @@ pub struct Corrected {
 /// Corrects a file.
 ///
 /// # Errors
-/// As [`super::export`]; [`ExportError::Robot`] for what is wrong with the file;
+/// As [`crate::mjcf::export`]; [`ExportError::Robot`] for what is wrong with the file;
 /// [`ExportError::OtherChain`] if its chain is not that of the model; [`ExportError::Between`] for two joints in one body;
-/// [`ExportError::Remainder`] if what is left for a body is no body.
+/// [`ExportError::Remainder`] if what is left for a body is no body; [`ExportError::FromShapes`] if what is written would not count.
 pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected, ExportError> {
-    let Original { text, path, base, tip } = *original;
+    let Original { text, path, format, base, tip } = *original;
     let chain = source.chain()?;
     let standard = source.possible_bodies()?;
-    let (robot, links) = mjcf_links(text, path, base, tip).map_err(ExportError::Robot)?;
+    let (robot, links) = placed_links(text, path, format, base, tip).map_err(ExportError::Robot)?;
     same_chain(chain, &robot)?;
     let options = ParsingOptions { nodes_limit: u32::MAX, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(ExportError::Xml)?;
+    let root = document.root_element();
     let element = |start: usize| document.descendants().find(|n| n.is_element() && n.range().start == start);
 
-    let (joints, lost) = dynamics(source);
+    let (joints, mut lost) = dynamics(source);
+    let mut notes = robot.notes.clone();
+    match format {
+        Format::Mjcf => {
+            mjcf::check(root)?;
+            notes.extend(mjcf::gravity(root, chain, &robot));
+            notes.push(
+                "actuators stay as they are: torques of the model are those at the joints, behind gears"
+                    .into(),
+            );
+        }
+        Format::Urdf => {
+            lost.extend(rotors_lost(&joints).into_iter().chain(springs_lost(&joints)));
+            let (gravity, base) = (chain.gravity_m_s2(), &robot.base);
+            notes.push(format!(
+                "the model was calibrated under gravity {gravity:?} m/s^2 in the frame of `{base}`; see to the same"
+            ));
+        }
+    }
+    notes.push("shapes and meshes are named relative to the file, so put it beside the original".into());
+
     let mut edits = Edits::default();
     let mut changed = Vec::new();
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     for (j, ((link, body), joint)) in links.iter().zip(bodies).zip(&joints).enumerate() {
-        let (own, emptied) = rest(j, link, body)?;
-        for other in emptied {
-            if let Some(node) = other.inertial.and_then(element) {
-                let none = [("mass", "0"), ("diaginertia", "0 0 0")].map(|(n, v)| (n, v.to_owned()));
-                edits.set(text, node, &none, &["fullinertia"]);
-                changed.push(format!("body {}: without mass, which is in body {}", other.name, own.0.name));
+        let (own, body, emptied) = rest(j, link, body)?;
+        let mut write = |place: &PlacedBody, body: &LinkBody| {
+            let Some(node) = element(place.start) else { return };
+            let of = (node, place.inertial.and_then(element));
+            match format {
+                Format::Mjcf => mjcf::inertial(&mut edits, text, of, body),
+                Format::Urdf => urdf::inertial(&mut edits, text, of, body),
             }
+        };
+        for other in emptied {
+            write(other, &LinkBody { mass_kg: 0.0, com_m: [0.0; 3], inertia_at_com_kg_m2: [0.0; 6] });
+            changed.push(format!("body {}: without mass, which is in body {}", other.name, own.name));
         }
-        if let Some(node) = element(own.0.start) {
-            let inertial = own.0.inertial.and_then(element);
-            changed.push(inertia(&mut edits, text, node, inertial, &own)?);
-        }
-        if let Some(node) = element(link.joint.start) {
-            changed.extend(joint_attributes(&mut edits, text, node, &link.joint, joint));
+        write(own, &along_axes(own, &body));
+        let before = LinkBody::from_standard_parameters(&own.standard);
+        let was = before.map_or_else(|| "none".into(), |b| format!("{:.4} kg", b.mass_kg));
+        changed.push(format!(
+            "body {}: mass {was} to {:.4} kg, with centre of mass and inertia",
+            own.name, body.mass_kg
+        ));
+        let Some(node) = element(link.joint.start) else { continue };
+        let differing = match format {
+            Format::Mjcf => mjcf::joint(&mut edits, text, node, &link.joint, joint),
+            Format::Urdf => urdf::joint(&mut edits, text, node, &link.joint, joint),
+        };
+        if !differing.is_empty() {
+            let said =
+                differing.iter().map(|(name, found, wanted)| format!("{name} {found:.4} to {wanted:.4}"));
+            changed.push(format!("joint {}: {}", link.joint.name, said.collect::<Vec<_>>().join(", ")));
         }
     }
-    let root = document.root_element();
-    let mut notes = robot.notes.clone();
-    notes.extend(gravity(root, chain, &robot));
-    notes.push(
-        "actuators stay as they are: torques of the model are those at the joints, behind gears; shapes and meshes are named \
-         relative to the file, so put it beside the original"
-            .into(),
-    );
-    edits.insert(root.range().start, heading(source, &changed, &lost));
+    let (target, program) = match format {
+        Format::Mjcf => ("mjcf", "MuJoCo"),
+        Format::Urdf => ("urdf", "URDF"),
+    };
+    let first = format!("Dynamics corrected by `aurt export {target}` with `into`.");
+    edits.insert(root.range().start, heading(source, first, &changed, program, &lost));
     Ok(Corrected { text: edits.apply(text), changed, lost, notes })
 }
 
 /// Whether the chain of the file is the one that was calibrated.
 fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportError> {
     let other = |reason: String| Err(ExportError::OtherChain { reason });
+    if !robot.couplings.is_empty() {
+        return other("joints of it follow others (mimic), and none of the model do".into());
+    }
     let theirs = SerialChain::new(robot.joints.clone(), chain.gravity_m_s2())?;
     let (expected, found) = (chain.joints().len(), theirs.joints().len());
     if expected != found {
@@ -133,15 +172,15 @@ fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportE
 }
 
 /// The body of a joint with what is left for it of the link, and the bodies that have to give their mass to it.
-type Rest<'l> = ((&'l MjcfBody, LinkBody), Vec<&'l MjcfBody>);
+type Rest<'l> = (&'l PlacedBody, LinkBody, Vec<&'l PlacedBody>);
 
 fn rest<'l>(
     j: usize,
-    link: &'l MjcfLink,
+    link: &'l PlacedLink,
     standard: &[f64; INERTIAL_PARAMETERS],
 ) -> Result<Rest<'l>, ExportError> {
     let Some(own) = &link.body else { return Err(ExportError::Between { joint: link.joint.name.clone() }) };
-    let without = |left_out: &dyn Fn(&MjcfBody) -> bool| {
+    let without = |left_out: &dyn Fn(&PlacedBody) -> bool| {
         let mut left = *standard;
         for body in link.carried.iter().filter(|b| !left_out(b)) {
             left.iter_mut().zip(body.standard).for_each(|(left, value)| *left -= value);
@@ -150,109 +189,29 @@ fn rest<'l>(
         body.filter(|_| inconsistencies(&left).is_empty())
     };
     if let Some(body) = without(&|_| false) {
-        return Ok(((own, body), Vec::new()));
+        return Ok((own, body, Vec::new()));
     }
     // Welded bodies may be without mass; bodies that move may not.
     if let Some(body) = without(&|b| b.welded) {
         let emptied = link.carried.iter().filter(|b| b.welded && b.standard.iter().any(|v| *v != 0.0));
-        return Ok(((own, body), emptied.collect()));
+        return Ok((own, body, emptied.collect()));
     }
     let moving: Vec<&str> = link.carried.iter().filter(|b| !b.welded).map(|b| b.name.as_str()).collect();
     Err(ExportError::Remainder { link: j, body: own.name.clone(), carried: moving.join(", ") })
 }
 
-/// Sets mass, centre of mass and inertia of a body, and says so.
-fn inertia(
-    edits: &mut Edits,
-    text: &str,
-    node: Node<'_, '_>,
-    inertial: Option<Node<'_, '_>>,
-    (place, body): &(&MjcfBody, LinkBody),
-) -> Result<String, ExportError> {
+/// A body of the chain's link in the frame in which the file states its inertia: Rᵀ (c − p) and Rᵀ I R.
+fn along_axes(place: &PlacedBody, body: &LinkBody) -> LinkBody {
     let r = &place.rotation;
     let from: [f64; 3] = std::array::from_fn(|k| body.com_m[k] - place.origin_m[k]);
-    let com_m: [f64; 3] = std::array::from_fn(|k| (0..3).map(|i| r[i][k] * from[i]).sum());
     let [xx, xy, xz, yy, yz, zz] = body.inertia_at_com_kg_m2;
     let ours = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    // Rᵀ I R: the inertia along the axes of the frame in which the file gives it.
     let entry = |a: usize, b: usize| -> f64 {
         (0..3).map(|i| (0..3).map(|k| r[i][a] * ours[i][k] * r[k][b]).sum::<f64>()).sum()
     };
-    let full = [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)];
-    let attributes =
-        [("pos", numbers(&com_m)), ("mass", format!("{:?}", body.mass_kg)), ("fullinertia", numbers(&full))];
-    let before = LinkBody::from_standard_parameters(&place.standard);
-    if let Some(inertial) = inertial {
-        edits.set(text, inertial, &attributes, &REPLACED);
-    } else {
-        let Some(first) = node.first_child() else {
-            return Err(ExportError::Between { joint: place.name.clone() });
-        };
-        let blank = first.text().filter(|_| first.is_text()).unwrap_or_default();
-        let [pos, mass, full] = attributes.map(|(name, value)| format!(" {name}=\"{value}\""));
-        edits.insert(first.range().start, format!("{blank}<inertial{pos}{mass}{full}/>"));
+    LinkBody {
+        mass_kg: body.mass_kg,
+        com_m: std::array::from_fn(|k| (0..3).map(|i| r[i][k] * from[i]).sum()),
+        inertia_at_com_kg_m2: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(a, b)| entry(a, b)),
     }
-    let was = before.map_or_else(|| "none".into(), |b| format!("{:.4} kg", b.mass_kg));
-    Ok(format!("body {}: mass {was} to {:.4} kg, with centre of mass and inertia", place.name, body.mass_kg))
-}
-
-/// Sets what of a joint's dynamics differs from the file.
-fn joint_attributes(
-    edits: &mut Edits,
-    text: &str,
-    node: Node<'_, '_>,
-    joint: &MjcfJoint,
-    wanted: &JointDynamics,
-) -> Option<String> {
-    // The reference of a spring that does not act says nothing.
-    let spring_ref = if wanted.stiffness == 0.0 { joint.spring_ref } else { wanted.spring_ref / joint.unit };
-    let differing: Vec<(&str, f64, f64)> = [
-        ("armature", joint.armature, wanted.armature),
-        ("damping", joint.damping, wanted.damping),
-        ("frictionloss", joint.friction_loss, wanted.friction_loss),
-        ("stiffness", joint.stiffness, wanted.stiffness),
-        ("springref", joint.spring_ref, spring_ref),
-    ]
-    .into_iter()
-    .filter(|(_, found, wanted)| found != wanted)
-    .collect();
-    let attributes: Vec<(&str, String)> =
-        differing.iter().map(|(name, _, wanted)| (*name, format!("{wanted:?}"))).collect();
-    edits.set(text, node, &attributes, &[]);
-    let said: Vec<String> =
-        differing.iter().map(|(name, found, wanted)| format!("{name} {found:.4} to {wanted:.4}")).collect();
-    (!said.is_empty()).then(|| format!("joint {}: {}", joint.name, said.join(", ")))
-}
-
-/// What a person should know where gravity in the file is not that of the calibration.
-fn gravity(root: Node<'_, '_>, chain: &SerialChain, robot: &DescribedRobot) -> Option<String> {
-    let option = root.children().filter(|c| c.has_tag_name("option"));
-    let stated = option.filter_map(|o| o.attribute("gravity")).next_back();
-    let ours = chain.gravity_m_s2();
-    if robot.base != "world" {
-        let base = &robot.base;
-        return Some(format!(
-            "the model was calibrated under gravity {ours:?} m/s^2 in the frame of `{base}`; see to the same"
-        ));
-    }
-    let theirs: Vec<f64> = stated.map_or_else(
-        || vec![0.0, 0.0, -9.81],
-        |text| text.split_whitespace().filter_map(|n| n.parse().ok()).collect(),
-    );
-    let same = theirs.len() == 3 && theirs.iter().zip(ours).all(|(a, b)| (a - b).abs() <= SAME_CHAIN);
-    (!same).then(|| {
-        format!("the model was calibrated under gravity {ours:?} m/s^2, and that of the file is {theirs:?}; it stays")
-    })
-}
-
-/// The comment before the outermost element.
-fn heading(source: &Source<'_>, changed: &[String], lost: &[String]) -> String {
-    let mut lines = vec!["Dynamics corrected by `aurt export mjcf` with `into`.".to_owned()];
-    lines.extend(source.provenance.lines());
-    lines.push("Changed:".into());
-    lines.extend(changed.iter().map(|l| format!("  {l}")));
-    lines.push("MuJoCo has no word for:".into());
-    lines.extend(lost.iter().map(|l| format!("  {l}")));
-    let lines: Vec<String> = lines.iter().map(|l| format!("  {}\n", for_comment(l))).collect();
-    format!("<!--\n{}-->\n", lines.concat())
 }

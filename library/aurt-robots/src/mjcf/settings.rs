@@ -82,7 +82,7 @@ impl Settings {
         for name in ["boundmass", "boundinertia", "settotalmass"] {
             if compiler.number(name)?.is_some_and(|v| v > 0.0) {
                 return Err(compiler.error(format!(
-                    "`{name}` changes the inertias that the file states; remove it, or {WRITE_OUT}"
+                    "`{name}` changes the inertias that the file states; remove it, or {WRITE_OUT}; then remove `{name}` from that"
                 )));
             }
         }
