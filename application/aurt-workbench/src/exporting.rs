@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-pub use aurt_export::{
-    fmu::{Kind, Version},
-    into::Format,
-};
 use aurt_export::{
     Check, Export, Provenance, Source, c,
     fmu::{self, Fmu},
     into::{self, Corrected, Original},
     mjcf, rust, sdf, urdf,
+};
+pub use aurt_export::{
+    fmu::{Kind, Version},
+    into::Format,
 };
 use aurt_model::model_file::read_json;
 use aurt_plugins::Registry;

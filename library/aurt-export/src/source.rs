@@ -150,7 +150,7 @@ impl<'a> Source<'a> {
 }
 
 /// The comment with which a file of a description begins: `first`, where the model comes from, what was changed in a file of
-/// the user, what the format has no word for.
+/// the user, what the format cannot express.
 pub(crate) fn heading(
     source: &Source<'_>,
     first: String,
@@ -160,7 +160,7 @@ pub(crate) fn heading(
 ) -> String {
     let mut lines = vec![first];
     lines.extend(source.provenance.lines());
-    for (title, said) in [("Changed:".to_owned(), changed), (format!("{program} has no word for:"), lost)] {
+    for (title, said) in [("Changed:".to_owned(), changed), (format!("{program} cannot express:"), lost)] {
         if !said.is_empty() {
             lines.push(title);
             lines.extend(said.iter().map(|line| format!("  {line}")));

@@ -57,7 +57,10 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     let said = folder.aurt(into).succeeded().stdout();
     assert!(said.contains("changed: body own_link_"), "{said}");
     let corrected = folder.read("corrected/own_calibrated.urdf");
-    assert!(wrong_urdf.contains("<mass value=\"18") && !corrected.contains("<mass value=\"18"), "{corrected}");
+    assert!(
+        wrong_urdf.contains("<mass value=\"18") && !corrected.contains("<mass value=\"18"),
+        "{corrected}"
+    );
     assert_eq!(corrected.matches("<!-- mine -->").count(), wrong_urdf.matches("<!-- mine -->").count());
 
     // Of another robot, of another target, and over the input.

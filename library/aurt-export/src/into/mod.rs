@@ -47,7 +47,7 @@ pub struct Corrected {
     pub text: String,
     /// What was changed, body by body and joint by joint.
     pub changed: Vec<String>,
-    /// What of the model the format has no word for.
+    /// What of the model the format cannot express.
     pub lost: Vec<String>,
     /// What a person should know of the file.
     pub notes: Vec<String>,

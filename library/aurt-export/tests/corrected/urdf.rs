@@ -53,8 +53,10 @@ fn difference(text: &str, case: &Case) -> f64 {
 
 /// The lines that have no dynamics of the chain.
 fn untouched(text: &str) -> Vec<&str> {
-    let carries = ["<inertial", "<origin rpy=", "<mass", "<inertia", "ixy=\"", "<dynamics", "name=\"wrist\"/>"];
-    let changed = |line: &&str| carries.iter().any(|part| line.contains(part)) || line.contains("\"upper\"></");
+    let carries =
+        ["<inertial", "<origin rpy=", "<mass", "<inertia", "ixy=\"", "<dynamics", "name=\"wrist\"/>"];
+    let changed =
+        |line: &&str| carries.iter().any(|part| line.contains(part)) || line.contains("\"upper\"></");
     text.lines().filter(|line| !changed(line)).collect()
 }
 
