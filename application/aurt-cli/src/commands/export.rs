@@ -133,7 +133,7 @@ impl Export {
     }
 
     /// The user's file, if the target corrects one.
-    fn into(&self) -> Result<Option<(&PathBuf, Format)>, Failure> {
+    fn original(&self) -> Result<Option<(&PathBuf, Format)>, Failure> {
         let Some(file) = &self.into else { return Ok(None) };
         match self.target {
             TargetName::Mjcf => Ok(Some((file, Format::Mjcf))),
@@ -150,7 +150,7 @@ impl Export {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
-        let made = match self.into()? {
+        let made = match self.original()? {
             Some((file, format)) => {
                 let ends = [self.base.as_deref(), self.tip.as_deref()];
                 correct(&self.model, file, format, ends, &session.registry)?
