@@ -10,13 +10,16 @@ use roxmltree::Node;
 use crate::body::Body;
 use crate::element::{Element, line_of};
 use crate::pose::Pose;
-use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+
+/// The outermost element.
+pub(crate) const ROOT: &str = "robot";
 
 /// Reads links and joints, and hangs them together.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let line = line_of(root);
-    if root.tag_name().name() != "robot" {
+    if root.tag_name().name() != ROOT {
         let found = root.tag_name().name();
         let reason = format!(
             "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>, an MJCF file in <mujoco>"
@@ -109,7 +112,9 @@ impl<'a> Reader<'a> {
                 self.errors.push(error);
                 None
             });
-            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: None });
+            let inertial = element.child("inertial").map(|inertial| inertial.node.range().start);
+            let place = BodyPlace { body: element.node.range().start, inertial, frame: Pose::identity() };
+            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: Some(place) });
         }
         links
     }
@@ -211,6 +216,7 @@ impl<'a> Reader<'a> {
             limits,
             friction,
             armature: 0.0,
+            spring: Spring::NONE,
         })
     }
 
