@@ -97,12 +97,16 @@ impl<'a, 'x> Element<'a, 'x> {
 
     /// An attribute of exactly `N` finite numbers, separated by spaces; `None` if it is not there.
     pub fn numbers<const N: usize>(&self, attribute: &str) -> Result<Option<[f64; N]>, RobotError> {
-        let Some(text) = self.node.attribute(attribute) else { return Ok(None) };
+        self.node.attribute(attribute).map(|text| self.parsed(attribute, text)).transpose()
+    }
+
+    /// As [`Self::numbers`], of a text that the element has for the attribute from elsewhere.
+    pub fn parsed<const N: usize>(&self, attribute: &str, text: &str) -> Result<[f64; N], RobotError> {
         let numbers: Option<Vec<f64>> =
             text.split_whitespace().map(|n| n.parse().ok().filter(|n: &f64| n.is_finite())).collect();
         let numbers: Option<[f64; N]> = numbers.and_then(|numbers| numbers.try_into().ok());
         match numbers {
-            Some(numbers) => Ok(Some(numbers)),
+            Some(numbers) => Ok(numbers),
             None if N == 1 => Err(self.error(format!("`{attribute}` must be a finite number, is `{text}`"))),
             None => Err(self
                 .error(format!("`{attribute}` must be {N} finite numbers with spaces between, is `{text}`"))),

@@ -29,14 +29,14 @@ pub(crate) struct TreeLink {
     pub parent: Option<usize>,
     /// The joints that hang on this link.
     pub children: Vec<usize>,
-    /// Where an MJCF file has its body; none of links between joints of one body, and of other files.
+    /// Where the file has it; none of the world, and of links between joints of one MJCF body.
     pub place: Option<BodyPlace>,
 }
 
-/// Where an MJCF file has a body.
+/// Where a file has a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyPlace {
-    /// Byte at which the element `body` begins.
+    /// Byte at which the element `body` or `link` begins.
     pub body: usize,
     /// Byte at which its element `inertial` begins, if it has one.
     pub inertial: Option<usize>,
@@ -88,6 +88,22 @@ pub(crate) struct TreeJoint {
     pub friction: JointFriction,
     /// Inertia of the rotor as the joint feels it, in kg m² (kg where it slides).
     pub armature: f64,
+    pub spring: Spring,
+}
+
+/// The spring of a joint, in the units of the file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spring {
+    /// Nm/rad or N/m.
+    pub stiffness: f64,
+    /// Where it rests, in the file's unit of angles, or m.
+    pub reference: f64,
+    /// That unit in rad; 1 of a joint that slides.
+    pub unit: f64,
+}
+
+impl Spring {
+    pub const NONE: Self = Self { stiffness: 0.0, reference: 0.0, unit: 1.0 };
 }
 
 impl TreeJoint {

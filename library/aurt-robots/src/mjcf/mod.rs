@@ -3,8 +3,8 @@
 mod classes;
 mod joint;
 mod orientation;
-mod places;
 mod settings;
+mod shapes;
 
 use std::cell::OnceCell;
 use std::collections::HashSet;
@@ -16,12 +16,11 @@ use roxmltree::Node;
 use crate::body::Body;
 use crate::element::{Element, Source};
 use crate::pose::Pose;
-use crate::tree::{BodyPlace, Freedom, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
 use classes::Classes;
 use joint::{ReadJoint, Reading};
-pub use places::{MjcfBody, MjcfJoint, MjcfLink, mjcf_links};
-use settings::{FromShapes, Settings};
+use settings::{FromShapes, Settings, WRITE_OUT};
 
 /// The outermost element.
 pub(crate) const ROOT: &str = "mujoco";
@@ -48,10 +47,9 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
     let mut errors = Vec::new();
     for node in root.descendants().filter(|n| GENERATING.contains(&n.tag_name().name())) {
         let element = Element { node, what: format!("<{}>", node.tag_name().name()), source: &source };
-        errors.push(element.error(
-            "generates or opens other elements, which is not done here; let MuJoCo write the file out: \
-             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
-        ));
+        errors.push(
+            element.error(format!("generates or opens other elements, which is not done here; {WRITE_OUT}")),
+        );
     }
     if !errors.is_empty() {
         return Err(RobotErrors(errors));
@@ -65,7 +63,9 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         classes: &classes,
         tree,
         errors,
-        shapes: Vec::new(),
+        unstated: Vec::new(),
+        weighed: Vec::new(),
+        unweighed: Vec::new(),
         springs: Vec::new(),
         lifted: Vec::new(),
     };
@@ -97,8 +97,12 @@ struct Reader<'a, 'x> {
     classes: &'a Classes<'x>,
     tree: Tree,
     errors: Vec<RobotError>,
-    /// Links whose mass MuJoCo would take from shapes, with their lines.
-    shapes: Vec<(usize, u32)>,
+    /// Bodies that have neither an `<inertial>` nor, by `<compiler>`, the mass of their shapes.
+    unstated: Vec<String>,
+    /// Links that have the mass of their shapes.
+    weighed: Vec<usize>,
+    /// Links that would, and what is wrong with a shape.
+    unweighed: Vec<(usize, RobotError)>,
     springs: Vec<String>,
     /// Bodies that MuJoCo holds against gravity.
     lifted: Vec<String>,
@@ -192,21 +196,22 @@ impl<'a, 'x> Reader<'a, 'x> {
             if let Some(class) = self.classes.unknown(own.node) {
                 return Err(joint_element.error(format!("there is no class `{class}` under <default>")));
             }
-            let ReadJoint { pose, body, freedom, limits, friction, armature, has_spring } =
+            let ReadJoint { pose, body, freedom, limits, friction, armature, spring } =
                 reading.joint(&joint_element, own.class, &own.frame)?;
-            if has_spring {
+            if spring.stiffness != 0.0 {
                 self.springs.push(joint_name.clone());
             }
             // Between several joints of one body there are links without mass.
             let child = if last { name.clone() } else { format!("{name}, behind {joint_name}") };
             let pose = before.then(&pose);
             let joint = (joint_name, own.node, pose, freedom);
-            link = self.add(link, child, joint, (limits, friction, armature));
+            link = self.add(link, child, joint, (limits, friction, armature, spring));
             before = body;
         }
         if joints.is_empty() {
             let joint = (format!("weld of {name}"), node, before, Freedom::Fixed);
-            link = self.add(link, name.clone(), joint, Default::default());
+            let still = (JointLimits::default(), JointFriction::default(), 0.0, Spring::NONE);
+            link = self.add(link, name.clone(), joint, still);
             before = Pose::identity();
         }
         if node.attribute("gravcomp").is_some_and(|g| g.trim().parse() != Ok(0.0)) {
@@ -218,16 +223,37 @@ impl<'a, 'x> Reader<'a, 'x> {
             inertial: inertial.map(|own| own.node.range().start),
             frame: inertial.map_or(before, |own| before.then(&own.frame)),
         });
-        match inertial {
-            Some(own) => {
-                let element = self.element(own.node, format!("body {name}, <inertial>"));
-                self.tree.links[link].body = Some(self.inertial(&element, &before.then(&own.frame))?);
+        let stated = inertial.map(|own| {
+            let element = self.element(own.node, format!("body {name}, <inertial>"));
+            self.inertial(&element, &before.then(&own.frame))
+        });
+        let stated = stated.transpose()?;
+        self.tree.links[link].body = match (stated, self.settings.from_shapes) {
+            (Some(_), FromShapes::Never | FromShapes::WithoutInertial) => stated,
+            (stated, from_shapes) => {
+                let shapes = inside.iter().filter(|own| own.node.has_tag_name("geom"));
+                let shapes = shapes.map(|own| {
+                    let element = self.element(own.node, format!("body {name}, <geom>"));
+                    let world = (self.classes, &self.settings);
+                    shapes::mass(&element, own.class, &before.then(&own.frame), world)
+                });
+                match shapes.filter_map(Result::transpose).collect::<Result<Vec<Body>, _>>() {
+                    Ok(none) if none.is_empty() => stated,
+                    _ if from_shapes == FromShapes::Never => {
+                        self.unstated.push(name);
+                        None
+                    }
+                    Ok(shapes) => {
+                        self.weighed.push(link);
+                        Some(Body::of_parts(&shapes))
+                    }
+                    Err(error) => {
+                        self.unweighed.push((link, error));
+                        None
+                    }
+                }
             }
-            None if inside.iter().any(|o| self.has_mass(o)) => {
-                self.shapes.push((link, self.source.line(node)))
-            }
-            None => {}
-        }
+        };
         Ok((link, before))
     }
 
@@ -236,7 +262,7 @@ impl<'a, 'x> Reader<'a, 'x> {
         parent: usize,
         name: String,
         (joint_name, node, pose, freedom): (String, Node<'x, 'x>, Pose, Freedom),
-        (limits, friction, armature): (JointLimits, JointFriction, f64),
+        (limits, friction, armature, spring): (JointLimits, JointFriction, f64, Spring),
     ) -> usize {
         let (child, joint) = (self.tree.links.len(), self.tree.joints.len());
         self.taken.insert(name.clone());
@@ -260,6 +286,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             limits,
             friction,
             armature,
+            spring,
         });
         child
     }
@@ -278,55 +305,22 @@ impl<'a, 'x> Reader<'a, 'x> {
         Ok(Body { mass_kg, pose, inertia_kg_m2 })
     }
 
-    /// Whether an element is a shape that MuJoCo gives a mass to.
-    fn has_mass(&self, own: &Own<'x>) -> bool {
-        if !own.node.has_tag_name("geom") {
-            return false;
-        }
-        let of = |name| self.classes.attribute(own.node, own.class, name);
-        let number = |name, default: f64| of(name).and_then(|t| t.trim().parse().ok()).unwrap_or(default);
-        let [low, high] = self.settings.mass_groups;
-        let group = number("group", 0.0);
-        let counts = (low..=high).contains(&group) && of("type") != Some("plane");
-        counts
-            && if of("mass").is_some() {
-                number("mass", 0.0) != 0.0
-            } else {
-                number("density", 1000.0) != 0.0
-            }
+    /// Refuses bodies that move and whose shapes cannot be weighed.
+    fn refuse_shapes(&mut self) {
+        let unweighed = std::mem::take(&mut self.unweighed);
+        let moves = self.moving();
+        let moving = unweighed.into_iter().filter(|(link, _)| moves[*link]);
+        let errors: Vec<RobotError> = moving.map(|(_, error)| error).collect();
+        self.errors.extend(errors);
     }
 
-    /// Bodies that move and have their mass from shapes are refused: volumes of shapes are not computed here.
-    fn refuse_shapes(&mut self) {
-        const REMEDY: &str = "give it an <inertial>, or let MuJoCo write all of them out: \
-             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))";
-        if self.settings.from_shapes == FromShapes::Never {
-            let names: Vec<&str> =
-                self.shapes.iter().map(|(l, _)| self.tree.links[*l].name.as_str()).collect();
-            if !names.is_empty() {
-                let names = names.join(", ");
-                self.tree.notes.push(format!("no inertia is stated, and so none is assumed, for: {names}"));
-            }
-            return;
-        }
-        // A link comes after the one that it hangs on.
+    /// Of each link, whether a joint that moves leads to it; a link comes after the one that it hangs on.
+    fn moving(&self) -> Vec<bool> {
         let mut moves = vec![false; self.tree.links.len()];
         for joint in &self.tree.joints {
             moves[joint.child] = moves[joint.parent] || joint.freedom != Freedom::Fixed;
         }
-        for (link, line) in std::mem::take(&mut self.shapes) {
-            if !moves[link] {
-                continue;
-            }
-            self.errors.push(RobotError::Element {
-                path: self.source.path.into(),
-                line,
-                what: format!("body {}", self.tree.links[link].name),
-                reason: format!(
-                    "its mass is that of its shapes, whose volume is not computed here; {REMEDY}"
-                ),
-            });
-        }
+        moves
     }
 
     fn note(&mut self, root: Node<'x, 'x>) {
@@ -336,6 +330,16 @@ impl<'a, 'x> Reader<'a, 'x> {
             .map(|c| c.tag_name().name())
             .collect();
         let of = |what: &str, names: &[String]| format!("{what}: {}", names.join(", "));
+        if !self.unstated.is_empty() {
+            self.tree.notes.push(of("no inertia is stated, and so none is assumed, for", &self.unstated));
+        }
+        let moves = self.moving();
+        let weighed = self.weighed.iter().filter(|link| moves[**link]);
+        let weighed: Vec<String> = weighed.map(|link| self.tree.links[*link].name.clone()).collect();
+        if !weighed.is_empty() {
+            let what = "mass and inertia are computed from shapes and their density, as MuJoCo does, of";
+            self.tree.notes.push(of(what, &weighed));
+        }
         if !acting.is_empty() {
             self.tree.notes.push(format!("what <{}> does to joints is not read", acting.join("> and <")));
         }

@@ -6,6 +6,10 @@ use super::orientation::Angles;
 use crate::RobotError;
 use crate::element::{Element, Source};
 
+/// What makes a file readable that is not so as it stands. Without `saveinertial` MuJoCo does not write masses of shapes.
+pub(super) const WRITE_OUT: &str = "let MuJoCo write the file out: put `saveinertial=\"true\"` into its <compiler> \
+    and run mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))";
+
 /// Where bodies have their masses from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FromShapes {
@@ -13,6 +17,8 @@ pub(super) enum FromShapes {
     Never,
     /// From shapes where there is no `<inertial>`.
     WithoutInertial,
+    /// From shapes, whether there is an `<inertial>` or not.
+    Always,
 }
 
 /// What `<compiler>` says that matters to bodies and joints.
@@ -65,12 +71,7 @@ impl Settings {
             None => {}
             Some("auto") => self.from_shapes = FromShapes::WithoutInertial,
             Some("false") => self.from_shapes = FromShapes::Never,
-            Some("true") => {
-                return Err(compiler.error(
-                    "inertiafromgeom=\"true\" takes all masses from shapes, whose volume is not computed here; let MuJoCo write \
-                     them out: mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
-                ));
-            }
+            Some("true") => self.from_shapes = FromShapes::Always,
             Some(other) => return unknown("inertiafromgeom", other, "auto, false and true"),
         }
         if let Some(groups) = compiler.numbers("inertiagrouprange")? {
@@ -79,8 +80,7 @@ impl Settings {
         for name in ["boundmass", "boundinertia", "settotalmass"] {
             if compiler.number(name)?.is_some_and(|v| v > 0.0) {
                 return Err(compiler.error(format!(
-                    "`{name}` changes the inertias that the file states; remove it, or let MuJoCo write the file out \
-                     (mujoco.mj_saveLastXML)"
+                    "`{name}` changes the inertias that the file states; remove it, or {WRITE_OUT}; then remove `{name}` from that"
                 )));
             }
         }

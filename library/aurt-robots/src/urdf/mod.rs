@@ -11,14 +11,17 @@ use roxmltree::Node;
 use crate::body::Body;
 use crate::element::{Element, Source};
 use crate::pose::Pose;
-use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+
+/// The outermost element.
+pub(crate) const ROOT: &str = "robot";
 
 /// Reads links and joints, and hangs them together.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let source = Source::of(root, path);
     let line = source.line(root);
-    if root.tag_name().name() != "robot" {
+    if root.tag_name().name() != ROOT {
         let found = root.tag_name().name();
         let reason = format!(
             "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>, an MJCF file in <mujoco>"
@@ -111,7 +114,9 @@ impl<'a> Reader<'a> {
                 self.errors.push(error);
                 None
             });
-            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: None });
+            let inertial = element.child("inertial").map(|inertial| inertial.node.range().start);
+            let place = BodyPlace { body: element.node.range().start, inertial, frame: Pose::identity() };
+            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: Some(place) });
         }
         links
     }
@@ -213,6 +218,7 @@ impl<'a> Reader<'a> {
             limits,
             friction,
             armature: 0.0,
+            spring: Spring::NONE,
         })
     }
 
