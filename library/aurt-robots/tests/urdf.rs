@@ -332,7 +332,7 @@ fn files_of_many_links_are_read_at_once() {
     let before = |k: usize| if k == 0 { "first".to_owned() } else { format!("to l{}", k - 1) };
     let after = |k: usize| format!("to l{}", k + 1);
     let none = String::new;
-    let comb = |k: usize| if k % 2 == 0 { above(k.saturating_sub(1)) } else { above(k) };
+    let comb = |k: usize| if k.is_multiple_of(2) { above(k.saturating_sub(1)) } else { above(k) };
     for (what, text, tip) in [
         ("a star", with_many((0..MANY).map(|k| of("fixed", "b".into(), k, none()))), "l0"),
         ("a chain", with_many((0..MANY).map(|k| of("fixed", above(k), k, none()))), "l39999"),
