@@ -10,7 +10,7 @@ use aurt_plugins::{Registry, SlotModel};
 use aurt_workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 use crate::{
