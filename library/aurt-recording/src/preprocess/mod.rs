@@ -29,6 +29,7 @@ pub use zero_phase::ZeroPhase;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::branches::NOISE_SAMPLES;
 use crate::error::RecordingError;
 use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
@@ -42,9 +43,6 @@ const FILTER_ORDER: usize = 4;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;
-
-/// Samples from which noise is told; more tell nothing new of an encoder.
-const NOISE_SAMPLES: usize = 20_000;
 
 /// A recording made ready for calibration, validation or prediction.
 #[derive(Debug, Clone, PartialEq)]
