@@ -79,19 +79,12 @@ impl RobotJoints {
     ///
     /// Gravity makes at most g h of torque of the first moment h that a joint displaces by a unit of its motion. A range that
     /// makes less than the noise of a measured torque is not seen. Where the measurement is a current, or no masses are stated,
-    /// every motion counts.
-    fn moving(&self, recording: &Recording) -> Vec<BranchMotion> {
-        let found = &recording.report.branches;
-        let noise: Vec<f64> = match &recording.measurement {
-            Some(measurement) if recording.unit == MeasurementUnit::NewtonMetre && !found.is_empty() => {
-                measurement.iter().map(|series| white_level_at(&recording.time_s, series)).collect()
-            }
-            _ => Vec::new(),
-        };
+    /// every motion counts: `noise_nm` is empty.
+    pub(crate) fn moving(&self, found: &[BranchMotion], noise_nm: &[f64]) -> Vec<BranchMotion> {
         let of_branch = |motion: &BranchMotion| {
             let branch = self.branches.iter().find(|branch| branch.joint == motion.joint)?;
             let range = motion.range_rad[1] - motion.range_rad[0];
-            let shows = |joint: &&usize| match (branch.displaced, noise.get(**joint)) {
+            let shows = |joint: &&usize| match (branch.displaced, noise_nm.get(**joint)) {
                 (Some(displaced), Some(noise)) => GRAVITY_M_S2 * displaced * range > *noise,
                 _ => true,
             };
@@ -161,7 +154,13 @@ impl Recording {
         if !robot.names.is_empty() {
             self.joints = RecordedJoints::Named(robot.names.clone());
         }
-        self.report.branches = robot.moving(&self);
+        let noise_nm: Vec<f64> = match &self.measurement {
+            Some(measurement) if self.unit == MeasurementUnit::NewtonMetre && !self.report.branches.is_empty() => {
+                measurement.iter().map(|series| white_level_at(&self.time_s, series)).collect()
+            }
+            _ => Vec::new(),
+        };
+        self.report.branches = robot.moving(&self.report.branches, &noise_nm);
         Ok(RobotRecording(self))
     }
 
