@@ -95,7 +95,8 @@ mod tests {
     /// Nearly normal numbers of unit variance.
     fn normal(state: &Cell<u64>) -> f64 {
         let uniform = |_| {
-            let next = state.get().wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let next =
+                state.get().wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             state.set(next);
             (next >> 11) as f64 / (1_u64 << 53) as f64
         };

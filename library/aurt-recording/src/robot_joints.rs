@@ -155,7 +155,9 @@ impl Recording {
             self.joints = RecordedJoints::Named(robot.names.clone());
         }
         let noise_nm: Vec<f64> = match &self.measurement {
-            Some(measurement) if self.unit == MeasurementUnit::NewtonMetre && !self.report.branches.is_empty() => {
+            Some(measurement)
+                if self.unit == MeasurementUnit::NewtonMetre && !self.report.branches.is_empty() =>
+            {
                 measurement.iter().map(|series| white_level_at(&self.time_s, series)).collect()
             }
             _ => Vec::new(),

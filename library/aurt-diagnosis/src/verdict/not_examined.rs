@@ -66,8 +66,7 @@ fn standing(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
     let beside = |joint: usize| {
         question.recordings.iter().flat_map(|r| &r.raw.report.branches).any(|b| b.upstream.contains(&joint))
     };
-    let constant =
-        |joint: usize| investigation.constant.iter().any(|(_, j, _)| *j == joint) || beside(joint);
+    let constant = |joint: usize| investigation.constant.iter().any(|(_, j, _)| *j == joint) || beside(joint);
     let of_kind = |(role, name): (Role, &str)| {
         let rows: Vec<_> = investigation.rows.iter().filter(|r| r.role == role && r.rows() > 0).collect();
         let moves = |j: usize| rows.iter().any(|r| r.joints[j].counted(0, r.rows()) > 0.0);

@@ -35,11 +35,8 @@ use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
 use crate::preprocess::refusal::Refusal;
 use crate::preprocess::segment::Plan;
-use crate::preprocess::zero_phase::CUTOFF_RANGE;
+use crate::preprocess::zero_phase::{CUTOFF_RANGE, FILTER_ORDER};
 use crate::recording::Recording;
-
-/// Order of both Butterworth filters, one way (paper, section IV).
-const FILTER_ORDER: usize = 4;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;
