@@ -23,6 +23,10 @@ fn pages() -> Vec<PathBuf> {
         "examples/1-demo",
         "examples/2-unknown-load",
         "examples/3-friction-sweep",
+        "examples/4-mujoco",
+        "examples/plugin-c",
+        "examples/plugin-rust",
+        "laboratory/mujoco",
     ] {
         let entries = fs::read_dir(root.join(folder)).into_iter().flatten();
         pages.extend(entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "md")));
@@ -105,21 +109,36 @@ fn as_anchor(heading: &str) -> String {
 #[test]
 fn commands_in_the_documentation_exist() {
     let commands =
-        fs::read_to_string(Path::new(ROOT).join("application/aurt-cli/src/commands/mod.rs")).unwrap();
+        |crate_: &str| fs::read_to_string(Path::new(ROOT).join(crate_).join("src/commands/mod.rs")).unwrap();
+    let (product, laboratory) = (commands("application/aurt-cli"), commands("laboratory/aurt-lab"));
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
         for line in blocks(&text, "sh").iter().flat_map(|b| b.lines()) {
             let words: Vec<&str> = line.split_whitespace().collect();
             // What stands behind `--` is ours only where cargo runs the program itself.
             let runs = line.contains("cargo run") && !line.contains("--example");
-            let command =
-                words.iter().position(|w| *w == "aurt" || runs && *w == "--").and_then(|k| words.get(k + 1));
-            let Some(command) = command.filter(|c| c.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
-            else {
-                continue;
-            };
-            let module = format!("mod {};", command.replace('-', "_"));
-            assert!(commands.contains(&module), "{}: there is no command in `{line}`", page.display());
+            for (program, commands) in [("aurt", &product), ("aurt-lab", &laboratory)] {
+                let command = words.windows(2).find_map(|pair| {
+                    let named = pair[0] == program || program == "aurt" && runs && pair[0] == "--";
+                    (named && !line.contains(&format!("-p {program} "))).then_some(pair[1])
+                });
+                let Some(command) = command.filter(|c| c.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
+                else {
+                    continue;
+                };
+                let module = format!("mod {};", command.replace('-', "_"));
+                assert!(commands.contains(&module), "{}: there is no command in `{line}`", page.display());
+            }
         }
     }
+}
+
+#[test]
+fn pages_stay_short() {
+    let pages = pages().into_iter().filter(|page| page.starts_with(Path::new(ROOT).join("docs")));
+    let lines: usize = pages.map(|page| fs::read_to_string(page).unwrap().lines().count()).sum();
+    assert!(
+        (500..=3000).contains(&lines),
+        "docs/ has {lines} lines; 3000 are what a reader may be asked for"
+    );
 }

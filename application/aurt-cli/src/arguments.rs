@@ -1,15 +1,16 @@
-//! The command line: options that every command has, and values that clap has no parser for.
+//! The command line: its definition, and options that every command has.
 
 use std::{
     ffi::{OsStr, OsString},
-    fmt,
     path::PathBuf,
 };
 
-use aurt_rbd::gravity_complaint;
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use crate::commands::{Command, GROUPS};
+use crate::{
+    commands::{Command, GROUPS},
+    values::parse_numbers,
+};
 
 /// Model, calibrate and explain the dynamics of robot manipulators from recordings of the real machine.
 #[derive(Debug, Parser)]
@@ -19,10 +20,10 @@ use crate::commands::{Command, GROUPS};
     aurt run experiment.toml --out results       the whole chain on yours\n\n\
     Exit status: 0 all well, 1 a check found something, 2 failure or bad input.")]
 pub struct Arguments {
-    /// Print one JSON document to standard output, and nothing else there.
+    /// Print one JSON document to standard output and nothing else.
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Load a library of models; repeatable.
@@ -104,97 +105,10 @@ fn is_option(argument: &OsStr) -> bool {
     argument.to_str().is_some_and(|text| text.starts_with('-') && parse_numbers(text).is_err())
 }
 
-/// Numbers separated by spaces, commas or both, in brackets or not.
-pub fn parse_numbers(text: &str) -> Result<Vec<f64>, String> {
-    let inner = text.trim().trim_start_matches('[').trim_end_matches(']');
-    let numbers = inner
-        .split(|c: char| c == ',' || c.is_whitespace())
-        .filter(|word| !word.is_empty())
-        .map(|word| match word.parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(x),
-            Ok(_) => Err(format!("`{word}` is not finite")),
-            Err(_) => Err(format!("`{word}` is not a number")),
-        })
-        .collect::<Result<Vec<f64>, String>>()?;
-    if numbers.is_empty() { Err("expected numbers".into()) } else { Ok(numbers) }
-}
-
-/// Gravitational acceleration in the base frame, m/s².
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gravity(pub [f64; 3]);
-
-impl fmt::Display for Gravity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.0;
-        write!(f, "{x} {y} {z} m/s²")
-    }
-}
-
-/// A gravity vector in m/s².
-pub fn parse_gravity(text: &str) -> Result<Gravity, String> {
-    let numbers = parse_numbers(text)?;
-    let gravity = <[f64; 3]>::try_from(numbers).map_err(|n| {
-        format!(
-            "expected three numbers, x y z in m/s² in the base frame, found {}; for example 0 0 -9.81",
-            n.len()
-        )
-    })?;
-    gravity_complaint(gravity).map_or(Ok(Gravity(gravity)), |reason| Err(format!("gravity {reason}")))
-}
-
-/// One positive number per joint.
-pub fn parse_torque_constants(text: &str) -> Result<Constants, String> {
-    let numbers = parse_numbers(text)?;
-    if numbers.contains(&0.0) {
-        return Err("a torque constant must not be zero".into());
-    }
-    Ok(Constants(numbers))
-}
-
-/// Torque constants in Nm/A, joint after joint. A type of its own, because clap takes a bare `Vec` for a
-/// repeated option.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Constants(pub Vec<f64>);
-
-/// A number above zero.
-pub fn parse_positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
-        Ok(x) => Err(format!("must be above zero, is {x}")),
-        Err(_) => Err("expected a number".into()),
-    }
-}
-
-/// Zero or a number above it.
-pub fn parse_not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
-        Ok(x) => Err(format!("must not be below zero, is {x}")),
-        Err(_) => Err("expected a number".into()),
-    }
-}
-
-/// A place, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Position(pub [f64; 3]);
-
-/// Three coordinates in m.
-pub fn parse_position(text: &str) -> Result<Position, String> {
-    let wrong = |n: Vec<f64>| format!("expected three numbers, x y z in m, found {}", n.len());
-    parse_numbers(text)?.try_into().map(Position).map_err(wrong)
-}
-
-/// A share strictly between none and all.
-pub fn parse_share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x < 1.0 => Ok(x),
-        _ => Err("expected a number between 0 and 1, such as 0.7".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::values::{Gravity, parse_gravity};
 
     fn joined(line: &[&str]) -> Vec<String> {
         let joined = join_vector_values(line.iter().map(OsString::from));
@@ -233,12 +147,5 @@ mod tests {
         let line = ["aurt", "--gravity=0 0 -9.81", "--quiet", "7", "-q"];
         assert_eq!(joined(&line), line.map(str::to_owned).to_vec());
         assert_eq!(joined(&["--gravity", "0", "0", "down", "-q"]), ["--gravity=0 0 down", "-q"]);
-    }
-
-    #[test]
-    fn a_wrong_vector_says_what_is_right() {
-        assert!(parse_gravity("0 0").unwrap_err().contains("found 2"));
-        assert!(parse_gravity("0 0 down").unwrap_err().contains("`down`"));
-        assert!(parse_gravity("0 0 nan").unwrap_err().contains("not finite"));
     }
 }

@@ -7,6 +7,7 @@ mod commands;
 mod interrupt;
 mod rendering;
 mod supervised;
+mod values;
 
 use std::process::ExitCode;
 
@@ -34,7 +35,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
-    arguments.command.run(&mut Session { terminal, registry })
+    arguments.command.run(&mut Session { terminal, registry, definition: arguments::definition })
 }
 
 /// Exit status of a check that found something.

@@ -85,15 +85,15 @@ impl Checked<'_> {
         );
         if self.findings.is_empty() {
             let headline = if self.recording.measurement.is_some() {
-                "Nothing stands against calibrating on this recording".into()
+                "Ready to calibrate on this recording".into()
             } else {
-                "Nothing stands against predicting for this recording; calibrating takes measured currents or torques".into()
+                "Ready to predict for this recording; calibration needs measured currents or torques".into()
             };
             Verdict { tone: Tone::Good, headline, sentences }
         } else {
             let headline = match self.findings.len() {
-                1 => "One thing should be heeded before calibrating on this recording".into(),
-                n => format!("{n} things should be heeded before calibrating on this recording"),
+                1 => "One finding before calibrating on this recording".into(),
+                n => format!("{n} findings before calibrating on this recording"),
             };
             Verdict { tone: Tone::Attention, headline, sentences }
         }

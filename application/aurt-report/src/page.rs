@@ -1,6 +1,6 @@
 //! What a report says, before it is drawn.
 
-use crate::{document, figure::Figure, table::Table};
+use crate::{figure::Figure, table::Table};
 
 /// A report.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,12 +77,6 @@ pub enum Block {
 }
 
 impl Page {
-    /// The page as one HTML document that needs nothing else.
-    #[must_use]
-    pub fn to_html(&self) -> String {
-        document::html(self)
-    }
-
     /// All figures in their order, each with a file name that no other has.
     #[must_use]
     pub fn figures(&self) -> Vec<(String, &Figure)> {

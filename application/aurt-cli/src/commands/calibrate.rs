@@ -27,8 +27,8 @@ use super::{
     run::written_text,
 };
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::Report,
+    values::{Gravity, parse_gravity},
 };
 
 /// Calibrate robot dynamics on recordings.
@@ -54,7 +54,7 @@ pub struct Calibrate {
     /// File for the calibrated model
     #[arg(long, value_name = "JSON")]
     out_calibrated_model: PathBuf,
-    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them
+    /// Recordings larger than this in total are read in stretches, in constant memory
     #[arg(long, value_name = "SIZE", default_value = "500MB")]
     stream_above: Bytes,
     #[command(flatten)]

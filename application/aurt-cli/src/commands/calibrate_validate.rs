@@ -28,8 +28,8 @@ use super::{
     run::{drawn_text, written_text},
 };
 use crate::{
-    arguments::{Gravity, parse_gravity, parse_share},
     rendering::terminal::Report,
+    values::{Gravity, parse_gravity, parse_share},
 };
 
 /// Calibrate on the first part of a recording and validate on the rest.

@@ -42,8 +42,8 @@ use super::{
     run::{drawn_text, written_text},
 };
 use crate::{
-    arguments::{Gravity, parse_gravity, parse_positive},
     rendering::terminal::{Emphasis, Report, Terminal},
+    values::{Gravity, parse_gravity, parse_positive},
 };
 
 /// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
@@ -52,20 +52,21 @@ const F_DYN_SHARE_OF_RATE: f64 = 0.05;
 
 /// Check recordings before calibrating on them.
 ///
-/// Says how each was sampled, what each joint covers and how its sensors are, and, with the robot's geometry, which
-/// parameters the motions can determine: of several recordings each alone and all together, as a calibration on them would
-/// see them. Measurements and geometry together are tried for the usual mistakes (units, signs, orders, gravity, tables,
-/// delays), and the change that would explain the data is told. Exit status 1 if something should be heeded.
+/// Reports sampling, range and sensor quality of each joint and, with the robot's geometry, which
+/// parameters the motions determine, for each recording and for all together. Tries common mistakes of the
+/// setup (units, signs, orders, gravity, tables, delays) against the data and reports the fix that explains
+/// them. Exit status 1 if there are findings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
     aurt check experiment.toml --fixed corrected.toml\n  \
     aurt check recording.csv --mdh mdh.csv --gravity 0 0 -9.81 --out check\n  \
     aurt check monday.csv tuesday.csv --mdh mdh.csv")]
 pub struct Check {
-    /// The recordings; of several, those that are to be calibrated on together. Or one experiment (.toml)
+    /// Recordings to be calibrated on together, or one experiment (.toml)
     #[arg(value_name = "CSV", required = true)]
     recordings: Vec<PathBuf>,
-    /// Table of modified Denavit–Hartenberg parameters: tells which parameters the motion can determine
+    /// Table of modified Denavit–Hartenberg parameters; with it the check reports which parameters the
+    /// motion determines
     #[arg(long, value_name = "CSV")]
     mdh: Option<PathBuf>,
     /// Which joint a row's alpha and a lead to
@@ -77,14 +78,13 @@ pub struct Check {
         default_value = "0 0 -9.81", requires = "mdh"
     )]
     gravity: Gravity,
-    /// Highest frequency of the robot's dynamics to look at; by default 10, less for slow recordings
+    /// Highest frequency of the robot's dynamics; by default 10, less for slow recordings
     #[arg(long, value_name = "HZ", value_parser = parse_positive)]
     f_dyn_hz: Option<f64>,
-    /// File for the experiment without the mistakes that were found, beside the experiment; written if there are any
+    /// File for the corrected experiment, in the folder of the experiment; written if mistakes were found
     #[arg(long, value_name = "OUT.toml")]
     fixed: Option<PathBuf>,
-    /// Folder for report.html, the same with pictures, in a folder for each of several recordings; created if it does not
-    /// exist
+    /// Folder for report.html, one folder for each of several recordings; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -325,11 +325,9 @@ fn heeded(findings: &[String], what: &str, measured: bool, terminal: &Terminal) 
     if findings.is_empty() {
         let title = terminal.emphasise(Emphasis::Title, "findings");
         let said = if measured {
-            format!("nothing stands against calibrating on {what}")
+            format!("ready to calibrate on {what}")
         } else {
-            format!(
-                "nothing stands against predicting for {what}; calibrating takes measured currents or torques"
-            )
+            format!("ready to predict for {what}; calibration needs measured currents or torques")
         };
         return format!("\n{title}\n{}", wrapped(&said));
     }

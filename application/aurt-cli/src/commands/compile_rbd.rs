@@ -14,21 +14,22 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::Report,
+    values::{Gravity, parse_gravity},
 };
 
 /// Compile rigid-body dynamics from modified Denavit–Hartenberg parameters.
 ///
-/// Finds the base inertial parameters, the minimal set that joint torques can determine, and writes them with
-/// the geometry to a model file. The columns alpha, a, d may stand in any order; pi/2 and the like are values.
+/// Finds the base inertial parameters, the minimal set that joint torques determine, and writes them with
+/// the geometry to a model file. The columns alpha, a, d may be in any order; cells may be expressions such
+/// as pi/2.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json")]
 pub struct CompileRbd {
     /// Table of modified Denavit–Hartenberg parameters, one row per joint
     #[arg(long, value_name = "CSV")]
     mdh: PathBuf,
-    /// Gravitational acceleration in the base frame, m/s²; says how the base is mounted
+    /// Gravitational acceleration in the base frame, m/s²; describes how the base is mounted
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Gravity,
     /// Which joint a row's alpha and a lead to

@@ -20,8 +20,8 @@ use crate::rendering::terminal::Report;
 
 /// Compile robot dynamics: rigid bodies with the friction of the joints.
 ///
-/// All joints get the same models, τ_JD = f_C(τ_J) sgn(q̇) + f_v(q̇). For other models, or other ones on some
-/// joints, take them from an experiment file. The rigid bodies are not compiled again.
+/// All joints have the same models, τ_JD = f_C(τ_J) sgn(q̇) + f_v(q̇). Other models, or different models
+/// per joint, come from an experiment file. The rigid bodies are not compiled again.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt compile-rd --model-rbd rbd.json --friction-torque-model square \
     --friction-viscous-powers 1 2 3 --out rd.json")]

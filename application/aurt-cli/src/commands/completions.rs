@@ -5,7 +5,8 @@ use clap::Args;
 use clap_complete::{Shell, generate};
 use serde_json::json;
 
-use crate::{arguments::definition, rendering::terminal::Report};
+use super::Session;
+use crate::rendering::terminal::Report;
 
 /// Print a script that lets your shell complete aurt's command lines.
 #[derive(Debug, Args)]
@@ -21,9 +22,9 @@ pub struct Completions {
 
 impl Completions {
     /// Makes the script.
-    pub fn run(&self) -> Result<Report, Failure> {
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let mut script = Vec::new();
-        generate(self.shell, &mut definition(), "aurt", &mut script);
+        generate(self.shell, &mut (session.definition)(), "aurt", &mut script);
         let text = String::from_utf8_lossy(&script).into_owned();
         let json = json!({ "command": "completions", "shell": self.shell.to_string(), "script": text });
         Ok(Report { text, json, findings: false })

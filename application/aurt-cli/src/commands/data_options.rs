@@ -10,7 +10,7 @@ use aurt_traits::MeasurementUnit;
 use clap::{Args, ValueEnum};
 use serde::Deserialize;
 
-use crate::arguments::{Constants, parse_positive, parse_torque_constants};
+use crate::values::{Constants, parse_positive, parse_torque_constants};
 
 /// How to read recordings.
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ impl ReadingOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Preprocessing and calibration")]
 pub struct FittingOptions {
-    /// Highest frequency of the robot's dynamics that the fit should see; cut-offs and decimation follow from it
+    /// Highest frequency of the robot's dynamics that the fit uses; cut-offs and decimation follow from it
     #[arg(long, value_name = "HZ", default_value = "10", value_parser = parse_positive)]
     f_dyn_hz: f64,
     /// Rate of the uniform grid; by default that of the recording

@@ -18,9 +18,9 @@ use crate::rendering::terminal::{Emphasis, Report};
 
 /// Calibrate, validate and diagnose a model of a simulated six-joint robot.
 ///
-/// Writes recordings of a robot whose friction is known, with noise, and an experiment file, runs the experiment,
-/// and compares what it found with what was put in. Then it diagnoses recordings of the same robot after something
-/// has changed, and tells what it was. The files are a start for experiments of your own.
+/// Writes noisy recordings of a robot with known friction and an experiment file, runs the experiment, and
+/// compares estimated with true parameters. Then diagnoses recordings of the same robot with an undeclared
+/// load. The files are a template for your own experiments.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt demo\n  aurt run aurt-demo/experiment.toml --out results")]
 pub struct Demo {
@@ -44,7 +44,7 @@ impl Demo {
         let outcome = fit_experiment_watched(&experiment, session.terminal)?;
         let compared = compare(&outcome.calibrated.calibration.parameters);
         let mut report = write_results("demo", &experiment, outcome, &folder, None, session.terminal)?;
-        let title = session.terminal.emphasise(Emphasis::Title, "found and put in");
+        let title = session.terminal.emphasise(Emphasis::Title, "estimated and true");
         let table = table(&compared);
         let later = folder.path().join(demo::QUESTION_FILE);
         let diagnosis = Diagnose::new(later, folder.path().join("diagnosis")).run(session)?;

@@ -24,10 +24,10 @@ use crate::{
     rendering::terminal::{Report, Terminal},
 };
 
-/// Locate the mismatch between a model and recordings, name the physics left out, and model it.
+/// Locate the mismatch between a model and recordings, name the missing physics, and model it.
 ///
-/// Where `[recordings] target` is given, the question is what these show beyond the model; where it is not, what
-/// the model lacks in its own calibration recordings. Exit status 1 if something was found.
+/// With `[recordings] target`, reports what the targets show beyond the model; without, what the model
+/// lacks in its calibration recordings. Exit status 1 if something was found.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
@@ -49,23 +49,23 @@ pub struct Diagnose {
     /// The link of the URDF or MJCF file that the chain ends at
     #[arg(long, value_name = "LINK", requires = "model")]
     tip: Option<String>,
-    /// Do as if an effect were unknown; may be given several times
+    /// Exclude an effect from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
     /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
-    /// Write comparison.json: what simpler methods would name (best single candidate, LASSO, STLSQ)
+    /// Write comparison.json: the answers of simpler methods (best single candidate, LASSO, STLSQ)
     #[arg(long)]
     compare: bool,
     /// Write the verdict alone: no report, no improved experiment, no improved model
     #[arg(long, conflicts_with = "plots")]
     verdict_only: bool,
-    /// Also write measurement, predictions and residuals of every recording, before and after what was found, and the windows
-    /// that were located, in this format, as series_<recording>.parquet or .mcap
+    /// Also write measurement, predictions and residuals of every recording, without and with the claimed
+    /// effects, and the located windows, as series_<recording>.parquet or .mcap
     #[arg(long, value_enum, value_name = "FORMAT")]
     series: Option<SeriesName>,
-    /// Look at so many rows of all recordings together; of longer recordings stretches are taken, evenly spread
+    /// Use at most this many rows of all recordings; of longer recordings evenly spread stretches are used
     #[arg(long, value_name = "ROWS", default_value_t = MOST_ROWS)]
     most_rows: usize,
     #[command(flatten)]
@@ -93,7 +93,7 @@ impl Diagnose {
 
     /// Diagnoses.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let learnt = self.learnt.as_deref().map(Learnt::read).transpose()?;
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;

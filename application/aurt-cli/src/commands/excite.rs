@@ -19,9 +19,9 @@ use crate::rendering::terminal::Report;
 
 /// Plan motions for a robot, within its limits.
 ///
-/// Optimised excitation is a multi-sine that makes the base inertial parameters as well distinguishable as
-/// possible (the condition number of their regressor). The others are for friction: slow triangles are rich in
-/// reversals, sweeps have constant velocities, point-to-point motions are what robots mostly do.
+/// Optimised excitation is a multi-sine that minimises the condition number of the base parameters'
+/// regressor. The others are for friction: slow triangles have many reversals, sweeps constant velocities,
+/// point-to-point motions are typical work.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt excite --robot ur10e --duration-s 20 --seed 1 --out motion.csv\n  \
     aurt excite --robot robot.urdf --seed 1 --out motion.csv\n  \
@@ -29,7 +29,7 @@ use crate::rendering::terminal::Report;
 pub struct Excite {
     #[command(flatten)]
     which: PlannedRobotOptions,
-    /// What kind of motion
+    /// Kind of motion
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Duration in s
@@ -62,7 +62,7 @@ pub struct Excite {
     /// Keep the torques of a simulated robot within its drives' limits too
     #[arg(long, conflicts_with = "mdh")]
     torque_limits: bool,
-    /// Seed of everything that is drawn
+    /// Seed of all random numbers
     #[arg(long, value_name = "N")]
     seed: u64,
     /// File for the motion

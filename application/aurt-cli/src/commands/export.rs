@@ -16,12 +16,13 @@ use crate::rendering::terminal::{Emphasis, Report};
 
 /// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI.
 ///
-/// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h alone, and a program that
-/// compares them with the model; `rust` writes the same functions as a crate, `no_std` where wanted. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a
-/// calibration with `estimator = "consistent"`; `mjcf --into` corrects a MuJoCo file of your own instead. `fmu` writes
-/// a functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of forward
-/// dynamics (torques or currents in, the motion out). What the target has no word for is listed; what cannot be exported is
-/// refused.
+/// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h only, and a
+/// program that checks them against the model; `rust` writes the same functions as a crate, `no_std` where
+/// wanted. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a calibration
+/// with `estimator = "consistent"`; `mjcf --into` corrects a MuJoCo file of your own instead. `fmu` writes a
+/// functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of
+/// forward dynamics (torques or currents in, the motion out). What the target cannot express is listed; what
+/// cannot be exported is refused.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt export c rd_calibrated.json --name my_robot --out exported_c\n  \
     aurt export rust rd_calibrated.json --name my_robot --out exported_rust\n  \
@@ -31,7 +32,7 @@ use crate::rendering::terminal::{Emphasis, Report};
     aurt export sdf rd_calibrated.json --name my_robot --out exported_sdf\n  \
     aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
 pub struct Export {
-    /// What the model becomes
+    /// Target of the export
     #[arg(value_enum)]
     target: TargetName,
     /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`
@@ -49,14 +50,14 @@ pub struct Export {
     /// Version of FMI, 3 unless given
     #[arg(long, value_enum)]
     fmi: Option<FmiName>,
-    /// Your own MuJoCo file, which the model was calibrated with: written again with its dynamics corrected, as
-    /// FILE_calibrated.xml; comments, shapes and all else stay as they are
+    /// Your MuJoCo file, with which the model was calibrated: written as FILE_calibrated.xml with corrected
+    /// dynamics; comments, shapes and everything else stay
     #[arg(long, value_name = "FILE.xml")]
     into: Option<PathBuf>,
-    /// Body in that file from which the chain starts, where it leaves a choice
+    /// Body of that file at which the chain starts, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     base: Option<String>,
-    /// Body in that file at which the chain ends, where it leaves a choice
+    /// Body of that file at which the chain ends, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     tip: Option<String>,
 }

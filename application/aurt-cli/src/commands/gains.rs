@@ -15,14 +15,14 @@ use serde_json::json;
 
 use super::{Session, run::written_text};
 use crate::{
-    arguments::{Position, parse_not_negative, parse_position, parse_positive},
     rendering::terminal::Report,
+    values::{Position, parse_not_negative, parse_position, parse_positive},
 };
 
 /// Estimate the gains of the drives: their ratios from unloaded motion, the common factor from a load of known mass.
 ///
 /// The experiment's arm term `payload` is the load; its `recordings` carry it, the other calibration recordings do not.
-/// Without --mass-kg only ratios are determined. Which gains the recordings determine is told with each.
+/// Without --mass-kg only ratios are determined. The output states which gains the recordings determine.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt gains experiment.toml --mass-kg 2.805 --out gains\n  \
     aurt gains experiment.toml --mass-kg 2.805 --expect")]
@@ -36,10 +36,10 @@ pub struct GainsCommand {
     /// Standard deviation of the mass
     #[arg(long, value_name = "KG", value_parser = parse_not_negative, allow_negative_numbers = true, default_value = "0", requires = "mass_kg")]
     mass_std_kg: f64,
-    /// Centre of mass of the load in the frame of the link that carries it, where it is known
+    /// Centre of mass of the load in the frame of the link that carries it, if known
     #[arg(long, value_name = "X Y Z", value_parser = parse_position, allow_hyphen_values = true, requires = "mass_kg")]
     centre_of_mass_m: Option<Position>,
-    /// Say only what the recordings determine and how well, before anything is estimated
+    /// Only report what the recordings determine and with what deviation, without estimating
     #[arg(long)]
     expect: bool,
     /// Folder for gains.json; created if it does not exist
@@ -50,7 +50,7 @@ pub struct GainsCommand {
 impl GainsCommand {
     /// Estimates.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = self.out.as_ref().map(|out| OutputFolder::new("--out", out)).transpose()?;
         let experiment = Experiment::read(&self.experiment, registry)?;
         let load = self.mass_kg.map(|mass_kg| KnownLoad {

@@ -16,14 +16,14 @@ use serde_json::json;
 
 use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
-    arguments::{Constants, Gravity, parse_gravity, parse_torque_constants},
     rendering::terminal::Report,
+    values::{Constants, Gravity, parse_gravity, parse_torque_constants},
 };
 
 /// Write an experiment for a robot and its logs.
 ///
-/// Looks at the robot and the recordings, splits these into calibration and validation, suggests f_dyn, tries the usual
-/// mistakes against the data, and says every guess in a comment of the file. On a terminal it asks for what is missing.
+/// Splits the recordings into calibration and validation, suggests f_dyn, tries common mistakes against the
+/// data, and writes every guess as a comment into the file. On a terminal it asks for what is missing.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Example:\n  aurt init monday.csv tuesday.csv --robot ur10e --out experiment.toml\n  \

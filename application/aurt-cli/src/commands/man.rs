@@ -7,8 +7,8 @@ use clap::Args;
 use clap_mangen::Man as Page;
 use serde_json::json;
 
-use super::run::written_text;
-use crate::{arguments::definition, rendering::terminal::Report};
+use super::{Session, run::written_text};
+use crate::rendering::terminal::Report;
 
 /// Write manual pages, one for aurt and one for each command.
 #[derive(Debug, Args)]
@@ -21,9 +21,9 @@ pub struct Man {
 
 impl Man {
     /// Writes the pages.
-    pub fn run(&self) -> Result<Report, Failure> {
+    pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
-        let mut command = definition();
+        let mut command = (session.definition)();
         command.build();
         let mut files = vec![page("aurt", &command, folder.path())?];
         for subcommand in command.get_subcommands().filter(|c| c.get_name() != "help") {

@@ -85,6 +85,8 @@ pub struct Session<'a> {
     pub terminal: &'a Terminal,
     /// The models that can be named.
     pub registry: Registry,
+    /// The command line's definition.
+    pub definition: fn() -> clap::Command,
 }
 
 impl Command {
@@ -116,8 +118,8 @@ impl Command {
             Self::Export(command) => command.run(session),
             Self::NewPlugin(command) => command.run(),
             Self::Trust(command) => command.run(),
-            Self::Completions(command) => command.run(),
-            Self::Man(command) => command.run(),
+            Self::Completions(command) => command.run(session),
+            Self::Man(command) => command.run(session),
         }
     }
 }

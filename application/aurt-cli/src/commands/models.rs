@@ -13,7 +13,7 @@ use crate::rendering::terminal::{Emphasis, Report};
 /// Joints of the robot for which arm terms tell their parameters.
 pub const EXAMPLE_JOINTS: usize = 6;
 
-/// List the models of friction and of other physics that experiments can name.
+/// List the friction models and arm terms that experiments can use.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt models\n  aurt explain maxwell_slip")]
 pub struct Models {}

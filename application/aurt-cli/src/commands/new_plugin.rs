@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::rendering::terminal::Report;
 
-/// Write a plugin with a model of your own to start from.
+/// Write a plugin with a model to start from.
 ///
 /// A Rust crate, usable linked or as a library, or a C file. It builds, tests itself, and its model can be named
 /// in experiments at once.

@@ -13,7 +13,7 @@ use aurt_workbench::{failure::Failure, table_file::TableFile};
 use clap::Args;
 
 use super::compile_rbd::Rows;
-use crate::arguments::{Gravity, parse_gravity};
+use crate::values::{Gravity, parse_gravity};
 
 /// Which robot, and what its limits are.
 #[derive(Debug, Args)]
@@ -37,14 +37,14 @@ pub struct PlannedRobotOptions {
     /// Which joint a row's alpha and a lead to
     #[arg(long, value_enum, default_value_t)]
     mdh_rows: Rows,
-    /// Limits of your joints, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2; by default those of
-    /// the description
+    /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2; by
+    /// default those of the description
     #[arg(long, value_name = "CSV")]
     limits: Option<PathBuf>,
-    /// Velocity limit of the joints of which the description states none; m/s of prismatic ones
+    /// Velocity limit of joints whose description states none; m/s for prismatic joints
     #[arg(long, value_name = "RAD/S", conflicts_with_all = ["mdh", "limits"])]
     velocity_rad_s: Option<f64>,
-    /// Acceleration limit of all joints, which descriptions do not state; by default full speed is reached in 0.5 s
+    /// Acceleration limit of all joints; by default full speed is reached in 0.5 s
     #[arg(long, value_name = "RAD/S2", conflicts_with_all = ["mdh", "limits"])]
     acceleration_rad_s2: Option<f64>,
 }

@@ -16,8 +16,8 @@ use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
 use crate::{
-    arguments::{Gravity, parse_gravity},
     rendering::terminal::{Emphasis, Report},
+    values::{Gravity, parse_gravity},
 };
 
 /// Predict currents or torques of a motion.
@@ -36,8 +36,8 @@ pub struct Predict {
     /// Gravitational acceleration in the base frame, if other than the model was calibrated for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Option<Gravity>,
-    /// File for the prediction: a table of text, or, by its ending, `.parquet` or `.mcap` with positions, measurement and
-    /// residual beside it
+    /// File for the prediction: a text table, or `.parquet` or `.mcap` with positions, measurement and
+    /// residual as well
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -25,10 +25,11 @@ use serde_json::{Value, json};
 use super::{Session, checked_setup::doubts, plots::PlotOptions};
 use crate::rendering::terminal::{Report, Terminal};
 
-/// Calibrate and validate a model as an experiment file says.
+/// Calibrate and validate the model of an experiment file.
 ///
-/// Reads the recordings, compiles the model, calibrates it, judges it on every recording and writes
-/// rd_calibrated.json, calibrated_parameters.csv, metrics.json, report.html and a prediction for every recording.
+/// Reads the recordings, compiles and calibrates the model, evaluates it on every recording and writes
+/// rd_calibrated.json, calibrated_parameters.csv, metrics.json, report.html and a prediction for every
+/// recording.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt run experiment.toml --out results")]
 pub struct Run {
@@ -38,8 +39,8 @@ pub struct Run {
     /// Folder for the results; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Recordings that have more than this together are read in stretches, in memory that does not grow with them;
-    /// predictions row by row are not written then, and mistakes of the setup not looked for
+    /// Recordings larger than this in total are read in stretches, in constant memory, without predictions
+    /// row by row and without the check for setup mistakes
     #[arg(long, value_name = "SIZE", default_value = "500MB")]
     stream_above: Bytes,
     /// Also write positions, measurement, prediction and residual of every recording in this format, as

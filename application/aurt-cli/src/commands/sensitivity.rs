@@ -19,7 +19,7 @@ use serde_json::json;
 use super::{Session, plots::PlotOptions};
 use crate::rendering::terminal::Report;
 
-/// Say from which size on each effect would have been found in the experiment's own recordings: "nothing is missing"
+/// Find the smallest size of each effect that the experiment's recordings would show: "nothing is missing"
 /// becomes "nothing larger than this is missing".
 ///
 /// Each effect is added to what the recordings measured, at growing strength, in five draws of shape and noise, and
@@ -57,7 +57,7 @@ const RESULTS: &str = "sensitivity.json";
 impl Sensitivity {
     /// Searches the limits.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, registry)?;

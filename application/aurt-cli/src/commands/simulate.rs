@@ -14,9 +14,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Session, data_options::ReadingOptions};
-use crate::{arguments::parse_positive, rendering::terminal::Report};
+use crate::{rendering::terminal::Report, values::parse_positive};
 
-/// Simulate a calibrated model, or a robot with concealed effects.
+/// Simulate a calibrated model, or a robot with chosen effects.
 ///
 /// A calibrated model follows a commanded motion, or goes where the measured currents or torques of a recording
 /// take it; written are q, q̇ and what drives the joints. A scenario is a simulated robot with sensors, drives and,

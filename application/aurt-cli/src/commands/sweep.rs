@@ -20,7 +20,7 @@ use super::{
 };
 use crate::rendering::terminal::Report;
 
-/// Try many variants of an experiment and rank them by their error on what they were not fitted to.
+/// Fit many variants of an experiment and rank them by their held-out error.
 ///
 /// `[sweep]` in the experiment names the keys to vary and the values to try. A sweep that is interrupted goes on where
 /// it was when it is run again; nothing is computed twice.

@@ -20,12 +20,12 @@ use serde_json::json;
 
 use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
-    arguments::parse_positive,
     commands::run::{drawn_text, written_text},
     rendering::terminal::Report,
+    values::parse_positive,
 };
 
-/// Follow a calibrated machine through recordings: drift of friction, gains and load, and alarms when it changes.
+/// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
 ///
 /// The experiment's own recordings are the unchanged machine, from which it learns how much estimates vary anyway. Exit
 /// status 1 if something has changed; `aurt diagnose` with that recording as target names the physics.
@@ -73,7 +73,7 @@ const SHORTEST_WINDOW_S: f64 = 1.0;
 impl Track {
     /// Tracks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
-        let Session { terminal, registry } = session;
+        let Session { terminal, registry, .. } = session;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
         if self.window_s < SHORTEST_WINDOW_S {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::rendering::terminal::Report;
 
-/// Trust libraries of models that experiments name, or list those that are trusted.
+/// Trust model libraries that experiments name, or list trusted ones.
 ///
 /// A library runs with your rights, and an experiment may come from someone else. Its bytes are trusted, not its name: a
 /// library that is built again is another one.

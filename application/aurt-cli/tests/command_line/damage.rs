@@ -188,8 +188,8 @@ fn the_keys_that_the_pages_list_are_in_the_files() {
     let folder = Folder::new();
     folder.aurt(words("demo --out demo --quiet")).succeeded();
     let metrics = folder.json("demo/metrics.json");
-    let page = fs::read_to_string(docs.join("file-formats.md")).unwrap();
-    let beside = page.split("Beside these stand").nth(1).unwrap().split(';').next().unwrap();
+    let page = fs::read_to_string(docs.join("formats.md")).unwrap();
+    let beside = page.split("Further keys are").nth(1).unwrap().split(';').next().unwrap();
     for key in beside.split('`').skip(1).step_by(2) {
         assert!(!metrics[key].is_null(), "metrics.json has no {key}");
     }

@@ -151,9 +151,9 @@ impl Examination {
     #[must_use]
     pub const fn nothing(&self) -> &'static str {
         if self.compares_robots {
-            "none of the usual mistakes would explain more"
+            "no common mistake explains more"
         } else {
-            "none of the usual mistakes would explain much more; to tell other zeros and tables, torque constants are needed"
+            "no common mistake explains much more; to detect wrong zeros and tables, torque constants are needed"
         }
     }
 }
@@ -175,7 +175,7 @@ impl Examination {
     pub fn hardly(&self) -> Option<String> {
         let Some(score) = &self.after else {
             return Some(
-                "No usual mistake would explain it: check that table and recordings are of the same robot, and the \
+                "No common mistake explains it: check that table and recordings are of the same robot, and the \
                  stamps."
                     .into(),
             );
@@ -191,7 +191,7 @@ impl Examination {
         let mut said = Vec::new();
         if !poor.is_empty() {
             said.push(format!(
-                "Rigid bodies with plain friction explain {}, and no usual mistake would explain more: check that table and \
+                "Rigid bodies with plain friction explain {}, and no common mistake explains more: check that table and \
                  recordings are of the same robot, and what is measured.",
                 poor.join(", ")
             ));

@@ -12,8 +12,15 @@ const STYLE: &str = include_str!("style.css");
 /// Zoom, pan and reading of values. The page is complete without it.
 const SCRIPT: &str = include_str!("view.js");
 
-/// The document. Its policy forbids every request, so that nothing in it can ask for one.
-pub fn html(page: &Page) -> String {
+impl Page {
+    /// The page as one HTML document that needs nothing else. Its policy forbids every request.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        html(self)
+    }
+}
+
+fn html(page: &Page) -> String {
     let title = escape::text(&page.title);
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\

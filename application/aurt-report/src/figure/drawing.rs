@@ -1,6 +1,6 @@
 //! What all figures have in common: styles, text, the frame of a file.
 
-use super::{Style, plot::Mark};
+use super::style::{Mark, Style};
 use crate::escape;
 
 /// Colours of Okabe and Ito (2008), which people with any usual colour vision tell apart, on white; before and after

@@ -6,11 +6,13 @@ mod drawing;
 mod plot;
 mod reduce;
 mod scale;
+mod style;
 
 pub use arm::Arm;
 pub use bars::{BarGroup, Bars};
-pub use plot::{Axis, Layer, Mark, Panel, Plot, Style, Window};
+pub use plot::{Axis, Layer, Panel, Plot, Window};
 pub use reduce::{decimated, quantile_means, subsample};
+pub use style::{Mark, Style};
 
 use crate::escape;
 

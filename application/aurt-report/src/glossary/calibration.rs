@@ -7,11 +7,11 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "badly_excited",
         title: "badly excited parameters",
-        text: "The standard deviation of these parameters exceeds half their value, and a tenth of the largest value of \
-            their unit: the motions hardly need them. (What is small beside its like and known to be small is not meant.) \
-            `aurt check` says it before a calibration, the calibration after, by the same rule. Predictions of similar motions do not suffer, but the values mean \
-            nothing by themselves, and motions that need them are predicted badly. Record motions that move \
-            the joints concerned faster, further, or together with others.",
+        text: "The standard deviation of these parameters exceeds half their value, and a tenth of the \
+            largest value of their unit: the motions hardly depend on them. `aurt check` reports them \
+            before a calibration by the same rule. Predictions of similar motions are not affected, but \
+            the values are not meaningful by themselves, and motions that depend on them are predicted \
+            badly. Record motions that move these joints faster, further, or together with others.",
     },
     Term {
         name: "base_parameters",
@@ -40,18 +40,18 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "f_dyn",
         title: "f_dyn, frequency of the robot's dynamics",
-        text: "The highest frequency of the motion that the fit is to see. Positions are low-passed at 5 f_dyn, \
-            regressor and measurement at 2 f_dyn, and only every F_DS-th row is kept, F_DS = 0.8 / (4 f_dyn \
-            T_S). The paper uses 10 Hz at 500 Hz sampling; slow motions sampled at 100 Hz want less, 2.5 Hz for \
-            instance. 5 f_dyn must stay below half the sampling rate.",
+        text: "The highest frequency of the motion that the fit uses. Positions are low-passed at 5 f_dyn, \
+            regressor and measurement at 2 f_dyn, and only every F_DS-th row is kept, F_DS = 0.8 / (4 \
+            f_dyn T_S). The paper uses 10 Hz at 500 Hz sampling; slow motions sampled at 100 Hz need less, \
+            for instance 2.5 Hz. 5 f_dyn must stay below half the sampling rate.",
     },
     Term {
         name: "load_torque",
         title: "load torque τ_J",
         text: "The torque that a joint transmits, on which the Coulomb models `square` and `absolute` depend. \
             `fitted` (default): from the rigid-body coefficients of a first fit. `literal`: the sum of the \
-            base regressor's row, as the paper writes it, which mixes units and is kept for comparison. The \
-            measured torque is never used: that would let a prediction see what it predicts.",
+            base regressor's row, as in the paper, which mixes units and is kept for comparison. The \
+            measured torque is never used: a prediction would depend on the quantity that it predicts.",
     },
     Term {
         name: "moving",
@@ -75,9 +75,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "not_excited",
         title: "parameters that are not excited",
-        text: "The calibration recordings do not determine these parameters at all, alone or beside others: \
-            the joint did not move, or moved in a way that another parameter explains as well. They are set \
-            to zero and have no standard deviation. The model says nothing about motions that need them.",
+        text: "The calibration recordings do not determine these parameters at all: the joint did not move, \
+            or moved in a way that another parameter explains as well. They are zero and have no standard \
+            deviation. The model cannot predict motions that depend on them.",
     },
     Term {
         name: "nrms",
@@ -88,11 +88,11 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "position_bias",
         title: "noise of the positions",
-        text: "The regressor is made from measured positions, and their noise (white noise, an encoder's steps) \
-            shifts estimates, however long the recordings are. The noise is drawn and added once more; what \
-            that does to the fit, for friction 2.4 times that, is taken as an error, and standard deviations \
-            and intervals include it. A lower f_dyn lets less noise through; shapes that live at low \
-            velocities need fine encoders, and motions that do not hover at rest.",
+        text: "The regressor is computed from measured positions, and their noise (white noise, quantisation) \
+            biases estimates, however long the recordings are. The noise is drawn and added once more; the \
+            resulting shift (2.4 times it for friction) counts as an error in standard deviations and \
+            intervals. A lower f_dyn lets less noise through; shapes at low velocities need fine encoders \
+            and motions that do not hover at rest.",
     },
     Term {
         name: "rest",
@@ -106,18 +106,17 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "sigma",
         title: "σ, residual standard deviation",
-        text: "Of each joint's residual after ordinary least squares (equation 14); its inverse square weights \
-            the joint's rows in weighted least squares (equation 13), so that a strong joint's large residual \
-            does not drown what a weak joint knows.",
+        text: "Of each joint's residual after ordinary least squares (equation 14); its inverse square \
+            weights the joint's rows in weighted least squares (equation 13), so that large residuals of a \
+            strong joint do not dominate a weak one.",
     },
     Term {
         name: "std_dev",
         title: "standard deviation of a parameter",
         text: "From the covariance of weighted least squares, corrected for the correlation that the parallel \
-            filter leaves between rows, for the memory of the noise and for what noise of the positions shifts. \
-            `relative_std_dev_percent` is the same over |value|; \
-            `lower_95` and `upper_95` bound the 95 % interval. They count noise, not what the model lacks: \
-            where physics is left out, the true values can lie outside.",
+            filter leaves between rows, for autocorrelated noise and for the bias by position noise. \
+            `relative_std_dev_percent` is the same over |value|; `lower_95` and `upper_95` bound the 95 % \
+            interval. They do not cover missing physics, with which the true values can lie outside.",
     },
     Term {
         name: "torque_constants",

@@ -7,9 +7,8 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "ambiguous",
         title: "verdict: ambiguous",
-        text: "Several effects would explain the mismatch equally well on these recordings, and the model \
-            cannot tell them apart. Each finding lists its alternatives and what to record to separate it from \
-            them; record that and diagnose again.",
+        text: "Several effects explain the mismatch equally well on these recordings. Each finding lists its \
+            alternatives and what to record to separate it from them; record that and diagnose again.",
     },
     Term {
         name: "beyond_noise",
@@ -21,54 +20,54 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "confidence",
         title: "confidence of a finding",
-        text: "How often findings of such a score were right in proofs on simulated robots; the first label of a \
-            class that the data cannot separate is right about every other time. On a real robot, whose noise is \
-            not white and whose model lacks several things at once, it is an upper bound.",
+        text: "The share of findings of such a score that were right in proofs on simulated robots; of a \
+            class that the data cannot separate the first label is right about every other time. For a \
+            real robot, whose noise is not white and whose model lacks several effects at once, it is an \
+            upper bound.",
     },
     Term {
         name: "follows",
         title: "what a residual follows",
         text: "The coordinate (position, velocity, load torque, time, another joint's motion …) that predicts \
-            most of what is left, judged on stretches of time that it was not learned from. It points to the \
-            physics that is still missing: what follows velocity is friction, what follows position is gravity, \
-            a spring or ripple, what follows load is an efficiency or a load-dependent friction.",
+            most of the residual on held-out stretches of time. It indicates the missing physics: velocity \
+            indicates friction, position gravity, a spring or ripple, load an efficiency or load-dependent \
+            friction.",
     },
     Term {
         name: "held_out",
         title: "held-out data",
-        text: "Rows that took no part in selecting or fitting anything: the validation recordings or, where \
-            there are none, the last quarter of each questioned recording. Only errors on them say how well a \
-            model predicts; errors on fitted rows fall with every parameter that is added.",
+        text: "Rows excluded from selection and fit: the validation recordings or, without any, the last \
+            quarter of each questioned recording. Only errors on them show how well a model predicts; \
+            errors on fitted rows fall with every added parameter.",
     },
     Term {
         name: "indications",
         title: "indications",
-        text: "Effects that describe the recordings and fail a test: their parameters are none that a machine has, or \
-            within two standard deviations of nothing, or they lower the error of no joint by as much as counts, or data \
-            that took no part are predicted better without them. They are not claimed, and the improved model does \
-            without them.",
+        text: "Effects that describe the recordings but fail a test: their parameters are physically \
+            impossible or within two standard deviations of zero, they lower the error of no joint by \
+            enough, or held-out data are predicted better without them. They are not claimed and not part \
+            of the improved model.",
     },
     Term {
         name: "named",
         title: "verdict: named",
-        text: "Something has changed (without targets: is missing), and it has a name: the effects listed explain it \
-            better than any other that is known, each has passed every test, and together they account for most of it, \
-            joint by joint and on held-out data. improved.toml has them.",
+        text: "Something has changed (without targets: is missing), and the claimed effects explain it: each \
+            has passed every test, and together they account for most of it, joint by joint and on \
+            held-out data. improved.toml has them.",
     },
     Term {
         name: "no_mismatch",
         title: "verdict: no_mismatch",
-        text: "Nothing is missing that these recordings could show: the residual is noise. It does not say \
-            that the model is right for motions that were not recorded; see not_decidable. `aurt sensitivity` says how \
-            large an effect could be and stay hidden.",
+        text: "These recordings show nothing that the model lacks: the residual is noise. Motions that were \
+            not recorded may show more; see not_decidable. `aurt sensitivity` gives the size that an \
+            effect could have without being found.",
     },
     Term {
         name: "noise_floor",
         title: "noise floor",
-        text: "The residual that a perfect model would leave on a joint: the white noise of the measurement \
-            after the filter, and the noise of the positions as it passes through differentiation and model. No \
-            model has a smaller residual on held-out data. Structure is claimed where a residual exceeds 1.65 \
-            times the floor.",
+        text: "The residual that a perfect model leaves on a joint: the noise of the measurement after the \
+            filter, and the noise of the positions after differentiation and model. No model has less on \
+            held-out data. Structure is claimed where a residual exceeds 1.65 times the floor.",
     },
     Term {
         name: "not_decidable",
@@ -79,60 +78,60 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "not_examined",
         title: "not examined",
-        text: "What these recordings do not let anyone look at, and why: joints that stand, measurements that never \
-            change or have no relation to the motion, recordings too short to be judged by stretches of time, sampling \
+        text: "What these recordings do not allow to examine, and why: resting joints, measurements that \
+            never change or do not depend on the motion, recordings too short for blocks of time, sampling \
             too slow for impacts and ringing.",
     },
     Term {
         name: "score",
         title: "score of a finding",
         text: "Half the number of independent rows times the logarithm of the error without the effect over \
-            that with it, summed over joints, on blocks of time that were not fitted. Twice as much evidence is \
-            twice the score. A finding has to exceed the threshold beside it.",
+            that with it, summed over joints, on held-out blocks of time. It has to exceed the threshold \
+            beside it.",
     },
     Term {
         name: "shifts",
         title: "shifts",
-        text: "Parameters of the rest of the model that moved by more than three standard deviations (memory and misfit of \
-            the residual included) when the found effects were added. They had absorbed the missing physics, and their old values should not be \
-            trusted.",
+        text: "Parameters of the rest of the model that moved by more than three standard deviations \
+            (autocorrelation and misfit of the residual included) when the claimed effects were added. \
+            They had absorbed the missing physics; do not trust their old values.",
     },
     Term {
         name: "stability",
         title: "stability of a finding",
-        text: "Share of the blocks of time on which the error of its joints is lower with the finding than without it, \
-            all else in the model. An effect that is there helps nearly everywhere.",
+        text: "Share of the blocks of time on which the error of its joints is lower with the finding than \
+            without it, everything else in the model. A real effect helps on nearly all of them.",
     },
     Term {
         name: "stands_out",
         title: "windows that stand out",
-        text: "Half-second windows whose residual is larger than chance explains: among all windows of a recording, \
-            noise of the residual's median variance (at least that of the noise floor) exceeds the limit in 1 % of cases. \
-            Contacts, corrupt samples and sudden changes appear here; windows at reversals indicate friction at low speed.",
+        text: "Half-second stretches in which the residual exceeds what stationary noise reaches in one recording of a \
+            hundred. They indicate contacts, corrupt samples and sudden changes; rows at reversals do not count.",
     },
     Term {
         name: "structure",
         title: "structure: the second answer",
-        text: "Where targets stand beside other recordings, `verdict` says what has changed in them, and `structure`, in \
-            the same four words, what the model lacks in all recordings. A change can be identified even where the structure cannot be explained.",
+        text: "With targets, `verdict` says what has changed in them, and `structure`, with the same four \
+            words, what the model lacks in all recordings. A change can be clear although the structure is \
+            unexplained.",
     },
     Term {
         name: "structure_left",
         title: "structure left",
-        text: "More than noise is left on a joint after all that was found: its residual exceeds 1.65 times the \
-            noise floor. See follows for where to look.",
+        text: "The residual of a joint exceeds 1.65 times the noise floor after all claimed effects. See \
+            follows for where to look.",
     },
     Term {
         name: "tied_with_best",
         title: "tied with the best",
-        text: "Noise may explain by how much this variant is worse than the best one, over all joints \
-            together. Of tied variants take the one with the fewest coefficients.",
+        text: "Noise may explain the difference of this variant from the best one, over all joints together. \
+            Of tied variants take the one with the fewest coefficients.",
     },
     Term {
         name: "unexplained",
         title: "verdict: unexplained",
-        text: "The residual has structure, and no known effect explains it. The report says \
-            where it is (joint, time, coordinate), and which registered friction model predicts it, if one of a library \
-            that is loaded does (docs/friction-plugin.md). An effect of your own can be added: docs/adding-an-effect.md.",
+        text: "The residual has structure that no known effect explains. The report shows where (joint, time, \
+            coordinate), and which registered friction model of a loaded library predicts it \
+            (docs/friction-plugin.md). CONTRIBUTING.md says how to add an effect.",
     },
 ];

@@ -28,9 +28,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "columns",
         title: "columns of a recording",
-        text: "Where to find what in a file whose header says nothing: `columns = { time = 0, position = [1, 6], \
-            measurement = [13, 18] }` counts from 0, first and last of one column per joint; names in the place of \
-            numbers pick columns by their header. Without it columns are found by the names that robots log under: \
+        text: "Columns of a file whose header does not tell: `columns = { time = 0, position = [1, 6], \
+            measurement = [13, 18] }` counts from 0, first and last of one column per joint; names instead \
+            of numbers select columns by their header. Without it columns are found by the usual names: \
             timestamp, actual_q_0, q_0, current_0, torque_0 and others.",
     },
     Term {
@@ -43,17 +43,17 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "estimator",
         title: "estimator",
-        text: "How rows of different joints are weighed against each other: \"wls\" (default) by 1/σ² of their joint, \
-            \"ols\" all alike (see wls); and what is asked of the estimate: \"consistent\" a machine that can exist, \
-            \"essential\" the fewest parameters that predict as well, \"irls\" that rows with impacts do not count \
-            (weights by row).",
+        text: "How the estimate is made: \"wls\" (default) weights rows by 1/σ² of their joint, \"ols\" \
+            equally (see wls); \"consistent\" gives a physically possible machine, \"essential\" the \
+            fewest parameters that predict as well, \"irls\" robust weights for rows with impacts.",
     },
     Term {
         name: "experiment",
         title: "experiment file",
-        text: "One TOML file that says all: the robot's geometry ([robot]), friction ([joint_dynamics], [[arm_terms]]), \
-            the data ([recordings]), filters ([preprocess]). `aurt run` calibrates and judges it, `aurt diagnose` looks \
-            for what it lacks. `aurt demo` writes one to start from; docs/experiment-file.md lists every key.",
+        text: "One TOML file: the robot's geometry ([robot]), friction ([joint_dynamics], [[arm_terms]]), the \
+            data ([recordings]), filters ([preprocess]). `aurt run` calibrates and validates it, `aurt \
+            diagnose` finds what it lacks. `aurt demo` writes one to start from; docs/experiment-file.md \
+            lists every key.",
     },
     Term {
         name: "file",
@@ -65,15 +65,14 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "gravity",
         title: "gravity_m_s2",
-        text: "Gravitational acceleration in the frame of the robot's base, and so how it is mounted: [0, 0, -9.81] stands \
-            upright, [0, 0, 9.81] hangs from the ceiling, [0, 6.937, -6.937] leans by 45°. A wrong one shows as a load \
-            that the model cannot place.",
+        text: "Gravitational acceleration in the frame of the robot's base, which describes its mounting: [0, \
+            0, -9.81] upright, [0, 0, 9.81] hanging from the ceiling, [0, 6.937, -6.937] tilted by 45°.",
     },
     Term {
         name: "instrument",
         title: "[instrument]: what measuring does",
-        text: "One entry per joint: the measurement reads gains · τ(t − delay_s) + offsets. It is undone before anything \
-            is fitted. Leave it out unless you know better, or a diagnosis put it there.",
+        text: "One entry per joint: the measurement reads gains · τ(t − delay_s) + offsets. It is undone \
+            before anything is fitted. Leave it out unless the values are known or a diagnosis wrote them.",
     },
     Term {
         name: "joint_dynamics",
@@ -137,7 +136,7 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "recordings",
         title: "[recordings]: the data and their parts",
-        text: "calibration is fitted to; validation takes no part and judges; target (diagnoses only) is what may have \
+        text: "calibration is fitted; validation is held out; target (diagnoses only) is what may have \
             changed; simulated is another simulator's prediction of it. See each of these.",
     },
     Term {
@@ -167,16 +166,17 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "sweep",
         title: "[sweep]: variants of an experiment",
-        text: "Lists of values for keys of the experiment; `aurt sweep` tries all combinations and ranks them on held-out \
-            data. Other commands leave the section alone.",
+        text: "Lists of values for keys of the experiment; `aurt sweep` tries all combinations and ranks them \
+            on held-out data. Other commands ignore the section.",
     },
     Term {
         name: "target",
         title: "target recordings",
-        text: "Under [recordings], for `aurt diagnose`: recordings in which something may have changed, beside calibration \
-            recordings of the robot as the model knows it. The answer tells what has changed in the target from what \
-            the model lacks in all recordings. Without target the question is what the model lacks in its own \
-            calibration recordings. Validation must then be of the robot as it is in the target.",
+        text: "Under [recordings], for `aurt diagnose`: recordings in which something may have changed, \
+            beside calibration recordings of the robot that the model describes. The answer separates what \
+            has changed in the target from what the model lacks in all recordings. Without target the \
+            question is what the model lacks in its calibration recordings. Validation must then be of the \
+            robot as it is in the target.",
     },
     Term {
         name: "tip",
@@ -198,11 +198,11 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "unphysical",
         title: "unphysical parameters",
-        text: "A value that no machine has, by more than its noise: a body whose inertia breaks the triangle inequality, a \
-            rotor of negative inertia, friction that drives a joint instead of braking it at speeds and loads that \
-            were recorded. Predictions of similar motions may be good all the same; simulations can be unstable, and the \
-            value stands in for something else. Record what shows the parameter, leave it out, or ask `aurt diagnose` \
-            what it stands in for.",
+        text: "A value that is impossible by more than its noise: a body whose inertia violates the triangle \
+            inequality, a negative rotor inertia, friction that adds power at recorded speeds and loads. \
+            Predictions of similar motions may still be good; simulations can be unstable, and the value \
+            stands for something else. Record what determines the parameter, leave it out, or run `aurt \
+            diagnose`.",
     },
     Term {
         name: "urdf",
@@ -213,10 +213,11 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "validation",
         title: "validation recordings",
-        text: "Under [recordings]: what judges the model and takes no part in fitting or selecting anything. Use other \
-            motions than those of the calibration, of the kind that the model is for. In a diagnosis with targets they are \
-            of the robot as it is in the targets, after the change: a part of a target cut off with window_s, or a \
-            second recording. Where there are none, a diagnosis holds out the last quarter of each questioned recording.",
+        text: "Under [recordings]: held-out recordings that judge the model. Use other motions than those of \
+            the calibration, of the kind that the model is for. In a diagnosis with targets they are of \
+            the robot as it is in the targets, after the change: a part of a target cut off with window_s, \
+            or a second recording. Without any, a diagnosis holds out the last quarter of each questioned \
+            recording.",
     },
     Term {
         name: "window_s",

@@ -8,21 +8,21 @@ pub const TERMS: &[Term] = &[
         name: "combined",
         title: "determined in combinations only",
         text: "The motion determines a weighted sum of these parameters, not each by itself. Their single \
-            values mean nothing; predictions of similar motions do not suffer. Motions that move the joints \
-            independently of each other separate them.",
+            values are not meaningful; predictions of similar motions are not affected. Motions that move \
+            the joints independently of each other separate them.",
     },
     Term {
         name: "corrupt_rows",
         title: "corrupt rows",
-        text: "Rows with values that no robot has (1e150, say). Up to 1 % of a file may be; they are left out \
-            and reported, and the motion is interpolated across them. More are refused: look at the logger.",
+        text: "Rows with impossible values (1e150, say). Up to 1 % of a file are left out and reported, and \
+            the motion is interpolated across them. More are refused: check the logger.",
     },
     Term {
         name: "decimation",
         title: "decimation",
-        text: "After the filter only every F_DS-th row is kept, F_DS = 0.8 / (4 f_dyn T_S): neighbouring rows \
-            say the same once they are filtered, and counting them all would make confidence intervals too \
-            narrow.",
+        text: "After the filter only every F_DS-th row is kept, F_DS = 0.8 / (4 f_dyn T_S): filtered \
+            neighbouring rows carry the same information, and counting all of them would make confidence \
+            intervals too narrow.",
     },
     Term {
         name: "dropped_samples",
@@ -48,9 +48,9 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "out_of_reach",
         title: "out of reach",
-        text: "Parameters that this motion does not need at all: their columns of the observation matrix are \
-            zero. Calibrated on it they stay zero, and motions that need them will be predicted wrongly. Move \
-            the joints concerned.",
+        text: "Parameters on which this motion does not depend: their columns of the observation matrix are \
+            zero. Calibrated on it they stay zero, and motions that depend on them are predicted wrongly. \
+            Move the joints concerned.",
     },
     Term {
         name: "own_share",
@@ -69,16 +69,15 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "search_not_settled",
         title: "the search for shape parameters did not settle",
-        text: "The parameters in which a model is not linear were still moving when the search stopped. Their \
-            values are the best found. Give a start closer to the solution in the experiment, bound the model to \
-            fewer elements, or set fit_shapes = false.",
+        text: "The shape parameters were still moving when the search stopped. Their values are the best \
+            found. Give a start closer to the solution in the experiment, limit the model to fewer \
+            elements, or set fit_shapes = false.",
     },
     Term {
         name: "shape_at_bound",
         title: "shape parameters at a bound",
-        text: "The search ended at the edge of what a shape parameter may be, where the model turns into a \
-            simpler one or the recordings say nothing about it. A simpler model does as well; compare both in a \
-            sweep.",
+        text: "The search ended at the bound of a shape parameter, where the model becomes a simpler one or \
+            the recordings do not determine it. A simpler model is as good; compare both in a sweep.",
     },
     Term {
         name: "shape_not_determined",
@@ -96,8 +95,8 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "velocity_scale",
         title: "logged velocity against derivative of position",
-        text: "The factor between the logged velocity and the derivative of the position, joint by joint. 1 is \
-            right; 57.3 or 0.0175 speak of degrees, −1 of a sign, anything else of swapped columns or gear \
-            ratios. aurt uses positions alone, so nothing is lost but the check.",
+        text: "The factor between the logged velocity and the derivative of the position, joint by joint. 1 \
+            is right; 57.3 or 0.0175 indicate degrees, −1 a sign, other values swapped columns or gear \
+            ratios. aurt uses positions only, so nothing else is affected.",
     },
 ];

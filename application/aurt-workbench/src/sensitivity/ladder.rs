@@ -2,6 +2,8 @@
 
 use std::f64::consts::SQRT_2;
 
+use serde::Serialize;
+
 /// Strengths, in units of what the model leaves: steps of √2, so that a limit between two of them is known to a factor of
 /// 1.19 either way.
 pub const LEVELS: [f64; 13] = [
@@ -22,6 +24,15 @@ pub const LEVELS: [f64; 13] = [
 
 /// Half a step of the ladder, as a ratio: a limit lies between the last level that was not enough and the first that was.
 pub const HALF_STEP: f64 = 1.189_207_115_002_721;
+
+/// A size from which on something happens.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Limit {
+    /// The size, in the row's unit.
+    pub size: f64,
+    /// The same in units of what the model leaves.
+    pub strength: f64,
+}
 
 /// The smallest of `0..top` at which `holds`, if it holds from somewhere on: outwards from a guess in growing steps, then by
 /// halves.

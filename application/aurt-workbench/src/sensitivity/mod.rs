@@ -12,7 +12,7 @@ mod subject;
 mod trials;
 
 pub use check::{Check, check};
-pub use ladder::LEVELS;
-pub use search::{DRAWS, Limit, NAMED_IN, Row, Status, search, tasks};
+pub use ladder::{LEVELS, Limit};
+pub use search::{DRAWS, NAMED_IN, Row, Status, search, tasks};
 pub use subject::Subject;
 pub use trials::Trials;

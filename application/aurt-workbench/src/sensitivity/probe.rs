@@ -10,8 +10,7 @@ use aurt_simulation::{
 
 use super::{
     claims::Claims,
-    ladder::{HALF_STEP, LEVELS, smallest},
-    search::Limit,
+    ladder::{HALF_STEP, LEVELS, Limit, smallest},
     trials::{Route, Trials},
 };
 use crate::failure::Failure;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
+    ladder::Limit,
     probe::Probe,
     trials::{Route, Trials},
 };
@@ -33,15 +34,6 @@ pub enum Status {
     Absorbed,
     /// The joint or the recordings cannot have it, or the diagnosis does not look for it in them.
     NotPossible,
-}
-
-/// A size from which on something happens.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Limit {
-    /// The size, in the row's unit.
-    pub size: f64,
-    /// The same in units of what the model leaves.
-    pub strength: f64,
 }
 
 /// An effect on a joint.

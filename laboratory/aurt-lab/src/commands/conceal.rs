@@ -31,7 +31,7 @@ pub struct Conceal {
     /// Which cases to make; without it every effect once, unknown effects, two pairs and four nulls
     #[arg(long, value_name = "PLAN.toml")]
     plan: Option<PathBuf>,
-    /// Seed of everything that is drawn
+    /// Seed of all random numbers
     #[arg(long, value_name = "N")]
     seed: u64,
     /// Folder for the cases

@@ -23,10 +23,10 @@ use crate::product::{Failure, Observer, Progress, pretty};
 #[derive(Debug, Parser)]
 #[command(name = "aurt-lab", version, max_term_width = 100, propagate_version = true)]
 struct Arguments {
-    /// Print one JSON document to standard output, and nothing else there.
+    /// Print one JSON document to standard output and nothing else.
     #[arg(long, global = true)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Load every library that an experiment names, trusted or not: its code runs with your rights.

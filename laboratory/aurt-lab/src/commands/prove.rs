@@ -38,7 +38,7 @@ pub struct Prove {
     /// A handful of cases of each world, in some minutes
     #[arg(long, conflicts_with = "plan")]
     small: bool,
-    /// Seed of everything that is drawn
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", required_unless_present_any = ["collect", "proofs", "so_far"])]
     seed: Option<u64>,
     /// Folder for truths, verdicts and the scoreboard, world by world; created if it does not exist

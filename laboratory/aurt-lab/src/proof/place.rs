@@ -18,7 +18,7 @@ pub struct Place {
 /// What a world's folder holds the proof of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Proof {
-    /// Seed of everything that is drawn.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// How many cases there are when it is complete.
     pub cases: usize,

@@ -49,7 +49,7 @@ pub trait Source: Sync {
 pub struct Ingredients {
     /// Which cases.
     pub plan: Plan,
-    /// Seed of everything that is drawn.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Experiments whose recordings effects are added to.
     pub into: Vec<PathBuf>,

@@ -54,7 +54,7 @@ pub struct Claim {
     /// The effects, the most important first.
     #[serde(default)]
     pub effects: Vec<ClaimedEffect>,
-    /// Residuals on data that took no part.
+    /// Residuals on held-out data.
     #[serde(default)]
     pub held_out: ClaimedHeldOut,
 }
@@ -107,7 +107,7 @@ pub struct ClaimedAlternative {
     pub joints: Vec<usize>,
 }
 
-/// Claimed residuals on data that took no part, joint by joint.
+/// Claimed residuals on held-out data, joint by joint.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct ClaimedHeldOut {

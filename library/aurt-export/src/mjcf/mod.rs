@@ -36,7 +36,7 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let mut text = String::from("<!--\n");
     let mut lines = vec![format!("{}, written by `aurt export mjcf`.", source.name)];
     lines.extend(source.provenance.lines());
-    lines.push("MuJoCo has no word for:".into());
+    lines.push("MuJoCo cannot express:".into());
     lines.extend(lost.iter().map(|l| format!("  {l}")));
     for line in lines {
         let _ = writeln!(text, "  {}", for_comment(&line));

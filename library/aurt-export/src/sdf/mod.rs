@@ -36,7 +36,7 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
 
     let mut lines = vec![format!("{name}, written by `aurt export sdf`.")];
     lines.extend(source.provenance.lines());
-    lines.push("SDF has no word for:".into());
+    lines.push("SDF cannot express:".into());
     lines.extend(lost.iter().map(|l| format!("  {l}")));
     let mut text = String::from("<?xml version=\"1.0\"?>\n<!--\n");
     for line in lines {

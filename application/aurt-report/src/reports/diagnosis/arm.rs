@@ -106,7 +106,7 @@ pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
         title: "where the error is".into(),
         name: "arm".into(),
         caption: format!(
-            "Joints by their error {rows}, in multiples of what noise alone leaves. A pose of the recordings; joints at one place \
+            "Joints by their error {rows}, in multiples of the noise floor. A pose of the recordings; joints at one place \
              are drawn side by side."
         ),
         of: "noise".into(),

@@ -139,7 +139,7 @@ impl Diagnosed<'_> {
             let lower = (0..joints).filter(|j| ratio(*j) < 1.0).count();
             sentences.push(format!(
                 "On held-out data the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
-                 goes from {} {unit} to {} {unit}, and noise alone leaves {} {unit}.",
+                 goes from {} {unit} to {} {unit}, and the noise floor is {} {unit}.",
                 significant(held.rms_before[j], 3),
                 significant(held.rms_after[j], 3),
                 significant(held.rms_floor.get(j).copied().unwrap_or(f64::NAN), 3),
@@ -207,16 +207,7 @@ impl Diagnosed<'_> {
         };
         let mut table = Table::new(
             format!("residual, root mean square in {unit}"),
-            [
-                "joint",
-                "before",
-                "after",
-                "noise",
-                "held out: before",
-                "after",
-                "noise",
-                "<what is left follows",
-            ],
+            ["joint", "before", "after", "noise", "held out: before", "after", "noise", "<residual follows"],
         );
         for r in &self.verdict.residual {
             let of = |list: &[f64]| value(list, r.joint).map_or_else(|| "–".into(), |v| significant(v, 4));
@@ -238,8 +229,8 @@ impl Diagnosed<'_> {
         Section {
             title: "Before and after".into(),
             introduction: "Before: the model in question. After: with what was found. The left columns are of the rows \
-                           that were fitted, where both models were fitted to all of them; held-out rows took no part, \
-                           and there the model in question is as it was calibrated."
+                           that were fitted, where both models were fitted to all of them; on held-out rows the model \
+                           in question is as it was calibrated."
                 .into(),
             blocks: vec![self.where_it_is(Figure::Bars(bars)), Block::Table(table)],
         }

@@ -17,7 +17,7 @@ impl Diagnosed<'_> {
             f.recording.as_deref() == Some(series.name.as_str())
                 && (f.joints.is_empty() || f.joints.contains(&joint))
         });
-        let left = series.joints[joint].windows_s.iter().map(|w| (*w, "what is left stands out"));
+        let left = series.joints[joint].windows_s.iter().map(|w| (*w, "residual above the noise floor"));
         located.filter_map(|f| Some((f.window_s?, "located"))).chain(left).collect()
     }
 

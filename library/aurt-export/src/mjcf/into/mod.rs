@@ -251,7 +251,7 @@ fn heading(source: &Source<'_>, changed: &[String], lost: &[String]) -> String {
     lines.extend(source.provenance.lines());
     lines.push("Changed:".into());
     lines.extend(changed.iter().map(|l| format!("  {l}")));
-    lines.push("MuJoCo has no word for:".into());
+    lines.push("MuJoCo cannot express:".into());
     lines.extend(lost.iter().map(|l| format!("  {l}")));
     let lines: Vec<String> = lines.iter().map(|l| format!("  {}\n", for_comment(l))).collect();
     format!("<!--\n{}-->\n", lines.concat())
