@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
+use aurt_traits::Branch;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::pose::{Pose, along};
@@ -126,12 +127,46 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
         friction: own.iter().map(|own| own.friction).collect(),
         armature_kg_m2: own.iter().map(|own| own.armature).collect(),
         standard_parameters: has_masses.then_some(standard),
+        branches: carried.iter().map(|joint| branch(tree, &links, &own, *joint, has_masses)).collect(),
         frames: links
             .iter()
             .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
             .collect(),
         notes,
     })
+}
+
+/// A joint beside the chain, and what hangs on it with all further joints at rest.
+///
+/// A turn by dq about the axis n through o displaces the first moment h of a mass m by n × (h − m o) dq, a slide by m n dq.
+fn branch(tree: &Tree, links: &[ChainLink], own: &[OwnJoint], joint: usize, has_masses: bool) -> Branch {
+    let of = &tree.joints[joint];
+    let holds = |link: &ChainLink| link.parts.iter().any(|part| part.link == of.child);
+    let before = links.iter().position(holds).map_or(&links[..0], |at| &links[..=at]);
+    let own_place = |link: &ChainLink| {
+        let moves = tree.followed(link.joint)?.joint;
+        own.iter().position(|own| own.joint == moves)
+    };
+    let mut upstream: Vec<usize> = before.iter().filter_map(own_place).collect();
+    upstream.sort_unstable();
+    upstream.dedup();
+    let parts = before.last().map_or(&[][..], |link| &link.parts);
+    let hangs = |part: &&Part| part.link == of.child || tree.path_between(of.child, part.link).is_some();
+    let (mut mass_kg, mut moment_kg_m) = (0.0, Vector3::zeros());
+    for [.., x, y, z, mass] in parts.iter().filter(hangs).map(|part| part.standard) {
+        moment_kg_m += Vector3::new(x, y, z);
+        mass_kg += mass;
+    }
+    let pose = parts.iter().find(|part| part.link == of.child).map(|part| &part.pose);
+    let displaced = pose.zip(has_masses.then_some(())).and_then(|(pose, ())| match &of.freedom {
+        Freedom::Turns(axis) => {
+            let about = moment_kg_m - mass_kg * pose.origin_m;
+            Some((pose.rotation * axis.normalize()).cross(&about).norm())
+        }
+        Freedom::Slides(_) => Some(mass_kg),
+        Freedom::Fixed | Freedom::Other(_) => None,
+    });
+    Branch { joint: of.name.clone(), upstream, displaced, slides: matches!(of.freedom, Freedom::Slides(_)) }
 }
 
 /// A joint of the chain that moves on its own, with what the joints that follow it add.
