@@ -58,7 +58,7 @@ pub fn calibrate(
         for recording in &held_out {
             calibrator = calibrator.validation(recording);
         }
-        calibrator.calibrate_with_series(progress)
+        Ok(calibrator.calibrate_with_series(progress)?)
     })?;
     Ok(Model::of(outcome))
 }

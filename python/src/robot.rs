@@ -10,7 +10,7 @@ use aurt_plugins::{Registry, SlotModel};
 use aurt_workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
 use crate::{
@@ -94,7 +94,7 @@ impl Robot {
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let limits = self.inner.described().map(|described| described.limits.as_slice()).unwrap_or_default();
         let row = |(joint, limit): (usize, &aurt_robots::JointLimits)| {
-            serde_json::json!({
+            json!({
                 "joint": joint,
                 "lower_rad": limit.position_rad.map(|[low, _]| low),
                 "upper_rad": limit.position_rad.map(|[_, high]| high),
@@ -123,11 +123,11 @@ impl Robot {
     fn base_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (standard, base) = (self.inner.rigid_body().standard_parameters(), self.inner.base_parameters());
         let row = |(column, combination): (&usize, &Vec<(usize, f64)>)| {
-            let of: serde_json::Map<String, serde_json::Value> = combination
+            let of: Map<String, Value> = combination
                 .iter()
-                .map(|(index, factor)| (standard[*index].name.clone(), serde_json::json!(factor)))
+                .map(|(index, factor)| (standard[*index].name.clone(), json!(factor)))
                 .collect();
-            serde_json::json!({
+            json!({
                 "name": standard[*column].name, "unit": standard[*column].unit, "index": column, "combination": of,
             })
         };
@@ -390,7 +390,7 @@ impl Structure {
     /// The coefficients as rows: name and unit.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let row = |p: &aurt::traits::Parameter| serde_json::json!({"name": p.name, "unit": p.unit});
+        let row = |p: &aurt::traits::Parameter| json!({"name": p.name, "unit": p.unit});
         rows(py, &self.model.parameters().iter().map(row).collect::<Vec<_>>())
     }
 

@@ -65,7 +65,9 @@ fn main() -> ExitCode {
     };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
     interrupt::listen();
-    let status = report(run(&arguments, &terminal), &terminal);
+    let outcome = run(&arguments, &terminal);
+    terminal.print_cleared(&aurt_output::take_cleared());
+    let status = report(outcome, &terminal);
     supervised::ended();
     status
 }

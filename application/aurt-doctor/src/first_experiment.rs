@@ -174,7 +174,11 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
 }
 
 fn of(described: &DescribedRobot) -> RobotJoints {
-    RobotJoints { count: described.joints(), names: described.joint_names.clone() }
+    RobotJoints {
+        count: described.joints(),
+        names: described.joint_names.clone(),
+        branches: described.branches.clone(),
+    }
 }
 
 /// `topic` and `joint_names`, as they were given; the names that the recordings have, where the robot has none.

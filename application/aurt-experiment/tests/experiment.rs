@@ -172,7 +172,7 @@ estimator = 3
 [plot]
 "#;
     let expected = r#"e.toml:4:12: `mdh_rows` cannot be "nxet"; did you mean `next`? known values: `next`, `previous`
-e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `mdh`, `mdh_rows`, `mjcf`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
+e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `joint_names`, `mdh`, `mdh_rows`, `mjcf`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
 e.toml:6:29: `torque_constants_nm_per_a` expects one entry per joint, so 2, found 3
 e.toml:8:21: there is no coulomb model `sqare`; did you mean `square`? known coulomb models: COULOMB
 e.toml:9:44: model `polynomial`, key `powers`: invalid type: string "1", expected a sequence; a working example: POLYNOMIAL

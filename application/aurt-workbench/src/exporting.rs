@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-pub use aurt_export::fmu::{Kind, Version};
 use aurt_export::{
     Check, Export, Provenance, Source, c,
     fmu::{self, Fmu},
-    mjcf::{
-        self,
-        into::{Corrected, Original, correct},
-    },
-    rust, sdf, urdf,
+    into::{self, Corrected, Original},
+    mjcf, rust, sdf, urdf,
+};
+pub use aurt_export::{
+    fmu::{Kind, Version},
+    into::Format,
 };
 use aurt_model::model_file::read_json;
 use aurt_plugins::Registry;
@@ -107,26 +107,30 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
     })
 }
 
-/// The dynamics of the model in `path` in the user's MuJoCo file `into`: the same file with other inertias and attributes of
-/// joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
+/// The dynamics of the model in `path` in the user's MuJoCo or URDF file `into`: the same file with other inertias and
+/// dynamics of joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
 ///
 /// # Errors
 /// As [`export`]; what is wrong with the file, or that it describes another robot.
-pub fn correct_mjcf(
+pub fn correct(
     path: &Path,
     into: &Path,
-    base: Option<&str>,
-    tip: Option<&str>,
+    format: Format,
+    [base, tip]: [Option<&str>; 2],
     registry: &Registry,
 ) -> Result<Exported, Failure> {
     let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES).map_err(|source| {
         aurt_robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
     })?;
-    let original = Original { text: &text, path: into, base, tip };
+    let original = Original { text: &text, path: into, format, base, tip };
     with_source(path, "robot", registry, |source, _| {
-        let Corrected { text, changed, lost, notes } = correct(source, &original)?;
+        let Corrected { text, changed, lost, notes } = into::correct(source, &original)?;
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();
-        let files = vec![(format!("{stem}_calibrated.xml"), text.into_bytes())];
+        let extension = match format {
+            Format::Mjcf => "xml",
+            Format::Urdf => "urdf",
+        };
+        let files = vec![(format!("{stem}_calibrated.{extension}"), text.into_bytes())];
         Ok(Exported { files, changed, lost, notes })
     })
 }

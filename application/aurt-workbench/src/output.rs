@@ -1,12 +1,12 @@
-//! Where a command writes its results. Whether a path can be written at all is asked before any work is done; results
-//! appear together or not at all.
+//! Where a command writes its results. Whether a path can be written at all is asked before any work is done, and what a
+//! killed command left there is cleared away; results appear together or not at all.
 
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-use aurt_output::{write_file, write_files, write_folder};
+use aurt_output::{clear_unfinished, is_named_pipe, write_file, write_files, write_folder};
 use aurt_report::Page;
 
 use crate::failure::Failure;
@@ -35,6 +35,9 @@ impl OutputFile {
         if path.is_dir() {
             return Err(refuse("is a folder", "name a file in it"));
         }
+        if is_named_pipe(path) {
+            return Err(refuse("is a pipe, which may have no reader", "name a file, or /dev/stdout"));
+        }
         let folder = folder_of(path);
         if !folder.is_dir() {
             let reason = format!("lies in {}, which is not an existing folder", folder.display());
@@ -47,6 +50,7 @@ impl OutputFile {
         if inputs.iter().any(|input| same(&input)) {
             return Err(refuse("is an input of this command and would be overwritten", "name another file"));
         }
+        clear_unfinished(folder);
         Ok(Self { path: path.to_owned() })
     }
 
@@ -112,7 +116,7 @@ impl OutputFolder {
             let reason = format!("lies in {}, which is not an existing folder", parent.display());
             return Err(refuse(reason, "create that folder first"));
         }
-        Ok(Self { path: path.to_owned() })
+        Ok(Self::at(path))
     }
 
     /// The same for a folder whose own folder may have to be made, such as one within another output.
@@ -124,7 +128,13 @@ impl OutputFolder {
         if path.as_os_str().is_empty() || known.is_file() {
             return Self::new(option, known);
         }
-        Ok(Self { path: path.to_owned() })
+        Ok(Self::at(path))
+    }
+
+    /// A new folder is staged beside its place, files of an existing one within it.
+    fn at(path: &Path) -> Self {
+        clear_unfinished(if path.exists() { path } else { folder_of(path) });
+        Self { path: path.to_owned() }
     }
 
     /// The path.

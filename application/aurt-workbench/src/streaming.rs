@@ -170,12 +170,14 @@ pub fn fit_in_stretches(
     // Those for calibration come first.
     let fitted = assigned.iter().take_while(|(_, role)| *role == Role::Calibration).count();
     let f_dyn_hz = job.preprocessing.f_dyn_hz;
-    let calibration = calibrate_long(&job.model, &prepared[..fitted], unit, f_dyn_hz, &job.options)?;
+    let mut calibration = calibrate_long(&job.model, &prepared[..fitted], unit, f_dyn_hz, &job.options)?;
     let mut recordings = Vec::new();
     for ((source, role), prepared) in assigned.iter().zip(&prepared) {
         progress.step(format!("validating on {}", source.label));
         let mut notes = prepared.recording().report().notes();
         notes.extend(prepared.report().notes());
+        let beside = prepared.recording().report().warnings();
+        calibration.warnings.extend(beside.map(|w| format!("{}: {w}", source.label)));
         notes.push(
             "read in stretches: measured velocities are not compared with positions, and no rows are shown"
                 .into(),

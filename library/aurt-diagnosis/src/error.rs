@@ -1,5 +1,5 @@
 use aurt_calibration::CalibrationError;
-use aurt_recording::RecordingError;
+use aurt_recording::{BranchMotion, RecordingError};
 use aurt_traits::ModelError;
 use thiserror::Error;
 
@@ -63,6 +63,14 @@ pub enum DiagnosisError {
         recording: String,
         /// The value of joint 0.
         first: f64,
+    },
+    /// Every joint's measurement contains a motion that no model of the chain has.
+    #[error("{recording}: {branch}")]
+    Branch {
+        /// The recording.
+        recording: String,
+        /// The first joint beside the chain that moves.
+        branch: BranchMotion,
     },
     /// A figure of a verdict is not a number.
     #[error(

@@ -98,7 +98,7 @@ pub enum ExportError {
     Xml(roxmltree::Error),
     /// A file to be corrected describes another chain than the model.
     #[error(
-        "the chain of the file is not that of the model: {reason}; calibrate with `mjcf` in the table `robot` naming this file, \
+        "the chain of the file is not that of the model: {reason}; calibrate with `mjcf` or `urdf` in the table `robot` naming this file, \
          or choose the chain with `--base` and `--tip`"
     )]
     OtherChain {
@@ -127,6 +127,12 @@ pub enum ExportError {
         /// The bodies beside the chain.
         carried: String,
     },
+    /// The file takes all masses from shapes, so that what is written would not count.
+    #[error(
+        "the file has `inertiafromgeom=\"true\"`, by which MuJoCo overrules every <inertial> with the masses of shapes; write \
+         `inertiafromgeom=\"auto\"` in <compiler>"
+    )]
+    FromShapes,
     /// The rigid bodies.
     #[error(transparent)]
     RigidBody(#[from] RbdError),

@@ -5,7 +5,7 @@
 //! | [`c::export`] | a C99 header and source: inverse dynamics, friction with its state, gravity, mass matrix; a program that checks them |
 //! | [`fmu::export`] | a functional mock-up unit: FMI 2.0 or 3.0 co-simulation of inverse or forward dynamics |
 //! | [`mjcf::export`] | a MuJoCo model: geometry, inertias, armature, damping, friction loss |
-//! | [`mjcf::into::correct`] | the user's own MuJoCo file with its dynamics corrected, all else as it is |
+//! | [`into::correct`] | the user's own MuJoCo or URDF file with its dynamics corrected, all else as it is |
 //! | [`sdf::export`] | an SDF file for Gazebo: geometry, inertias, damping, friction, springs |
 //! | [`rust::export`] | a Rust crate of the same functions, `no_std` where wanted; a test that checks them |
 //! | [`urdf::export`] | a URDF file: geometry, inertias, damping, friction |
@@ -16,6 +16,7 @@
 pub mod c;
 mod error;
 pub mod fmu;
+pub mod into;
 pub mod mjcf;
 mod naming;
 mod program;

@@ -4,7 +4,7 @@ use aurt_rbd::{LinkFrame, RbdError, SerialChain, inconsistencies};
 use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::Value as Json;
 
-use crate::ExportError;
+use crate::{ExportError, naming::for_comment};
 
 /// A calibrated model, as exports need it.
 #[derive(Debug, Clone, Copy)]
@@ -147,6 +147,27 @@ impl<'a> Source<'a> {
         }
         Ok(standard)
     }
+}
+
+/// The comment with which a file of a description begins: `first`, where the model comes from, what was changed in a file of
+/// the user, what the format cannot express.
+pub(crate) fn heading(
+    source: &Source<'_>,
+    first: String,
+    changed: &[String],
+    program: &str,
+    lost: &[String],
+) -> String {
+    let mut lines = vec![first];
+    lines.extend(source.provenance.lines());
+    for (title, said) in [("Changed:".to_owned(), changed), (format!("{program} cannot express:"), lost)] {
+        if !said.is_empty() {
+            lines.push(title);
+            lines.extend(said.iter().map(|line| format!("  {line}")));
+        }
+    }
+    let lines: String = lines.iter().map(|line| format!("  {}\n", for_comment(line))).collect();
+    format!("<!--\n{lines}-->\n")
 }
 
 /// The standard parameters of a link, in their order.

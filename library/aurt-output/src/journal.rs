@@ -17,6 +17,7 @@ use tempfile::NamedTempFile;
 use crate::{
     STAGED, WriteError,
     staging::{PART, Staged, folder_of, mark, named},
+    unfinished::note_cleared,
 };
 
 const JOURNAL: &str = ".journal";
@@ -67,9 +68,11 @@ pub fn clear_unfinished(folder: &Path) {
         complete(journal);
         let _ = fs::remove_file(journal);
     }
+    let parts = left.iter().filter(|path| !is(path, JOURNAL)).count();
     for path in left.iter().filter(|path| is(path, PART)) {
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
+    note_cleared(folder, parts);
 }
 
 /// Whether no living process holds a file or folder.

@@ -9,12 +9,14 @@
 //! Contents are staged beside their targets under names that begin with [`STAGED`], and written through to the disk.
 //! A folder that does not exist is staged as a whole and renamed once. Several files for existing folders are renamed one
 //! by one under a journal: an error takes back what was renamed before it; after a killed process or a power failure, the
-//! next write into that folder completes the renames. What a killed process left staged is removed then, too.
+//! next write into that folder completes the renames. What a killed process left staged is removed then, too;
+//! [`clear_unfinished`] does so at any time, and [`take_cleared`] tells where something was found.
 //!
 //! What is staged is noted, so that [`abandon`] takes it along when a command is interrupted; renames that have begun are
 //! done first.
 //!
-//! Links keep their place (what they point to is replaced); devices and pipes are written to directly, last.
+//! Links keep their place (what they point to is replaced); devices and the pipes of a shell are written to directly, last.
+//! Pipes with names are refused: writing would wait for a reader, perhaps for ever.
 
 mod journal;
 mod json;
@@ -33,7 +35,12 @@ use crate::{
     staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
     unfinished::publishing,
 };
-pub use crate::{journal::clear_unfinished, json::pretty, staging::StagedFolder, unfinished::abandon};
+pub use crate::{
+    journal::clear_unfinished,
+    json::pretty,
+    staging::{StagedFolder, is_named_pipe},
+    unfinished::{abandon, take_cleared},
+};
 
 /// What names of staged files begin with.
 pub const STAGED: &str = ".aurt-";
@@ -90,6 +97,10 @@ pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(
     let mut special = Vec::new();
     for (path, contents) in files {
         let path = path.as_ref();
+        if is_named_pipe(path) {
+            let source = io::Error::other("it is a pipe, which may have no reader; name a file");
+            return Err(WriteError { path: path.to_owned(), source });
+        }
         if is_of_the_system(path) || fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
             special.push((path.to_owned(), contents.as_ref()));
             continue;

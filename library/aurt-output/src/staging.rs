@@ -188,6 +188,21 @@ pub(crate) fn is_of_the_system(path: &Path) -> bool {
     })
 }
 
+/// Whether a path is a pipe that was made with a name (`mkfifo`).
+#[cfg(unix)]
+#[must_use]
+pub fn is_named_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    fs::metadata(path).is_ok_and(|found| found.file_type().is_fifo()) && !is_of_the_system(path)
+}
+
+/// Only Unix has them in folders.
+#[cfg(not(unix))]
+#[must_use]
+pub fn is_named_pipe(_path: &Path) -> bool {
+    false
+}
+
 /// The file that a path means: links keep their place, and what they point to is replaced, or made if it is not there
 /// yet.
 pub(crate) fn meant(path: &Path) -> Result<PathBuf, WriteError> {

@@ -89,6 +89,7 @@ fn what_a_killed_process_left_staged_is_removed_by_the_next_write() {
     living.as_file().set_modified(SystemTime::now() - Duration::from_secs(60)).unwrap();
     living.as_file().lock().unwrap();
     write_file(&folder.path().join("a"), b"1").unwrap();
+    assert_eq!(take_cleared().remove(folder.path()), Some(1));
     let left = contents(folder.path());
     let living = living.path().file_name().unwrap().to_string_lossy().into_owned();
     assert_eq!(left, listed([("a", "1"), (&living, "")]));
@@ -139,6 +140,17 @@ fn new_files_and_folders_get_the_permissions_of_any_new_one() {
     assert_eq!(mode("ours"), mode("plain"));
     assert_eq!(mode("ours/file"), mode("plain/file"));
     assert_eq!(mode("ours/other"), mode("plain/file"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_without_a_reader_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let error = write_files(&[(folder.path().join("a"), "1"), (pipe, "2")]).unwrap_err().to_string();
+    assert!(error.contains("it is a pipe"), "{error}");
+    assert!(!folder.path().join("a").exists());
 }
 
 #[cfg(unix)]

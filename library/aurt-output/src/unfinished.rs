@@ -1,7 +1,7 @@
 //! Files that are being written, so that a command that is interrupted takes them along and leaves whole results alone.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs, io,
     path::{Path, PathBuf},
     sync::{
@@ -16,6 +16,9 @@ static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 static PUBLISHING: Mutex<()> = Mutex::new(());
 /// Files that have taken their names.
 static KEPT: AtomicUsize = AtomicUsize::new(0);
+
+/// Parts of files of killed processes that were removed or completed, by folder.
+static CLEARED: Mutex<BTreeMap<PathBuf, usize>> = Mutex::new(BTreeMap::new());
 
 /// How often a folder is removed that others still write into.
 const REMOVALS: usize = 100;
@@ -78,6 +81,20 @@ pub fn abandon() -> usize {
     // Kept for good as well: nothing new is begun.
     std::mem::forget(unfinished);
     KEPT.load(Ordering::Relaxed)
+}
+
+/// Notes parts of files that were found in a folder and are no longer there.
+pub(crate) fn note_cleared(folder: &Path, parts: usize) {
+    if parts > 0 {
+        *lock(&CLEARED).entry(folder.to_owned()).or_default() += parts;
+    }
+}
+
+/// The folders in which this process has found and removed, or completed, what killed processes had left, each with the
+/// number of files and folders; nothing of what an earlier call has returned.
+#[must_use]
+pub fn take_cleared() -> BTreeMap<PathBuf, usize> {
+    std::mem::take(&mut *lock(&CLEARED))
 }
 
 /// Removes a file or a folder, into which files may still be written. What cannot be removed is left; its name tells what

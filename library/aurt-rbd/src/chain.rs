@@ -1,3 +1,4 @@
+use aurt_traits::Branch;
 use serde::{Deserialize, Serialize};
 
 use crate::joint::{Joint, JointFrame};
@@ -23,6 +24,7 @@ pub struct SerialChain {
     places: Vec<Place>,
     gravity_m_s2: [f64; 3],
     joint_names: Vec<String>,
+    branches: Vec<Branch>,
 }
 
 impl SerialChain {
@@ -54,7 +56,7 @@ impl SerialChain {
         let places = (0..joints.len())
             .map(|j| Place::new(joints[j].kind, &frames[j], j.checked_sub(1).map(|before| &joints[before])))
             .collect();
-        Ok(Self { joints, frames, places, gravity_m_s2, joint_names: Vec::new() })
+        Ok(Self { joints, frames, places, gravity_m_s2, joint_names: Vec::new(), branches: Vec::new() })
     }
 
     /// The chain of a table of modified Denavit–Hartenberg parameters.
@@ -72,6 +74,21 @@ impl SerialChain {
     pub fn with_joint_names(self, joint_names: Vec<String>) -> Result<Self, RbdError> {
         check_joint_names(&joint_names, self.joints.len())?;
         Ok(Self { joint_names, ..self })
+    }
+
+    /// The same chain with the joints beside it.
+    ///
+    /// # Errors
+    /// [`RbdError::Branch`] if one is said to be behind a joint that is not there.
+    pub fn with_branches(self, branches: Vec<Branch>) -> Result<Self, RbdError> {
+        check_branches(&branches, self.joints.len())?;
+        Ok(Self { branches, ..self })
+    }
+
+    /// The joints beside the chain.
+    #[must_use]
+    pub fn branches(&self) -> &[Branch] {
+        &self.branches
     }
 
     /// The joints' names, base first; empty where they have none.
@@ -121,6 +138,14 @@ pub(crate) fn check_joint_names(names: &[String], joints: usize) -> Result<(), R
     }
 }
 
+/// Whether branches can be those of a chain of `joints` joints.
+pub(crate) fn check_branches(branches: &[Branch], joints: usize) -> Result<(), RbdError> {
+    match branches.iter().find(|b| b.upstream.iter().any(|j| *j >= joints)) {
+        Some(branch) => Err(RbdError::Branch { name: branch.joint.clone(), joints }),
+        None => Ok(()),
+    }
+}
+
 /// What a saved chain holds.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -129,11 +154,14 @@ struct ChainSpec {
     joints: Vec<Joint>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     joint_names: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    branches: Vec<Branch>,
 }
 
 impl From<SerialChain> for ChainSpec {
     fn from(chain: SerialChain) -> Self {
-        Self { gravity_m_s2: chain.gravity_m_s2, joints: chain.joints, joint_names: chain.joint_names }
+        let SerialChain { gravity_m_s2, joints, joint_names, branches, .. } = chain;
+        Self { gravity_m_s2, joints, joint_names, branches }
     }
 }
 
@@ -141,7 +169,9 @@ impl TryFrom<ChainSpec> for SerialChain {
     type Error = RbdError;
 
     fn try_from(spec: ChainSpec) -> Result<Self, RbdError> {
-        Self::new(spec.joints, spec.gravity_m_s2)?.with_joint_names(spec.joint_names)
+        Self::new(spec.joints, spec.gravity_m_s2)?
+            .with_joint_names(spec.joint_names)?
+            .with_branches(spec.branches)
     }
 }
 

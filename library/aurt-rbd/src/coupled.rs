@@ -1,7 +1,7 @@
-use aurt_traits::{Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{Branch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 use serde::{Deserialize, Serialize};
 
-use crate::chain::check_joint_names;
+use crate::chain::{check_branches, check_joint_names};
 use crate::{INERTIAL_PARAMETERS, Joint, RbdError, SerialChain};
 
 /// Samples that are evaluated at once, so that the columns of all joints stay in a cache.
@@ -42,6 +42,7 @@ pub struct CoupledChain {
     couplings: Vec<Coupling>,
     coordinates: usize,
     joint_names: Vec<String>,
+    branches: Vec<Branch>,
 }
 
 impl CoupledChain {
@@ -81,7 +82,7 @@ impl CoupledChain {
                 return Err(RbdError::Joint { joint, what, reason });
             }
         }
-        Ok(Self { chain, couplings, coordinates, joint_names: Vec::new() })
+        Ok(Self { chain, couplings, coordinates, joint_names: Vec::new(), branches: Vec::new() })
     }
 
     /// The same with names for the N joints that move on their own; an empty list for none.
@@ -91,6 +92,15 @@ impl CoupledChain {
     pub fn with_joint_names(self, joint_names: Vec<String>) -> Result<Self, RbdError> {
         check_joint_names(&joint_names, self.coordinates)?;
         Ok(Self { joint_names, ..self })
+    }
+
+    /// The same with the joints beside the chain.
+    ///
+    /// # Errors
+    /// As [`SerialChain::with_branches`].
+    pub fn with_branches(self, branches: Vec<Branch>) -> Result<Self, RbdError> {
+        check_branches(&branches, self.coordinates)?;
+        Ok(Self { branches, ..self })
     }
 
     /// The chain of all M joints, as if each moved on its own.
@@ -180,6 +190,10 @@ impl RigidBodyRegressor for CoupledChain {
         &self.joint_names
     }
 
+    fn branches(&self) -> &[Branch] {
+        &self.branches
+    }
+
     fn standard_parameters(&self) -> Vec<Parameter> {
         RigidBodyRegressor::standard_parameters(&self.chain)
     }
@@ -246,6 +260,8 @@ struct CoupledSpec {
     couplings: Vec<Coupling>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     joint_names: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    branches: Vec<Branch>,
 }
 
 impl From<CoupledChain> for CoupledSpec {
@@ -255,6 +271,7 @@ impl From<CoupledChain> for CoupledSpec {
             joints: coupled.chain.joints().to_vec(),
             couplings: coupled.couplings,
             joint_names: coupled.joint_names,
+            branches: coupled.branches,
         }
     }
 }
@@ -264,6 +281,7 @@ impl TryFrom<CoupledSpec> for CoupledChain {
 
     fn try_from(spec: CoupledSpec) -> Result<Self, RbdError> {
         Self::new(SerialChain::new(spec.joints, spec.gravity_m_s2)?, spec.couplings)?
-            .with_joint_names(spec.joint_names)
+            .with_joint_names(spec.joint_names)?
+            .with_branches(spec.branches)
     }
 }

@@ -27,6 +27,14 @@ pub enum RbdError {
         /// Its name.
         name: String,
     },
+    /// A joint beside the chain behind one that is not there.
+    #[error("the joint `{}` beside the chain is behind a joint that is none of the {joints}", name.escape_debug())]
+    Branch {
+        /// The joint beside the chain.
+        name: String,
+        /// Joints of the chain.
+        joints: usize,
+    },
     /// A chain without joints.
     #[error("a chain needs at least one joint")]
     NoJoints,

@@ -1,4 +1,4 @@
-use aurt_traits::{Dispatch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
+use aurt_traits::{Branch, Dispatch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 
 use crate::kernel;
 use crate::{INERTIAL_PARAMETERS, SerialChain};
@@ -25,6 +25,10 @@ impl RigidBodyRegressor for SerialChain {
 
     fn joint_names(&self) -> &[String] {
         Self::joint_names(self)
+    }
+
+    fn branches(&self) -> &[Branch] {
+        Self::branches(self)
     }
 
     fn standard_parameters(&self) -> Vec<Parameter> {

@@ -36,7 +36,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     for (place, other) in options.recorded.joined.iter().enumerate() {
         let still_missing = options.needs_measurement && whole.measurement.is_none() && place + 1 == last;
         let part = ReadOptions {
-            joints: Some(RobotJoints { count: whole.joints(), names: whole.joints.names().to_vec() }),
+            joints: Some(RobotJoints { names: whole.joints.names().to_vec(), ..whole.joints().into() }),
             columns: other.columns.clone(),
             unit: other.unit.or(options.unit),
             recorded: alone(&other.recorded),
@@ -62,6 +62,7 @@ fn of_file(recording: &Recording) -> ReadReport {
         columns: report.columns.iter().map(|c| format!("{c} ({name})")).collect(),
         remarks: report.notes().into_iter().skip(1 + found).map(|n| format!("{name}: {n}")).collect(),
         origin_s: report.origin_s,
+        branches: report.branches.clone(),
         line_is_row: true,
         ..ReadReport::default()
     }

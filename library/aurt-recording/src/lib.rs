@@ -47,6 +47,7 @@
 mod arrays;
 #[cfg(feature = "mcap")]
 mod bag;
+mod branches;
 mod csv;
 mod error;
 mod foreign;
@@ -77,6 +78,7 @@ mod written;
 
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
+pub use branches::BranchMotion;
 pub use csv::Csv;
 pub use error::RecordingError;
 pub use format::{RecordingFormat, RecordingInput};

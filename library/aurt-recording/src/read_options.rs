@@ -1,5 +1,6 @@
 use aurt_traits::MeasurementUnit;
 
+use crate::branches::BranchTrack;
 use crate::error::RecordingError;
 use crate::recorded_as::RecordedAs;
 use crate::recording::RecordedJoints;
@@ -82,6 +83,12 @@ impl ReadOptions {
             None if found.is_empty() => RecordedJoints::Unnamed,
             None => RecordedJoints::Named(found.to_vec()),
         }
+    }
+
+    /// The joints beside the robot's chain, with nothing seen of them yet.
+    pub(crate) fn branch_tracks(&self) -> Vec<BranchTrack> {
+        let branches = self.joints.iter().flat_map(|robot| &robot.branches);
+        branches.map(|branch| BranchTrack::new(branch.joint.clone())).collect()
     }
 
     /// The number of the robot's joints, where it is known.

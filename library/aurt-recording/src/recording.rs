@@ -3,6 +3,7 @@ use std::{ops::Range, path::PathBuf};
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
+use crate::branches::BranchMotion;
 use crate::error::RecordingError;
 
 /// What a robot's joints did and what was measured meanwhile, as it was recorded: stamps may jitter, repeat or
@@ -68,6 +69,9 @@ pub struct ReadReport {
     pub dropped_rows: usize,
     /// Choices made and irregularities found, as sentences.
     pub remarks: Vec<String>,
+    /// Joints beside the robot's chain that move, as far as the file names them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub branches: Vec<BranchMotion>,
     /// Whether [`DroppedRow::line`] counts rows: files that are no text have no lines.
     #[serde(skip)]
     pub line_is_row: bool,
@@ -89,6 +93,11 @@ pub struct DroppedRow {
 }
 
 impl ReadReport {
+    /// What a model of the chain cannot predict of the recording, as sentences.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.branches.iter().filter(|branch| !branch.upstream.is_empty()).map(ToString::to_string)
+    }
+
     /// The report in sentences.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
@@ -116,6 +125,7 @@ impl ReadReport {
             ));
         }
         notes.extend(self.remarks.iter().cloned());
+        notes.extend(self.warnings());
         notes
     }
 }

@@ -3,16 +3,25 @@
 use std::ops::Deref;
 use std::path::Path;
 
+use aurt_traits::{Branch, MeasurementUnit};
+
+use crate::branches::{BranchMotion, BranchTrack};
 use crate::error::RecordingError;
+use crate::noise::white_level_at;
 use crate::recording::{RecordedJoints, Recording};
 
+/// Standard gravity, m/s².
+const GRAVITY_M_S2: f64 = 9.806_65;
+
 /// The joints of a robot that recordings are brought into the order of.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RobotJoints {
     /// Their number N.
     pub count: usize,
     /// Their N names, base first; empty where they have none.
     pub names: Vec<String>,
+    /// The joints beside the chain, whose motion recordings may show.
+    pub branches: Vec<Branch>,
 }
 
 /// A recording whose series are those of a robot's joints, in the robot's order: what commands work with, so that none of
@@ -38,14 +47,14 @@ impl RobotRecording {
     /// The joints that it has, as those of a robot.
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
-        RobotJoints { count: self.joints(), names: self.joints.names().to_vec() }
+        RobotJoints { names: self.joints.names().to_vec(), ..self.joints().into() }
     }
 }
 
 impl From<usize> for RobotJoints {
     /// So many joints without names.
     fn from(count: usize) -> Self {
-        Self { count, names: Vec::new() }
+        Self { count, ..Self::default() }
     }
 }
 
@@ -53,7 +62,8 @@ impl RobotJoints {
     /// The joints of rigid bodies.
     #[must_use]
     pub fn of(body: &dyn aurt_traits::RigidBodyRegressor) -> Self {
-        Self { count: body.joints(), names: body.joint_names().to_vec() }
+        let (names, branches) = (body.joint_names().to_vec(), body.branches().to_vec());
+        Self { count: body.joints(), names, branches }
     }
 
     /// The names to look for in a file for which the user stated `stated`: those, unless they are the robot's own in another
@@ -63,6 +73,26 @@ impl RobotJoints {
             Some(stated) if !self.has_all(stated) => stated,
             _ => &self.names,
         }
+    }
+
+    /// The motions beside the chain that its measurements contain.
+    ///
+    /// Gravity makes at most g h of torque of the first moment h that a joint displaces by a unit of its motion. A range that
+    /// makes less than the noise of a measured torque is not seen. Where the measurement is a current, or no masses are stated,
+    /// every motion counts: `noise_nm` is empty.
+    pub(crate) fn moving(&self, found: &[BranchMotion], noise_nm: &[f64]) -> Vec<BranchMotion> {
+        let of_branch = |motion: &BranchMotion| {
+            let branch = self.branches.iter().find(|branch| branch.joint == motion.joint)?;
+            let range = motion.range_rad[1] - motion.range_rad[0];
+            let shows = |joint: &&usize| match (branch.displaced, noise_nm.get(**joint)) {
+                (Some(displaced), Some(noise)) => GRAVITY_M_S2 * displaced * range > *noise,
+                _ => true,
+            };
+            let upstream: Vec<usize> = branch.upstream.iter().filter(shows).copied().collect();
+            let moves = BranchMotion { slides: branch.slides, upstream, ..motion.clone() };
+            Some(moves).filter(|motion| !motion.upstream.is_empty())
+        };
+        found.iter().filter_map(of_branch).collect()
     }
 
     fn has_all(&self, names: &[String]) -> bool {
@@ -105,6 +135,7 @@ impl Recording {
     /// names and the numbers of joints differ.
     pub fn of_robot(mut self, robot: &RobotJoints) -> Result<RobotRecording, RecordingError> {
         if let Some(places) = robot.places(&self.file, &self.joints)? {
+            self.track_branches(robot);
             let families =
                 [Some(&mut self.position_rad), self.velocity_rad_s.as_mut(), self.measurement.as_mut()];
             for family in families.into_iter().flatten() {
@@ -123,7 +154,29 @@ impl Recording {
         if !robot.names.is_empty() {
             self.joints = RecordedJoints::Named(robot.names.clone());
         }
+        let noise_nm: Vec<f64> = match &self.measurement {
+            Some(measurement)
+                if self.unit == MeasurementUnit::NewtonMetre && !self.report.branches.is_empty() =>
+            {
+                measurement.iter().map(|series| white_level_at(&self.time_s, series)).collect()
+            }
+            _ => Vec::new(),
+        };
+        self.report.branches = robot.moving(&self.report.branches, &noise_nm);
         Ok(RobotRecording(self))
+    }
+
+    /// Looks at the series that are of joints beside the robot's chain.
+    fn track_branches(&mut self, robot: &RobotJoints) {
+        let beside = self.joints.names().iter().zip(&self.position_rad);
+        let beside = beside.filter(|(name, _)| robot.branches.iter().any(|branch| branch.joint == **name));
+        let moving = beside.filter_map(|(name, position_rad)| {
+            let mut track = BranchTrack::new(name.clone());
+            self.time_s.iter().zip(position_rad).for_each(|(t, q)| track.add(*t, *q));
+            track.motion()
+        });
+        let moving: Vec<_> = moving.collect();
+        self.report.branches.extend(moving);
     }
 
     /// The same with names for its joints, series after series.
@@ -158,7 +211,7 @@ mod tests {
 
     #[test]
     fn series_are_matched_by_name_where_both_sides_have_names() {
-        let robot = RobotJoints { count: 2, names: names(&["a", "b"]) };
+        let robot = RobotJoints { names: names(&["a", "b"]), ..2.into() };
         let of = |joints| recording(joints).of_robot(&robot);
         assert_eq!(order(&of(RecordedJoints::Named(names(&["c", "b", "a"]))).unwrap()), [2.0, 1.0]);
         assert_eq!(order(&of(RecordedJoints::Stated(names(&["b", "a"]))).unwrap()), [1.0, 0.0]);
@@ -172,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_matched_is_refused_with_both_sides() {
-        let robot = RobotJoints { count: 2, names: names(&["elbow_joint", "b"]) };
+        let robot = RobotJoints { names: names(&["elbow_joint", "b"]), ..2.into() };
         for recorded in [&["b", "elbow_jiont"][..], &["b", "elbow_joint", "elbow_joint"]] {
             let error = recording(RecordedJoints::Named(names(recorded))).of_robot(&robot).unwrap_err();
             let text = error.to_string();

@@ -240,7 +240,7 @@ fn columns_are_found_by_the_names_of_the_joints() {
         "time,Elbow_position,Shoulder_position,effort_elbow,effort_shoulder",
     ] {
         std::fs::write(&path, format!("{header}\n0,1,2,3,4\n0.1,1,2,3,4\n")).unwrap();
-        let joints = Some(RobotJoints { count: 2, names: names.clone() });
+        let joints = Some(RobotJoints { names: names.clone(), ..2.into() });
         let read = read_recording(&path, &ReadOptions { joints, ..ReadOptions::default() }).unwrap();
         assert_eq!(read.position_rad, [[2.0; 2], [1.0; 2]], "{header}");
         assert_eq!(read.measurement.unwrap(), [[4.0; 2], [3.0; 2]], "{header}");
@@ -248,6 +248,6 @@ fn columns_are_found_by_the_names_of_the_joints() {
     }
     // A joint with two columns is not to be told by its name.
     std::fs::write(&path, "time,a.position,b/a.position,effort_0\n0,1,2,3\n").unwrap();
-    let joints = Some(RobotJoints { count: 1, names: vec!["a".to_owned()] });
+    let joints = Some(RobotJoints { names: vec!["a".to_owned()], ..1.into() });
     assert!(read_recording(&path, &ReadOptions { joints, ..ReadOptions::default() }).is_err());
 }

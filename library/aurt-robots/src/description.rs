@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use aurt_rbd::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
-use aurt_traits::RigidBodyRegressor;
+use aurt_traits::{Branch, RigidBodyRegressor};
 
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,6 +51,8 @@ pub struct DescribedRobot {
     /// Of each of the M joints the frame of its link in the description's own frame of that joint, row after row: the chain's
     /// frames have their z axes along the joints.
     pub frames: Vec<[[f64; 3]; 3]>,
+    /// The joints beside the chain, carried as fixed at zero.
+    pub branches: Vec<Branch>,
     /// What a person should know of how the description was read.
     pub notes: Vec<String>,
 }
@@ -65,7 +67,9 @@ impl RobotDescription for DescribedRobot {
             let (joints, own) = (self.joints.len(), self.joint_names.len());
             return Err(RbdError::Coupled { joints, followers: joints - own });
         }
-        SerialChain::new(self.joints.clone(), gravity_m_s2)?.with_joint_names(self.joint_names.clone())
+        SerialChain::new(self.joints.clone(), gravity_m_s2)?
+            .with_joint_names(self.joint_names.clone())?
+            .with_branches(self.branches.clone())
     }
 
     fn rigid_body(&self, gravity_m_s2: [f64; 3]) -> Result<Arc<dyn RigidBodyRegressor>, RbdError> {
@@ -74,7 +78,8 @@ impl RobotDescription for DescribedRobot {
         }
         let chain = SerialChain::new(self.joints.clone(), gravity_m_s2)?;
         let coupled = CoupledChain::new(chain, self.couplings.clone())?;
-        Ok(Arc::new(coupled.with_joint_names(self.joint_names.clone())?))
+        let named = coupled.with_joint_names(self.joint_names.clone())?;
+        Ok(Arc::new(named.with_branches(self.branches.clone())?))
     }
 
     fn notes(&self) -> Vec<String> {

@@ -1,5 +1,8 @@
 //! Which chain of a tree is meant.
 
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
+
 use crate::RobotError;
 use crate::tree::{Freedom, Tree};
 
@@ -29,6 +32,7 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Resu
             "the tip `{tip_name}` does not hang on the base `{base_name}`; choose a base above it"
         ))
     })?;
+    let chain: HashSet<usize> = joints.iter().copied().collect();
     for (index, joint) in joints.iter().map(|j| (*j, &tree.joints[*j])) {
         let before = &tree.links[joint.parent].name;
         let reason = match (&joint.freedom, &joint.mimic) {
@@ -42,7 +46,7 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Resu
                      <mimic>, or choose the tip before it: `{before}`",
                     mimic.joint
                 ),
-                Some(followed) if !joints.contains(&followed.joint) => format!(
+                Some(followed) if !chain.contains(&followed.joint) => format!(
                     "follows the joint {} (mimic), which is beside the chain, so that nobody knows how it moves; choose \
                      the tip before it: `{before}`",
                     tree.joints[followed.joint].name
@@ -103,38 +107,93 @@ fn find(tree: &Tree, which: &'static str, name: &str) -> Result<usize, RobotErro
 /// The links at which the moving chains end, in the file's order: the leaves, and the links that carry a joint that
 /// follows one beside the chain. Chains that differ by fixed joints alone count once.
 pub(crate) fn tips(tree: &Tree, base: usize) -> Vec<usize> {
+    let closed = closed_paths(tree, base);
     // Of each chain its tip, its last moving joint, and whether it ends before a joint that follows one beside it.
     let mut chains: Vec<(usize, usize, bool)> = Vec::new();
+    let mut chain_of: HashMap<usize, usize> = HashMap::new();
     for leaf in (0..tree.links.len()).filter(|l| tree.links[*l].children.is_empty()) {
-        let Some(mut path) = tree.path_between(base, leaf) else { continue };
-        let (mut tip, mut cut) = (leaf, None);
-        // A cut can take away what a joint before it follows.
-        while let Some(at) = path.iter().position(|j| follows_another_beside(tree, *j, &path)) {
-            (tip, cut) = (tree.joints[path[at]].parent, Some(at));
-            path.truncate(at);
-        }
-        let moving = |j: &usize| tree.joints[*j].freedom != Freedom::Fixed;
-        let Some(last) = path.into_iter().rfind(moving) else { continue };
-        match chains.iter_mut().find(|(_, other, _)| *other == last) {
+        let joint = tree.links[leaf].parent;
+        let Some(Closed { end, moving: Some(last) }) = joint.and_then(|joint| closed[joint]) else {
+            continue;
+        };
+        let cut = end != joint;
+        let tip = end.map_or(base, |end| tree.joints[end].child);
+        match chain_of.entry(last) {
             // The longer of two, so that a hand on the wrist is the chain's end and not a label on the wrist.
-            Some(known) if cut.is_some() && !known.2 => *known = (tip, last, true),
-            Some(_) => (),
-            None => chains.push((tip, last, cut.is_some())),
+            Entry::Occupied(known) => {
+                let known = &mut chains[*known.get()];
+                if cut && !known.2 {
+                    *known = (tip, last, true);
+                }
+            }
+            Entry::Vacant(new) => {
+                new.insert(chains.len());
+                chains.push((tip, last, cut));
+            }
         }
     }
     // A leaf on fixed joints half-way along a chain ends none.
-    let passed = |last: usize| {
-        chains.iter().any(|(_, other, _)| {
-            *other != last && tree.path_between(tree.joints[last].child, tree.joints[*other].child).is_some()
-        })
-    };
-    chains.iter().filter(|(_, last, cut)| *cut || !passed(*last)).map(|(tip, ..)| *tip).collect()
+    let mut passed = vec![false; tree.joints.len()];
+    for (_, last, _) in &chains {
+        let above = |joint: usize| tree.links[tree.joints[joint].parent].parent;
+        let mut next = above(*last);
+        while let Some(joint) = next.filter(|joint| !passed[*joint]) {
+            passed[joint] = true;
+            next = above(joint);
+        }
+    }
+    chains.iter().filter(|(_, last, cut)| *cut || !passed[*last]).map(|(tip, ..)| *tip).collect()
 }
 
-/// Whether a joint of a path follows one that is not on it.
-fn follows_another_beside(tree: &Tree, joint: usize, path: &[usize]) -> bool {
-    let follows = tree.joints[joint].mimic.is_some() && tree.joints[joint].moves();
-    follows && tree.followed(joint).is_none_or(|f| !path.contains(&f.joint) || f.multiplier == 0.0)
+/// The longest beginning of a path from the base in which no joint follows one outside it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Closed {
+    /// Its last joint; none if it is empty.
+    end: Option<usize>,
+    /// Its last joint that is not fixed.
+    moving: Option<usize>,
+}
+
+/// Of the path to every joint its closed beginning; none of joints that do not hang on the base. A walk that goes through
+/// every joint once, and counts the joints on the way whose leader has not been passed.
+fn closed_paths(tree: &Tree, base: usize) -> Vec<Option<Closed>> {
+    let joints = tree.joints.len();
+    let mut closed = vec![None; joints];
+    let (mut on_path, mut waiting) = (vec![false; joints], vec![0_usize; joints]);
+    let mut without_leader = 0;
+    // Each with the closed beginning, and the last moving joint, of the path before it.
+    let below = |link: usize, before: (Closed, Option<usize>)| {
+        tree.links[link].children.iter().map(move |joint| (*joint, Some(before)))
+    };
+    let mut open: Vec<_> = below(base, (Closed::default(), None)).collect();
+    while let Some((joint, before)) = open.pop() {
+        let here = &tree.joints[joint];
+        let follows = here.mimic.is_some() && here.moves();
+        let leader = tree.followed(joint).filter(|f| f.multiplier != 0.0).map(|f| f.joint);
+        let missing = follows && leader.is_none_or(|leader| !on_path[leader]);
+        let Some((before, moving)) = before else {
+            // Back from all below it.
+            if missing {
+                without_leader -= 1;
+                leader.iter().for_each(|leader| waiting[*leader] -= 1);
+            }
+            on_path[joint] = false;
+            without_leader += waiting[joint];
+            continue;
+        };
+        if missing {
+            without_leader += 1;
+            leader.iter().for_each(|leader| waiting[*leader] += 1);
+        }
+        on_path[joint] = true;
+        without_leader -= waiting[joint];
+        let moving = if here.freedom == Freedom::Fixed { moving } else { Some(joint) };
+        let beginning = if without_leader == 0 { Closed { end: Some(joint), moving } } else { before };
+        closed[joint] = Some(beginning);
+        open.push((joint, None));
+        open.extend(below(here.child, (beginning, moving)));
+    }
+    closed
 }
 
 fn only_tip(tree: &Tree, base: usize) -> Result<usize, RobotError> {

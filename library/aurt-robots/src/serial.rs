@@ -1,11 +1,14 @@
 //! From a chain of a tree to joints, merged bodies and limits.
 
+use std::collections::{HashMap, HashSet};
+
 use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
+use aurt_traits::Branch;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::pose::{Pose, along};
 use crate::selection::Selection;
-use crate::tree::{Followed, Freedom, Tree};
+use crate::tree::{Followed, Freedom, Tree, TreeJoint};
 use crate::{DescribedRobot, JointFriction, JointLimits, RobotErrors};
 
 /// A link of the chain: everything between one of its moving joints and the next.
@@ -85,20 +88,26 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
     let standard: Vec<f64> = links.iter().flat_map(ChainLink::standard).collect();
     let notes = notes(tree, selection, &carried, &standard);
     let has_masses = standard.iter().any(|v| *v != 0.0);
-    let own: Vec<OwnJoint> = links
-        .iter()
-        .map(|link| link.joint)
-        .filter(|j| tree.joints[*j].mimic.is_none())
-        .map(|j| OwnJoint::of(tree, &links, j))
-        .collect();
-    let couplings: Vec<Coupling> = links
-        .iter()
-        .filter_map(|link| {
-            let followed = tree.followed(link.joint)?;
-            let coordinate = own.iter().position(|own| own.joint == followed.joint)?;
-            Some(Coupling { coordinate, multiplier: followed.multiplier, offset: followed.offset })
-        })
-        .collect();
+    let (own, followers): (Vec<&ChainLink>, Vec<&ChainLink>) =
+        links.iter().partition(|link| tree.joints[link.joint].mimic.is_none());
+    let coordinates: HashMap<usize, usize> =
+        own.iter().enumerate().map(|(k, link)| (link.joint, k)).collect();
+    let mut own: Vec<OwnJoint> = own.into_iter().map(|link| OwnJoint::of(tree, link.joint)).collect();
+    let followed = |link: &ChainLink| {
+        let followed = tree.followed(link.joint)?;
+        Some((*coordinates.get(&followed.joint)?, followed))
+    };
+    for follower in &followers {
+        if let Some((coordinate, followed)) = followed(follower) {
+            own[coordinate].moves_also(&tree.joints[follower.joint], followed);
+        }
+    }
+    let coupled = links.iter().filter_map(followed).map(|(coordinate, followed)| Coupling {
+        coordinate,
+        multiplier: followed.multiplier,
+        offset: followed.offset,
+    });
+    let couplings = if followers.is_empty() { Vec::new() } else { coupled.collect() };
     Ok(DescribedRobot {
         name: tree.name.clone(),
         base: tree.links[selection.base].name.clone(),
@@ -113,17 +122,51 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
                 sign: link.sign,
             })
             .collect(),
-        couplings: if own.len() < links.len() { couplings } else { Vec::new() },
+        couplings,
         limits: own.iter().map(|own| own.limits).collect(),
         friction: own.iter().map(|own| own.friction).collect(),
         armature_kg_m2: own.iter().map(|own| own.armature).collect(),
         standard_parameters: has_masses.then_some(standard),
+        branches: carried.iter().map(|joint| branch(tree, &links, &own, *joint, has_masses)).collect(),
         frames: links
             .iter()
             .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
             .collect(),
         notes,
     })
+}
+
+/// A joint beside the chain, and what hangs on it with all further joints at rest.
+///
+/// A turn by dq about the axis n through o displaces the first moment h of a mass m by n × (h − m o) dq, a slide by m n dq.
+fn branch(tree: &Tree, links: &[ChainLink], own: &[OwnJoint], joint: usize, has_masses: bool) -> Branch {
+    let of = &tree.joints[joint];
+    let holds = |link: &ChainLink| link.parts.iter().any(|part| part.link == of.child);
+    let before = links.iter().position(holds).map_or(&links[..0], |at| &links[..=at]);
+    let own_place = |link: &ChainLink| {
+        let moves = tree.followed(link.joint)?.joint;
+        own.iter().position(|own| own.joint == moves)
+    };
+    let mut upstream: Vec<usize> = before.iter().filter_map(own_place).collect();
+    upstream.sort_unstable();
+    upstream.dedup();
+    let parts = before.last().map_or(&[][..], |link| &link.parts);
+    let hangs = |part: &&Part| part.link == of.child || tree.path_between(of.child, part.link).is_some();
+    let (mut mass_kg, mut moment_kg_m) = (0.0, Vector3::zeros());
+    for [.., x, y, z, mass] in parts.iter().filter(hangs).map(|part| part.standard) {
+        moment_kg_m += Vector3::new(x, y, z);
+        mass_kg += mass;
+    }
+    let pose = parts.iter().find(|part| part.link == of.child).map(|part| &part.pose);
+    let displaced = pose.zip(has_masses.then_some(())).and_then(|(pose, ())| match &of.freedom {
+        Freedom::Turns(axis) => {
+            let about = moment_kg_m - mass_kg * pose.origin_m;
+            Some((pose.rotation * axis.normalize()).cross(&about).norm())
+        }
+        Freedom::Slides(_) => Some(mass_kg),
+        Freedom::Fixed | Freedom::Other(_) => None,
+    });
+    Branch { joint: of.name.clone(), upstream, displaced, slides: matches!(of.freedom, Freedom::Slides(_)) }
 }
 
 /// A joint of the chain that moves on its own, with what the joints that follow it add.
@@ -135,28 +178,26 @@ struct OwnJoint {
 }
 
 impl OwnJoint {
+    fn of(tree: &Tree, joint: usize) -> Self {
+        let of = &tree.joints[joint];
+        Self { joint, limits: of.limits, friction: of.friction, armature: of.armature }
+    }
+
     /// With a joint k at m q + o, friction and rotor act on q as m² viscous, |m| Coulomb and m² inertia, by the work that
     /// they do; q stays where both joints are within their limits. The torque limit is that of the joint's own drive.
-    fn of(tree: &Tree, links: &[ChainLink], joint: usize) -> Self {
-        let of = &tree.joints[joint];
-        let mut own = Self { joint, limits: of.limits, friction: of.friction, armature: of.armature };
-        let followers = links.iter().map(|link| link.joint).filter(|j| *j != joint);
-        let followed = followers.filter_map(|j| Some((&tree.joints[j], tree.followed(j)?)));
-        for (follower, Followed { multiplier, offset, .. }) in followed.filter(|(_, f)| f.joint == joint) {
-            own.friction.viscous_nm_s_rad += multiplier.powi(2) * follower.friction.viscous_nm_s_rad;
-            own.friction.coulomb_nm += multiplier.abs() * follower.friction.coulomb_nm;
-            own.armature += multiplier.powi(2) * follower.armature;
-            if let Some(limits) = follower.limits.position_rad {
-                let [a, b] = limits.map(|limit| (limit - offset) / multiplier);
-                let [low, high] = own.limits.position_rad.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-                own.limits.position_rad = Some([low.max(a.min(b)), high.min(a.max(b))]);
-            }
-            if let Some(limit) = follower.limits.velocity_rad_s {
-                let limit = limit / multiplier.abs();
-                own.limits.velocity_rad_s = Some(own.limits.velocity_rad_s.map_or(limit, |v| v.min(limit)));
-            }
+    fn moves_also(&mut self, follower: &TreeJoint, Followed { multiplier, offset, .. }: Followed) {
+        self.friction.viscous_nm_s_rad += multiplier.powi(2) * follower.friction.viscous_nm_s_rad;
+        self.friction.coulomb_nm += multiplier.abs() * follower.friction.coulomb_nm;
+        self.armature += multiplier.powi(2) * follower.armature;
+        if let Some(limits) = follower.limits.position_rad {
+            let [a, b] = limits.map(|limit| (limit - offset) / multiplier);
+            let [low, high] = self.limits.position_rad.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            self.limits.position_rad = Some([low.max(a.min(b)), high.min(a.max(b))]);
         }
-        own
+        if let Some(limit) = follower.limits.velocity_rad_s {
+            let limit = limit / multiplier.abs();
+            self.limits.velocity_rad_s = Some(self.limits.velocity_rad_s.map_or(limit, |v| v.min(limit)));
+        }
     }
 }
 
@@ -212,9 +253,9 @@ fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]
             followers.join(", ")
         ));
     }
-    let moves_with_chain = |j: &&usize| {
-        tree.followed(**j).is_some_and(|f| f.joint != **j && selection.joints.contains(&f.joint))
-    };
+    let chain: HashSet<usize> = selection.joints.iter().copied().collect();
+    let moves_with_chain =
+        |j: &&usize| tree.followed(**j).is_some_and(|f| f.joint != **j && chain.contains(&f.joint));
     let (following, resting): (Vec<&usize>, Vec<&usize>) = carried.iter().partition(moves_with_chain);
     let listed = |joints: &[&usize]| {
         let names: Vec<&str> = joints.iter().map(|j| tree.joints[**j].name.as_str()).collect();

@@ -1,3 +1,5 @@
+use std::cell::OnceCell;
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use nalgebra::Vector3;
@@ -15,6 +17,8 @@ pub(crate) struct Tree {
     pub joints: Vec<TreeJoint>,
     /// What a person should know of how the file was read.
     pub notes: Vec<String>,
+    /// What each joint follows in the end, once it is asked.
+    pub followed: OnceCell<Vec<Option<Followed>>>,
 }
 
 #[derive(Debug)]
@@ -25,14 +29,14 @@ pub(crate) struct TreeLink {
     pub parent: Option<usize>,
     /// The joints that hang on this link.
     pub children: Vec<usize>,
-    /// Where an MJCF file has its body; none of links between joints of one body, and of other files.
+    /// Where the file has it; none of the world, and of links between joints of one MJCF body.
     pub place: Option<BodyPlace>,
 }
 
-/// Where an MJCF file has a body.
+/// Where a file has a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyPlace {
-    /// Byte at which the element `body` begins.
+    /// Byte at which the element `body` or `link` begins.
     pub body: usize,
     /// Byte at which its element `inertial` begins, if it has one.
     pub inertial: Option<usize>,
@@ -84,6 +88,22 @@ pub(crate) struct TreeJoint {
     pub friction: JointFriction,
     /// Inertia of the rotor as the joint feels it, in kg m² (kg where it slides).
     pub armature: f64,
+    pub spring: Spring,
+}
+
+/// The spring of a joint, in the units of the file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Spring {
+    /// Nm/rad or N/m.
+    pub stiffness: f64,
+    /// Where it rests, in the file's unit of angles, or m.
+    pub reference: f64,
+    /// That unit in rad; 1 of a joint that slides.
+    pub unit: f64,
+}
+
+impl Spring {
+    pub const NONE: Self = Self { stiffness: 0.0, reference: 0.0, unit: 1.0 };
 }
 
 impl TreeJoint {
@@ -111,20 +131,7 @@ impl Tree {
     ///
     /// `None` if a joint that is followed is not there or does not move, or if joints follow each other in a circle.
     pub fn followed(&self, joint: usize) -> Option<Followed> {
-        let mut found = Followed { joint, multiplier: 1.0, offset: 0.0 };
-        for _ in 0..self.joints.len() {
-            let Some(mimic) = &self.joints[found.joint].mimic else { return Some(found) };
-            let next = self.joints.iter().position(|other| other.name == mimic.joint)?;
-            if !self.joints[next].moves() {
-                return None;
-            }
-            found = Followed {
-                joint: next,
-                multiplier: found.multiplier * mimic.multiplier,
-                offset: found.multiplier * mimic.offset + found.offset,
-            };
-        }
-        None
+        self.followed.get_or_init(|| followed(&self.joints))[joint]
     }
 
     /// Where a joint beside the chain rests, if those that follow none rest at zero.
@@ -132,4 +139,38 @@ impl Tree {
         let own = || self.joints[joint].mimic.as_ref().map_or(0.0, |mimic| mimic.offset);
         self.followed(joint).map_or_else(own, |followed| followed.offset)
     }
+}
+
+/// What every joint follows in the end; each is looked at once.
+fn followed(joints: &[TreeJoint]) -> Vec<Option<Followed>> {
+    let named: HashMap<&str, usize> = joints.iter().enumerate().map(|(k, j)| (j.name.as_str(), k)).collect();
+    let mut known: Vec<Option<Option<Followed>>> = vec![None; joints.len()];
+    for first in 0..joints.len() {
+        let (mut at, mut open) = (first, Vec::new());
+        let mut end = loop {
+            if let Some(found) = known[at] {
+                break found;
+            }
+            let Some(mimic) = &joints[at].mimic else {
+                let own = Some(Followed { joint: at, multiplier: 1.0, offset: 0.0 });
+                break *known[at].insert(own);
+            };
+            // What leads back to a joint that is still open is a circle.
+            known[at] = Some(None);
+            open.push((at, mimic));
+            match named.get(mimic.joint.as_str()) {
+                Some(next) if joints[*next].moves() => at = *next,
+                _ => break None,
+            }
+        };
+        for (joint, Mimic { multiplier, offset, .. }) in open.into_iter().rev() {
+            end = end.map(|next: Followed| Followed {
+                joint: next.joint,
+                multiplier: multiplier * next.multiplier,
+                offset: multiplier * next.offset + offset,
+            });
+            known[joint] = Some(end);
+        }
+    }
+    known.into_iter().map(Option::flatten).collect()
 }

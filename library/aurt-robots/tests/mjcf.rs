@@ -1,8 +1,10 @@
 //! Chains of MJCF files: what is read, against MuJoCo, and what is refused and how.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use aurt_rbd::{ChainDynamics, JointKind, RobotDescription};
-use aurt_robots::{is_mjcf, parse, tips};
+use std::collections::BTreeMap;
+
+use aurt_rbd::{ChainDynamics, JointKind, LinkBody, RobotDescription};
+use aurt_robots::{Format, PlacedBody, is_mjcf, parse, placed_links, tips};
 use serde::Deserialize;
 
 const ARM: &str = include_str!("reference/arm.xml");
@@ -86,21 +88,27 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
     let body = |inside: &str| format!("<body name=\"b\"><joint name=\"j\"/>{INERTIAL}{inside}</body>");
     let whole = |inside: &str| format!("<body name=\"b\">{inside}</body>");
     for (head, bodies, parts) in [
-        (
-            "<compiler inertiafromgeom=\"true\"/>",
-            body(""),
-            &["bad.xml:2", "<compiler>", "mj_saveLastXML"][..],
-        ),
-        ("<compiler angle=\"grad\"/>", body(""), &["`angle` is `grad`", "degree and radian"]),
+        ("<compiler angle=\"grad\"/>", body(""), &["`angle` is `grad`", "degree and radian"][..]),
         ("<compiler eulerseq=\"xyw\"/>", body(""), &["`eulerseq` is `xyw`"]),
         ("<compiler settotalmass=\"3\"/>", body(""), &["`settotalmass` changes"]),
         ("<include file=\"other.xml\"/>", body(""), &["bad.xml:2: <include>", "mj_saveLastXML"]),
         ("", body("<replicate count=\"3\"/>"), &["<replicate>"]),
         (
             "",
-            whole("<joint/><geom type=\"box\" size=\"1 1 1\"/>"),
-            &["body b: its mass is that of its shapes", "<inertial>"],
+            whole("<joint/><geom type=\"mesh\" mesh=\"m\"/>"),
+            &[
+                "bad.xml:4: body b, <geom>: its mass is that of a shape of the type `mesh`",
+                "<inertial>",
+                "saveinertial=\"true\"",
+                "mj_saveLastXML",
+            ],
         ),
+        ("", whole("<joint/><geom shellinertia=\"true\" size=\"1\"/>"), &["is that of a shell"]),
+        ("", whole("<joint/><geom type=\"box\" mesh=\"m\"/>"), &["fitted to a mesh"]),
+        ("", whole("<joint/><geom type=\"capsule\" size=\"1\"/>"), &["`size`"]),
+        ("", whole("<joint/><geom size=\"-1\"/>"), &["a sphere needs 1 `size`s above 0"]),
+        ("", whole("<joint/><geom size=\"1\" density=\"-1\"/>"), &["must not be negative"]),
+        ("", whole("<joint/><geom size=\"1\" class=\"none\"/>"), &["there is no class `none`"]),
         ("", whole("<joint/><inertial pos=\"0 0 0\" mass=\"1\"/>"), &["lacks `diaginertia`"]),
         (
             "",
@@ -158,5 +166,78 @@ fn what_acts_on_joints_beside_is_noted() {
         "assumed, for: c",
     ] {
         assert!(notes.contains(part), "{part}\n---\n{notes}");
+    }
+}
+
+/// Reading takes time in proportion to the file: what grows with its square would take minutes.
+#[test]
+fn files_of_many_bodies_are_read_at_once() {
+    let body = |k: usize, hinge: &str| {
+        format!(
+            "<body name=\"b{k}\">{hinge}<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body>\n"
+        )
+    };
+    let hinge = "<joint axis=\"0 0 1\"/>";
+    let siblings: String = (0..40_000).map(|k| body(k, "")).collect();
+    let moving: String = (0..40_000).map(|k| body(k, hinge)).collect();
+    let begin = std::time::Instant::now();
+    let of = |bodies: &str| {
+        format!("<mujoco><worldbody><body name=\"arm\">{hinge}{bodies}</body></worldbody></mujoco>")
+    };
+    let arm = parse(&of(&siblings), "many.xml", None, None).unwrap();
+    assert_eq!(arm.standard_parameters.unwrap()[9], 40_000.0);
+    let error = parse(&of(&moving), "many.xml", None, None).unwrap_err().to_string();
+    assert!(error.contains("and 39960 more"), "{error}");
+    assert!(begin.elapsed().as_secs() < 30, "{:?}", begin.elapsed());
+}
+
+const SHAPES: &str = include_str!("reference/shapes.xml");
+
+/// What MuJoCo computes of a body's shapes (`tests/reference/make_shapes.py`), in the frame of the body.
+#[derive(Deserialize)]
+struct Weighed {
+    mass: f64,
+    com: [f64; 3],
+    inertia: [f64; 6],
+}
+
+/// Mass, centre of mass and inertia {xx yy zz xy xz yz} of a body in its own frame.
+fn weighed(body: &PlacedBody) -> [f64; 10] {
+    let LinkBody { mass_kg, com_m, inertia_at_com_kg_m2: [xx, xy, xz, yy, yz, zz] } =
+        LinkBody::from_standard_parameters(&body.standard).unwrap();
+    let (r, link) = (body.rotation, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let com = |k: usize| (0..3).map(|i| r[i][k] * (com_m[i] - body.origin_m[i])).sum::<f64>();
+    let inertia = |a: usize, b: usize| -> f64 {
+        (0..3).map(|i| (0..3).map(|k| r[i][a] * link[i][k] * r[k][b]).sum::<f64>()).sum()
+    };
+    let own = [inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2)];
+    let [a, b, c, d, e, f] = own;
+    [mass_kg, com(0), com(1), com(2), a, b, c, d, e, f]
+}
+
+#[test]
+fn masses_of_shapes_are_those_of_mujoco() {
+    let mut reference: serde_json::Value =
+        serde_json::from_str(include_str!("reference/shapes_mujoco.json")).unwrap();
+    for choice in ["auto", "true"] {
+        let theirs: BTreeMap<String, Weighed> = serde_json::from_value(reference[choice].take()).unwrap();
+        let text = SHAPES.replace("<compiler ", &format!("<compiler inertiafromgeom=\"{choice}\" "));
+        let (robot, links) = placed_links(&text, "shapes.xml", Format::Mjcf, None, None).unwrap();
+        let bodies: Vec<&PlacedBody> =
+            links.iter().flat_map(|link| link.body.iter().chain(&link.carried)).collect();
+        assert_eq!(bodies.len(), theirs.len());
+        for body in bodies {
+            let Weighed { mass, com: [x, y, z], inertia: [a, b, c, d, e, f] } = theirs[&body.name];
+            let (found, wanted) = (weighed(body), [mass, x, y, z, a, b, c, d, e, f]);
+            for (k, (found, wanted)) in found.iter().zip(wanted).enumerate() {
+                let size = [mass, 0.1, a.max(b).max(c)][usize::from(k > 0) + usize::from(k > 3)];
+                assert!((found - wanted).abs() < 1e-12 * size, "{choice}, {}: {found} {wanted}", body.name);
+            }
+        }
+        let note =
+            "computed from shapes and their density, as MuJoCo does, of: ball, tubes, sticks, palm, finger";
+        let notes = robot.notes.join("\n");
+        assert!(notes.contains(note), "{notes}");
+        assert_eq!(notes.contains("finger, tip"), choice == "true", "{notes}");
     }
 }

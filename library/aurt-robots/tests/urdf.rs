@@ -302,3 +302,60 @@ fn files_that_are_no_text_or_too_large_are_refused() {
     let error = aurt_robots::read("no/such.urdf", None, None).unwrap_err().to_string();
     assert!(error.starts_with("no/such.urdf: cannot be read"), "{error}");
 }
+
+/// A URDF file of one joint that moves and of more joints, each with its child, its parent and what it says.
+fn with_many(joints: impl Iterator<Item = [String; 4]>) -> String {
+    let end = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint>\n";
+    let mut text = format!(
+        "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n<joint name=\"first\" type=\"revolute\">\
+         <parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/>{end}"
+    );
+    for [kind, parent, child, more] in joints {
+        text += &format!(
+            "<link name=\"{child}\"/>\n<joint name=\"to {child}\" type=\"{kind}\"><parent link=\"{parent}\"/>\
+             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/>{more}{end}"
+        );
+    }
+    text + "</robot>"
+}
+
+/// Reading takes time in proportion to the file: what grows with its square would take minutes.
+#[test]
+fn files_of_many_links_are_read_at_once() {
+    const MANY: usize = 40_000;
+    let begin = std::time::Instant::now();
+    let of = |kind: &str, parent: String, child: usize, more: String| {
+        [kind.to_owned(), parent, format!("l{child}"), more]
+    };
+    let mimic = |joint: String| format!("<mimic joint=\"{joint}\"/>");
+    let above = |k: usize| if k == 0 { "b".to_owned() } else { format!("l{}", k - 1) };
+    let before = |k: usize| if k == 0 { "first".to_owned() } else { format!("to l{}", k - 1) };
+    let after = |k: usize| format!("to l{}", k + 1);
+    let none = String::new;
+    let comb = |k: usize| if k.is_multiple_of(2) { above(k.saturating_sub(1)) } else { above(k) };
+    for (what, text, tip) in [
+        ("a star", with_many((0..MANY).map(|k| of("fixed", "b".into(), k, none()))), "l0"),
+        ("a chain", with_many((0..MANY).map(|k| of("fixed", above(k), k, none()))), "l39999"),
+        ("a comb", with_many((0..MANY).map(|k| of("fixed", comb(k), k, none()))), "l1"),
+        (
+            "a chain that follows",
+            with_many((0..MANY).map(|k| of("revolute", above(k), k, mimic(before(k))))),
+            "l39999",
+        ),
+        (
+            "joints that follow the next",
+            with_many((0..MANY).map(|k| of("revolute", above(k), k, mimic(after(k))))),
+            "b",
+        ),
+    ] {
+        assert_eq!(tips(&text, "many.urdf", None).unwrap()[0], tip, "{what}");
+        let read = parse(&text, "many.urdf", None, None).unwrap();
+        assert_eq!(read.joint_names, ["first"], "{what}");
+    }
+    let star = with_many((0..MANY).map(|k| of("revolute", "b".into(), k, none())));
+    let error = parse(&star, "many.urdf", None, None).unwrap_err().to_string();
+    assert!(error.contains("and 39960 more"), "{error}");
+    let twice = star.replace("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>");
+    assert_eq!(parse(&twice, "many.urdf", None, None).unwrap_err().0.len(), MANY + 1);
+    assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
+}

@@ -14,6 +14,7 @@
 
 pub mod abi;
 mod arm_term;
+mod branch;
 mod dispatch;
 mod error;
 mod invariants;
@@ -26,6 +27,7 @@ mod robot_model;
 mod tile;
 
 pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
+pub use branch::Branch;
 pub use dispatch::Dispatch;
 pub use error::ModelError;
 pub use invariants::{Invariant, Invariants};

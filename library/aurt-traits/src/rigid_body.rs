@@ -2,7 +2,7 @@ use std::{any::Any, fmt::Debug};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{MotionView, Parameter};
+use crate::{Branch, MotionView, Parameter};
 
 /// The rigid bodies of a robot as a regressor in its standard inertial parameters:
 /// τ_RBD = Y(q, q̇, q̈) π, with Y of N rows (joints) and P columns (parameters).
@@ -18,6 +18,11 @@ pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
 
     /// The names of the N joints, by which recordings, models and exports match them; empty where they have none.
     fn joint_names(&self) -> &[String] {
+        &[]
+    }
+
+    /// The joints beside the chain, whose motion the regressor does not know.
+    fn branches(&self) -> &[Branch] {
         &[]
     }
 

@@ -24,8 +24,11 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
     let robot = Robot::from_mdh(&machine.mdh_csv(), machine.gravity_m_s2)?;
     let model = robot.model().arm_term(RotorInertia::default()).build()?;
     let preprocessing = PreprocessOptions { f_dyn_hz: 8.0, ..PreprocessOptions::default() };
+    // The drives' currents become torques, so that masses are in kg.
+    let constants = machine.drives.iter().map(|drive| drive.torque_constant_nm_per_a).collect();
+    let instrument = Instrument { torque_constants_nm_per_a: Some(constants), ..Instrument::default() };
     let diagnosis = Diagnoser::new(model)
-        .settings(Settings { preprocessing, ..Settings::default() })
+        .settings(Settings { preprocessing, instrument, ..Settings::default() })
         .without([EffectKind::TorqueRipple])
         .calibration(&monday.named("monday"))
         .target(&tuesday.named("tuesday"))

@@ -122,7 +122,7 @@ impl Loaded {
     /// What is wrong with the file, and where; joints that are not the robot's.
     pub fn read(source: Source, joints: Option<&RobotJoints>, purpose: Purpose) -> Result<Self, Error> {
         let recording = read_recording(&source.file, &source.read_options(joints, purpose))?;
-        let own = || RobotJoints { count: recording.joints(), names: recording.joints.names().to_vec() };
+        let own = || RobotJoints { names: recording.joints.names().to_vec(), ..recording.joints().into() };
         let joints = joints.cloned().unwrap_or_else(own);
         Ok(Self { source, recording: recording.of_robot(&joints)? })
     }

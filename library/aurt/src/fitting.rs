@@ -158,7 +158,7 @@ impl Job {
             .filter(|(_, r)| r.role == Role::Calibration)
             .map(|(prepared, _)| prepared.clone())
             .collect();
-        let (model, calibration) = calibrate_shapes(
+        let (model, mut calibration) = calibrate_shapes(
             &self.model,
             &fitted,
             &self.scopes,
@@ -167,6 +167,10 @@ impl Job {
             &self.options,
             &ShapeOptions::default(),
         )?;
+        let of_file = |Assigned { loaded, .. }: &Assigned| -> Vec<String> {
+            loaded.recording.report.warnings().map(|w| format!("{}: {w}", loaded.source.label)).collect()
+        };
+        calibration.warnings.extend(recordings.iter().flat_map(of_file));
         let calibrated = CalibratedModel {
             model,
             calibration,

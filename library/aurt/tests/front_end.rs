@@ -254,12 +254,12 @@ fn a_model_is_given_to_a_diagnosis_as_it_is() {
         .calibrate()
         .unwrap()
         .calibrated;
-    let load = effects::Payload { link: 1, mass_kg: 1.0, com_m: [0.1, 0.0, 0.0], edges_m: [0.05; 3] };
-    let diagnoser = Diagnoser::of_given(given).target(&recorded(2, vec![Box::new(load)]));
+    let spring = effects::Spring { joint: 1, stiffness_nm_rad: 8.0, rest_rad: 0.3 };
+    let diagnoser = Diagnoser::of_given(given).target(&recorded(2, vec![Box::new(spring)]));
     let named = |diagnosis: &Diagnosis| {
-        diagnosis.effects().iter().any(|e| e.effect.kind() == Some(EffectKind::Payload))
+        diagnosis.effects().iter().any(|e| e.effect.kind() == Some(EffectKind::Spring))
     };
     assert!(named(&diagnoser.diagnose(&Progress::silent()).unwrap()));
-    let without = diagnoser.without([EffectKind::Payload]).diagnose(&Progress::silent()).unwrap();
+    let without = diagnoser.without([EffectKind::Spring]).diagnose(&Progress::silent()).unwrap();
     assert!(without.is_found() && !named(&without), "{:?}", without.effects());
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
-    exporting::{Kind, Target, Version, correct_mjcf, export},
+    exporting::{Format, Kind, Target, Version, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
@@ -19,7 +19,7 @@ use crate::rendering::terminal::{Emphasis, Report};
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h only, and a
 /// program that checks them against the model; `rust` writes the same functions as a crate, `no_std` where
 /// wanted. `mjcf` writes a MuJoCo model, `urdf` a URDF file and `sdf` an SDF file for Gazebo, of a calibration
-/// with `estimator = "consistent"`; `mjcf --into` corrects a MuJoCo file of your own instead. `fmu` writes a
+/// with `estimator = "consistent"`; `--into` corrects your MuJoCo or URDF file instead. `fmu` writes a
 /// functional mock-up unit for co-simulation, of inverse dynamics (a motion in, torques or currents out) or of
 /// forward dynamics (torques or currents in, the motion out). What the target cannot express is listed; what
 /// cannot be exported is refused.
@@ -29,6 +29,7 @@ use crate::rendering::terminal::{Emphasis, Report};
     aurt export mjcf rd_calibrated.json --name my_robot --out exported_mjcf\n  \
     aurt export mjcf rd_calibrated.json --into my_robot.xml --out exported_mjcf\n  \
     aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
+    aurt export urdf rd_calibrated.json --into my_robot.urdf --out exported_urdf\n  \
     aurt export sdf rd_calibrated.json --name my_robot --out exported_sdf\n  \
     aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
 pub struct Export {
@@ -50,14 +51,14 @@ pub struct Export {
     /// Version of FMI, 3 unless given
     #[arg(long, value_enum)]
     fmi: Option<FmiName>,
-    /// Your MuJoCo file, with which the model was calibrated: written as FILE_calibrated.xml with corrected
+    /// Your MuJoCo or URDF file, with which the model was calibrated: written as FILE_calibrated with corrected
     /// dynamics; comments, shapes and everything else stay
-    #[arg(long, value_name = "FILE.xml")]
+    #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
-    /// Body of that file at which the chain starts, if there is a choice
+    /// Body or link of that file at which the chain starts, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     base: Option<String>,
-    /// Body of that file at which the chain ends, if there is a choice
+    /// Body or link of that file at which the chain ends, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     tip: Option<String>,
 }
@@ -112,13 +113,6 @@ impl Export {
                 }
             }
         }
-        if self.into.is_some() && self.target != TargetName::Mjcf {
-            return Err(Failure::Argument {
-                option: "--into",
-                reason: "is of the target `mjcf` alone".into(),
-                remedy: "leave it out, or export to `mjcf`".into(),
-            });
-        }
         Ok(match self.target {
             TargetName::C => Target::C,
             TargetName::Rust => Target::Rust,
@@ -138,14 +132,28 @@ impl Export {
         })
     }
 
+    /// The user's file, if the target corrects one.
+    fn original(&self) -> Result<Option<(&PathBuf, Format)>, Failure> {
+        let Some(file) = &self.into else { return Ok(None) };
+        match self.target {
+            TargetName::Mjcf => Ok(Some((file, Format::Mjcf))),
+            TargetName::Urdf => Ok(Some((file, Format::Urdf))),
+            _ => Err(Failure::Argument {
+                option: "--into",
+                reason: "is of the targets `mjcf` and `urdf` alone".into(),
+                remedy: "leave it out, or export to one of these".into(),
+            }),
+        }
+    }
+
     /// Exports.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
-        let made = match &self.into {
-            Some(file) => {
-                let (base, tip) = (self.base.as_deref(), self.tip.as_deref());
-                correct_mjcf(&self.model, file, base, tip, &session.registry)?
+        let made = match self.original()? {
+            Some((file, format)) => {
+                let ends = [self.base.as_deref(), self.tip.as_deref()];
+                correct(&self.model, file, format, ends, &session.registry)?
             }
             None => export(&self.model, &self.name, target, &session.registry)?,
         };

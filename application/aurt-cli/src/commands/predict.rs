@@ -62,11 +62,13 @@ impl Predict {
         };
         let prepared =
             pipeline.preprocess(&loaded, Purpose::Prediction).map_err(|error| of_model(error.into()))?;
-        let warnings = extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?;
+        let mut warnings: Vec<String> = loaded.recording.report.warnings().collect();
+        let mut notes = loaded.recording.report.notes();
+        notes.retain(|note| !warnings.contains(note));
+        notes.extend(prepared.data.report.notes());
+        warnings.extend(extrapolations(&calibrated.model, &calibrated.calibration, &prepared)?);
         out.write(&contents)?;
 
-        let mut notes = loaded.recording.report.notes();
-        notes.extend(prepared.data.report.notes());
         let unit = calibrated.calibration.unit;
         let rows = loaded.recording.report.rows;
         let mut text = format!(

@@ -1,7 +1,9 @@
 //! Where reports, notes and failures go, and whether they are coloured.
 
 use std::{
+    collections::BTreeMap,
     io::{ErrorKind, IsTerminal, Write},
+    path::PathBuf,
     time::Duration,
 };
 
@@ -74,6 +76,17 @@ impl Terminal {
         };
         write_unless_closed(&mut std::io::stdout().lock(), &text)
             .map_err(|source| Failure::write("standard output", source))
+    }
+
+    /// Says on standard error where killed commands had left parts of files.
+    pub fn print_cleared(&self, cleared: &BTreeMap<PathBuf, usize>) {
+        for (folder, parts) in cleared.iter().filter(|_| !self.quiet) {
+            let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
+            let text =
+                format!("{}: removed {parts} of files that a killed command had left\n", folder.display());
+            // Nothing is left to do where standard error is closed.
+            let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(&text));
+        }
     }
 
     /// Prints why a command failed: for people to standard error, for programs to standard output.

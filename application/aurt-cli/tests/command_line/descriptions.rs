@@ -220,5 +220,5 @@ fn a_description_is_a_prior_of_consistent_estimates() {
     let mut impossible = robot;
     impossible.links[2].inertia_at_com_kg_m2[0] = 1e3;
     folder.write("arm.urdf", &urdf(&impossible));
-    run("impossible", &text, prior).refused(&["prior of link 2 is of no body"]);
+    run("impossible", &text, prior).refused(&["prior of link 2 is physically impossible"]);
 }

@@ -48,11 +48,29 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
     assert!(corrected.contains("user=") && corrected.contains("Dynamics corrected by"), "{corrected}");
     assert_eq!(folder.read("own.xml"), wrong);
 
+    // The same of a URDF file, which has the same chain.
+    folder.aurt(["export", "urdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
+    let wrong_urdf = folder.read("own.urdf").replace("<mass value=\"8", "<!-- mine --><mass value=\"18");
+    let wrong_urdf = wrong_urdf[wrong_urdf.find("<robot").unwrap()..].to_owned();
+    folder.write("own.urdf", &wrong_urdf);
+    let into = ["export", "urdf", "of_mdh/rd_calibrated.json", "--into", "own.urdf", "--out", "corrected"];
+    let said = folder.aurt(into).succeeded().stdout();
+    assert!(said.contains("changed: body own_link_"), "{said}");
+    let corrected = folder.read("corrected/own_calibrated.urdf");
+    assert!(
+        wrong_urdf.contains("<mass value=\"18") && !corrected.contains("<mass value=\"18"),
+        "{corrected}"
+    );
+    assert_eq!(corrected.matches("<!-- mine -->").count(), wrong_urdf.matches("<!-- mine -->").count());
+
     // Of another robot, of another target, and over the input.
     let other = export("of_mdh/rd_calibrated.json", &["--into", "experiment.toml", "--out", "x"]);
     other.refused(&["well-formed XML"]);
     folder
+        .aurt(["export", "sdf", model, "--into", "own.xml", "--out", "x"])
+        .refused(&["--into", "`mjcf` and `urdf` alone"]);
+    folder
         .aurt(["export", "urdf", model, "--into", "own.xml", "--out", "x"])
-        .refused(&["--into", "`mjcf` alone"]);
+        .refused(&["<mujoco>, and <robot> of URDF is wanted"]);
     export(model, &["--tip", "own_link_5", "--out", "x"]).refused(&["--into"]);
 }

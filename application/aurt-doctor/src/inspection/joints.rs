@@ -1,6 +1,6 @@
 //! What a recording covers and how its sensors are, joint by joint.
 
-use aurt_recording::{Preprocessed, Recording};
+use aurt_recording::{PositionNoise, Preprocessed, Recording, velocity_gain};
 use aurt_report::rendering::{number::significant, table::Table};
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
@@ -59,6 +59,12 @@ impl JointReport {
         let samples: usize = motions().map(|m| m.samples()).sum();
         let moving: usize =
             motions().flat_map(|m| m.velocity_rad_s(joint)).filter(|v| v.abs() > rest_velocity_rad_s).count();
+        let noise = PositionNoise::of(&recording.time_s, position);
+        let filter = prepared.report.position_filter().ok();
+        let velocity_noise_psd = |f: f64| {
+            let filtered = filter.as_ref().map_or(1.0, |filter| filter.gain(f));
+            noise.psd(f) * (filtered * velocity_gain(f, prepared.report.rate_hz)).powi(2)
+        };
         let longest = prepared.segments.iter().max_by_key(|s| s.motion.samples());
         Self {
             position_rad: range(position),
@@ -66,9 +72,9 @@ impl JointReport {
             max_acceleration_rad_s2: largest(&mut motions().map(|m| m.acceleration_rad_s2(joint))),
             moving_share: moving as f64 / samples.max(1) as f64,
             reversals: motions().map(|m| reversals(m.velocity_rad_s(joint), rest_velocity_rad_s)).sum(),
-            bandwidth_hz: longest
-                .filter(|_| moving > 0)
-                .and_then(|s| bandwidth_hz(s.motion.view().velocity_rad_s(joint), s.rate_hz)),
+            bandwidth_hz: longest.filter(|_| moving > 0).and_then(|s| {
+                bandwidth_hz(s.motion.view().velocity_rad_s(joint), s.rate_hz, velocity_noise_psd)
+            }),
             position_step_rad: resolution(position),
             position_noise_rad: white_noise(position),
             measurement: recording.measurement.as_ref().map(|m| {

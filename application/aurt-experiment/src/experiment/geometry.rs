@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use aurt_rbd::{MdhTable, RbdError, RobotDescription, SerialChain};
 use aurt_robots::DescribedRobot;
-use aurt_traits::RigidBodyRegressor;
+use aurt_traits::{Branch, RigidBodyRegressor};
 
 /// Where the geometry of an experiment's robot is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +51,15 @@ impl Geometry {
         match self {
             Self::Mdh { .. } => &[],
             Self::Urdf { robot, .. } | Self::Known(robot) => &robot.joint_names,
+        }
+    }
+
+    /// The joints beside the chain, where a description has some.
+    #[must_use]
+    pub fn branches(&self) -> &[Branch] {
+        match self {
+            Self::Mdh { .. } => &[],
+            Self::Urdf { robot, .. } | Self::Known(robot) => &robot.branches,
         }
     }
 

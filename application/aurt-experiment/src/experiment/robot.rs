@@ -50,7 +50,11 @@ impl Robot {
     /// The joints that recordings of it have.
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
-        RobotJoints { count: self.joints(), names: self.joint_names.clone() }
+        RobotJoints {
+            count: self.joints(),
+            names: self.joint_names.clone(),
+            branches: self.geometry.branches().to_vec(),
+        }
     }
 
     /// Reads `[robot]`; the number of joints is known even if other keys are wrong.

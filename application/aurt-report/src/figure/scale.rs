@@ -11,9 +11,10 @@ pub fn range<'a>(values: impl IntoIterator<Item = &'a f64>) -> Option<[f64; 2]> 
 /// The least extent of a range, relative to its values: below it numbers on an axis would have too many digits.
 const LEAST_EXTENT: f64 = 1e-4;
 
-/// A range with room to both sides; a range without extent gets some.
+/// A range with room to both sides; a range without extent gets some. Values so small that they have not all digits are
+/// zero.
 pub fn padded(range: Option<[f64; 2]>, share: f64) -> [f64; 2] {
-    let [low, high] = range.unwrap_or([0.0, 1.0]);
+    let [low, high] = range.unwrap_or([0.0, 1.0]).map(|v| if v.is_normal() { v } else { 0.0 });
     let (extent, size) = (high - low, low.abs().max(high.abs()));
     if extent > LEAST_EXTENT * size {
         [low - share * extent, high + share * extent]
@@ -46,7 +47,8 @@ fn step(extent: f64, count: usize) -> f64 {
 /// Round values within a range, at most about `count`, each with its text.
 pub fn ticks([low, high]: [f64; 2], count: usize) -> Vec<(f64, String)> {
     let extent = high - low;
-    if !extent.is_finite() || extent <= 0.0 {
+    // Of numbers without all their digits there is no step.
+    if !extent.is_normal() || extent < 0.0 {
         return Vec::new();
     }
     let step = step(extent, count);
@@ -93,6 +95,18 @@ mod tests {
         assert_eq!(texts([0.0, 61.0], 7), ["0", "10", "20", "30", "40", "50", "60"]);
         assert_eq!(texts([0.012, 0.019], 4), ["0.012", "0.014", "0.016", "0.018"]);
         assert_eq!(texts([2.0, 2.0], 4), Vec::<String>::new());
+    }
+
+    #[test]
+    fn ticks_are_few_whatever_the_range() {
+        let sizes = [0.0, 5e-324, 1e-310, 2.3e-308, 1e-300, 1e-15, 1.0, 1e15, 1e300, f64::MAX];
+        for low in sizes.iter().flat_map(|v| [-v, *v]) {
+            for high in sizes.iter().flat_map(|v| [-v, *v]) {
+                for range in [[low, high], padded(range(&[low, high]), 0.06)] {
+                    assert!(ticks(range, 5).len() <= 7, "{range:?}");
+                }
+            }
+        }
     }
 
     #[test]

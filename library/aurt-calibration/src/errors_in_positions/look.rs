@@ -93,8 +93,7 @@ fn agreement(fitted: &Fitted<'_>, shift: &Shift) -> Result<Option<Hausman>, Cali
 
 /// The filter that the positions of a recording passed.
 fn position_filter(recording: &NamedRecording) -> Result<ZeroPhase, CalibrationError> {
-    let report = &recording.data.report;
-    Ok(ZeroPhase::butterworth(FILTER_ORDER, report.position_cutoff_hz, report.rate_hz)?)
+    Ok(recording.data.report.position_filter()?)
 }
 
 /// Whether noise of the positions is more than negligible at any joint.

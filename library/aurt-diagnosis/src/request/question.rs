@@ -71,7 +71,8 @@ impl QuestionedRecording {
     /// The recording with its faults found and repaired, but for those of effects that are left out (`without`).
     ///
     /// # Errors
-    /// [`DiagnosisError::ConstantMeasurement`] where no joint's measurement ever changes; what preprocessing the repaired
+    /// [`DiagnosisError::ConstantMeasurement`] where no joint's measurement ever changes; [`DiagnosisError::Branch`] where each
+    /// contains a motion beside the chain; what preprocessing the repaired
     /// recording reports.
     pub(crate) fn repaired(&self, without: &[String]) -> Result<Self, DiagnosisError> {
         let constant: Vec<Option<f64>> =
@@ -84,6 +85,12 @@ impl QuestionedRecording {
                 first: *value,
             });
         }
+        if let Some(branch) = self.raw.report.branches.first()
+            && (0..self.raw.joints()).all(|joint| self.contains_branch(joint))
+        {
+            let (recording, branch) = (self.data.name.clone(), branch.clone());
+            return Err(DiagnosisError::Branch { recording, branch });
+        }
         let faults = RecordingFaults::find_asked(&self.data.name, &self.raw, |e| considers(without, e));
         let mut repaired = self.clone();
         // A simulator's prediction belongs to the stamps as they are.
@@ -94,8 +101,18 @@ impl QuestionedRecording {
         Ok(repaired)
     }
 
-    /// Leaves out the rows that a fault has touched, and all of a joint whose measurement never changes.
+    /// Whether a joint's measurement contains a motion beside the chain.
+    fn contains_branch(&self, joint: usize) -> bool {
+        self.raw.report.branches.iter().any(|branch| branch.upstream.contains(&joint))
+    }
+
+    /// Leaves out the rows that a fault has touched, and all of a joint whose measurement never changes or contains a motion
+    /// beside the chain.
     pub(crate) fn mask(&self, rows: &mut RecordingRows) {
+        for (_, joint) in rows.joints.iter_mut().enumerate().filter(|(j, _)| self.contains_branch(*j)) {
+            joint.counts.fill(false);
+            joint.silence();
+        }
         let (Some(spoilt), Some(segment)) = (&self.spoilt, self.data.data.segments.first()) else { return };
         let cutoff_hz = segment.parallel_filter.cutoff_hz();
         let faulty = spoilt.faults.faulty_rows(&spoilt.original, rows, cutoff_hz);

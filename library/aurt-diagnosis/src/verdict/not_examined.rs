@@ -13,7 +13,8 @@ use crate::vocabulary::Means;
 /// Joints at rest, recordings that are short or slow, and measurements that say nothing.
 pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
     let mut found = constant(question, investigation);
-    found.extend(standing(investigation));
+    found.extend(beside(question));
+    found.extend(standing(question, investigation));
     found.extend(short(investigation));
     found.extend(unrelated(investigation));
     found.extend(slow(question));
@@ -41,9 +42,31 @@ fn constant(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
     found
 }
 
+/// Joints whose measurement contains a motion beside the chain.
+fn beside(question: &Question<'_>) -> Vec<NotExamined> {
+    let of_recording = |recording: &QuestionedRecording| {
+        let name = recording.data.name.clone();
+        let branches = recording.raw.report.branches.clone();
+        branches.into_iter().map(move |branch| NotExamined {
+            recording: Some(name.clone()),
+            reason: format!(
+                "{} moves beside the chain in {name}, and no claim is made on {} upstream of it",
+                branch.joint,
+                joint_list(&branch.upstream)
+            ),
+            joints: branch.upstream,
+            effects: Vec::new(),
+        })
+    };
+    question.recordings.iter().flat_map(of_recording).collect()
+}
+
 /// Joints that stand in all recordings of a kind.
-fn standing(investigation: &Investigation) -> Vec<NotExamined> {
-    let constant = |joint: usize| investigation.constant.iter().any(|(_, j, _)| *j == joint);
+fn standing(question: &Question<'_>, investigation: &Investigation) -> Vec<NotExamined> {
+    let beside = |joint: usize| {
+        question.recordings.iter().flat_map(|r| &r.raw.report.branches).any(|b| b.upstream.contains(&joint))
+    };
+    let constant = |joint: usize| investigation.constant.iter().any(|(_, j, _)| *j == joint) || beside(joint);
     let of_kind = |(role, name): (Role, &str)| {
         let rows: Vec<_> = investigation.rows.iter().filter(|r| r.role == role && r.rows() > 0).collect();
         let moves = |j: usize| rows.iter().any(|r| r.joints[j].counted(0, r.rows()) > 0.0);

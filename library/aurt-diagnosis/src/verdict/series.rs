@@ -4,7 +4,7 @@ use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::investigation::Investigation;
 use crate::recordings::rows::{RecordingRows, Role};
-use crate::request::Question;
+use crate::request::{Question, QuestionedRecording};
 use crate::verdict::localise;
 use crate::verdict::write::rigid_body_load;
 
@@ -73,7 +73,12 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
             let held_out_from = investigation.rows[r].rows();
             let origin_s = question.recordings[r].origin_s();
             let measured = match &investigation.late {
-                None => measured(question, r, rows),
+                None if investigation.faults.is_empty() => measured(&question.recordings[r], rows),
+                // Rows are of recordings whose faults are repaired, which can be other rows.
+                None => question.recordings[r]
+                    .repaired(question.without)
+                    .ok()
+                    .and_then(|repaired| measured(&repaired, rows)),
                 // As shifted: the recording itself is late.
                 Some(_) if investigation.baseline.frozen => None,
                 Some(_) => Some(rows.joints.iter().map(|j| j.measurement.clone()).collect()),
@@ -115,8 +120,8 @@ pub fn series(question: &Question<'_>, investigation: &Investigation) -> Vec<Rec
 
 /// The measurement of every row, from the recording as it was preprocessed: rows of an investigation are silent where
 /// they do not count, and less the prediction where a model is taken as given.
-fn measured(question: &Question<'_>, r: usize, rows: &RecordingRows) -> Option<Vec<Vec<f64>>> {
-    let segments = &question.recordings[r].data.data.segments;
+fn measured(recording: &QuestionedRecording, rows: &RecordingRows) -> Option<Vec<Vec<f64>>> {
+    let segments = &recording.data.data.segments;
     let joints = (0..rows.joints.len())
         .map(|j| {
             let of_joint =
@@ -124,6 +129,5 @@ fn measured(question: &Question<'_>, r: usize, rows: &RecordingRows) -> Option<V
             Some(segments.iter().map(of_joint).collect::<Option<Vec<_>>>()?.concat())
         })
         .collect::<Option<Vec<Vec<f64>>>>()?;
-    // A recording that was repaired can have other rows.
     joints.iter().all(|j| j.len() == rows.rows()).then_some(joints)
 }

@@ -126,6 +126,10 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         ));
     }
     verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
+    for recording in question.recordings {
+        let of_file = recording.raw.report.warnings();
+        verdict.warnings.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
+    }
     if let Some(warning) = worse_on_held_out(&verdict) {
         verdict.warnings.push(warning);
     }

@@ -2,17 +2,17 @@
 //!
 //! Bodies carry the inertias of a calibration that found some a machine can have. Joints carry armature (the rotors), damping
 //! (linear viscous friction), friction loss (the Coulomb level without load) and springs. All else has no word in MuJoCo:
-//! it is listed in the file and in [`Export::lost`]. [`into`] corrects the user's own file instead.
+//! it is listed in the file and in [`Export::lost`]. [`crate::into`] corrects the user's own file instead.
 
 pub(crate) mod body;
-pub mod into;
 pub(crate) mod joint;
 
 use std::fmt::Write;
 
 use crate::{
     Export, ExportError, Source,
-    naming::{attribute, check_identifier, for_comment, joint_names},
+    naming::{attribute, check_identifier, joint_names},
+    source::heading,
 };
 
 /// Friction loss that holds: MuJoCo's own settings let a joint creep under a load that friction bears, and its friction
@@ -33,18 +33,12 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let names = joint_names(chain, attribute, &[]);
     let bodies = body::tree(source.name, &names, chain, standard, &joints)?;
 
-    let mut text = String::from("<!--\n");
-    let mut lines = vec![format!("{}, written by `aurt export mjcf`.", source.name)];
-    lines.extend(source.provenance.lines());
-    lines.push("MuJoCo cannot express:".into());
-    lines.extend(lost.iter().map(|l| format!("  {l}")));
-    for line in lines {
-        let _ = writeln!(text, "  {}", for_comment(&line));
-    }
+    let first = format!("{}, written by `aurt export mjcf`.", source.name);
+    let mut text = heading(source, first, &[], "MuJoCo", &lost);
     let [x, y, z] = chain.gravity_m_s2();
     let _ = write!(
         text,
-        "-->\n<mujoco model=\"{}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
+        "<mujoco model=\"{}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
          <option gravity=\"{x:?} {y:?} {z:?}\" integrator=\"implicitfast\"/>\n  <default>\n    \
          <joint {HOLDS}/>\n  </default>\n  <worldbody>\n{bodies}  </worldbody>\n  \
          <actuator>\n",

@@ -15,8 +15,8 @@ use crate::{
         body::numbers,
         joint::{JointDynamics, dynamics},
     },
-    naming::{attribute, check_identifier, for_comment, joint_names},
-    source::frames,
+    naming::{attribute, check_identifier, joint_names},
+    source::{frames, heading},
     urdf::{UNLIMITED, roll_pitch_yaw, rotors_lost, world_lost},
 };
 
@@ -34,17 +34,11 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     lost.extend(rotors_lost(&joints));
     lost.extend(world_lost(chain));
 
-    let mut lines = vec![format!("{name}, written by `aurt export sdf`.")];
-    lines.extend(source.provenance.lines());
-    lines.push("SDF cannot express:".into());
-    lines.extend(lost.iter().map(|l| format!("  {l}")));
-    let mut text = String::from("<?xml version=\"1.0\"?>\n<!--\n");
-    for line in lines {
-        let _ = writeln!(text, "  {}", for_comment(&line));
-    }
+    let first = format!("{name}, written by `aurt export sdf`.");
+    let mut text = String::from("<?xml version=\"1.0\"?>\n") + &heading(source, first, &[], "SDF", &lost);
     let _ = write!(
         text,
-        "-->\n<sdf version=\"1.9\">\n<model name=\"{name}\">\n  <link name=\"{name}_base\"/>\n  <joint name=\"{name}_mount\" \
+        "<sdf version=\"1.9\">\n<model name=\"{name}\">\n  <link name=\"{name}_base\"/>\n  <joint name=\"{name}_mount\" \
          type=\"fixed\">\n    <parent>world</parent>\n    <child>{name}_base</child>\n  </joint>\n"
     );
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();

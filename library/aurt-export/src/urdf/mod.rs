@@ -14,8 +14,8 @@ use crate::{
         body::numbers,
         joint::{JointDynamics, dynamics},
     },
-    naming::{attribute, check_identifier, for_comment, joint_names},
-    source::frames,
+    naming::{attribute, check_identifier, joint_names},
+    source::{frames, heading},
 };
 
 /// Limits that do not limit: the file must state some of prismatic joints, and the model knows none.
@@ -33,21 +33,12 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let name = source.name;
     let (joints, mut lost) = dynamics(source);
     lost.extend(rotors_lost(&joints));
-    for (j, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.stiffness != 0.0) {
-        let (stiffness, reference) = (joint.stiffness, joint.spring_ref);
-        lost.push(format!("spring of joint {j}: {stiffness:.4} N m/rad about {reference:.4} rad"));
-    }
+    lost.extend(springs_lost(&joints));
     lost.extend(world_lost(chain));
 
-    let mut lines = vec![format!("{name}, written by `aurt export urdf`.")];
-    lines.extend(source.provenance.lines());
-    lines.push("URDF cannot express:".into());
-    lines.extend(lost.iter().map(|l| format!("  {l}")));
-    let mut text = String::from("<?xml version=\"1.0\"?>\n<!--\n");
-    for line in lines {
-        let _ = writeln!(text, "  {}", for_comment(&line));
-    }
-    let _ = write!(text, "-->\n<robot name=\"{name}\">\n  <link name=\"{name}_base\"/>\n");
+    let first = format!("{name}, written by `aurt export urdf`.");
+    let mut text = String::from("<?xml version=\"1.0\"?>\n") + &heading(source, first, &[], "URDF", &lost);
+    let _ = write!(text, "<robot name=\"{name}\">\n  <link name=\"{name}_base\"/>\n");
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
     let mut parent = format!("{name}_base");
     let names = joint_names(chain, attribute, &[]);
@@ -93,6 +84,16 @@ pub(crate) fn rotors_lost(joints: &[JointDynamics]) -> Vec<String> {
                 "rotor inertia of joint {j}: {:?} kg m^2; set it where the engine has it, as `armature` in Isaac, MuJoCo and Drake",
                 joint.armature
             )
+        })
+        .collect()
+}
+
+/// Springs, which URDF has no element for.
+pub(crate) fn springs_lost(joints: &[JointDynamics]) -> Vec<String> {
+    let springs = joints.iter().enumerate().filter(|(_, joint)| joint.stiffness != 0.0);
+    springs
+        .map(|(j, JointDynamics { stiffness, spring_ref, .. })| {
+            format!("spring of joint {j}: {stiffness:.4} N m/rad about {spring_ref:.4} rad")
         })
         .collect()
 }

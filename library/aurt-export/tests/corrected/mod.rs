@@ -1,10 +1,12 @@
 //! The user's own MuJoCo file with its dynamics corrected.
 
+mod urdf;
+
 use std::{path::Path, process::Command};
 
 use aurt_export::{
     ExportError, Source,
-    mjcf::into::{Corrected, Original, correct},
+    into::{Corrected, Format, Original, correct},
 };
 use aurt_rbd::{ChainDynamics, SerialChain};
 use aurt_robots::DescribedRobot;
@@ -33,9 +35,13 @@ fn case_of(text: &str) -> Case {
     case
 }
 
+fn original(text: &str, format: Format) -> Original<'_> {
+    Original { text, path: Path::new("own.xml"), format, base: None, tip: Some("tool") }
+}
+
 fn corrected(text: &str, case: &Case) -> Result<Corrected, ExportError> {
     let provenance = provenance();
-    let original = Original { text, path: Path::new("own.xml"), base: None, tip: Some("tool") };
+    let original = original(text, Format::Mjcf);
     correct(&source(case, &provenance), &original)
 }
 
@@ -131,6 +137,21 @@ fn what_a_tool_weighs_too_much_goes_to_the_body_of_the_joint() {
     );
 }
 
+/// A welded body that has its mass from a shape: an `inertial` without mass comes into it.
+#[test]
+fn a_tool_of_shapes_that_weighs_too_much_gets_an_inertial() {
+    let stated = "<inertial pos=\"0.02 0 0.01\" mass=\"0.2\" diaginertia=\"0.0001 0.0002 0.00015\"/>";
+    let heavy = OWN.replace(stated, "<geom size=\"0.1\" mass=\"20\"/>");
+    let case = light_case(&heavy);
+    let Corrected { text, .. } = corrected(&heavy, &case).unwrap();
+    let added = "<inertial pos=\"0.0 0.0 0.0\" mass=\"0.0\" diaginertia=\"0.0 0.0 0.0\"/>";
+    assert!(text.contains(added), "{text}");
+    let found = read(&text).standard_parameters.unwrap();
+    let apart = found.iter().zip(&case.standard).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    assert!(apart < 1e-13, "{apart:e}");
+    in_mujoco(&text, &case);
+}
+
 #[test]
 fn files_of_other_robots_are_refused() {
     let case = case_of(OWN);
@@ -145,6 +166,8 @@ fn files_of_other_robots_are_refused() {
     assert!(fewer.contains("it has 3 joints, and the model has 4"), "{fewer}");
     let unread = refusal(&OWN.replace("<actuator>", "<actuators>"));
     assert!(unread.contains("no well-formed XML"), "{unread}");
+    let shapes = refusal(&OWN.replace("<compiler", "<compiler inertiafromgeom=\"true\""));
+    assert!(shapes.contains("`inertiafromgeom=\"auto\"`"), "{shapes}");
     let urdf = refusal("<robot name=\"a\"><link name=\"b\"/></robot>");
     assert!(urdf.contains("the outermost element is <robot>, and <mujoco>"), "{urdf}");
 }
@@ -190,7 +213,7 @@ fn difference_in_mujoco(text: &str, case: &Case) -> Option<f64> {
 #[test]
 fn a_model_without_bodies_corrects_nothing() {
     let (case, provenance) = (case_of(OWN), provenance());
-    let original = Original { text: OWN, path: Path::new("own.xml"), base: None, tip: Some("tool") };
+    let original = original(OWN, Format::Mjcf);
     let bare = Source { standard: None, ..source(&case, &provenance) };
     assert!(matches!(correct(&bare, &original).unwrap_err(), ExportError::NoBodies));
 }

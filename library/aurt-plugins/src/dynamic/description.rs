@@ -8,8 +8,8 @@ use aurt_traits::{
     abi::{self, Description},
 };
 
-/// More columns, joints or parameters than this are taken for an error of the library.
-const MOST: usize = 100_000;
+/// More models, columns, joints or parameters than this are taken for an error of the library.
+pub(super) const MOST: usize = 100_000;
 
 /// A copy of what an instance told of itself.
 #[derive(Debug, Clone)]

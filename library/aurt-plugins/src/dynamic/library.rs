@@ -10,6 +10,7 @@ use aurt_traits::{
 };
 use libloading::Library;
 
+use super::description::MOST;
 use crate::{
     error::{Error, LibraryProblem},
     listing::{LibraryListing, ModelListing, Origin},
@@ -120,6 +121,10 @@ unsafe fn read_declaration(
     }
     if d.model_count > 0 && (d.models.is_null() || !d.models.is_aligned()) {
         return Err(LibraryProblem::Faulty("its list of models is missing".to_owned()));
+    }
+    if d.model_count > MOST {
+        let reason = format!("it claims {} models; a library has at most {MOST}", d.model_count);
+        return Err(LibraryProblem::Faulty(reason));
     }
     // SAFETY: the texts of a declaration are NULL or end with NUL.
     let (name, version) =

@@ -53,6 +53,10 @@ fn faulty_declarations_are_refused() {
              this program's `aurt-traits` or `aurt_plugin.h`",
         ),
         ("SMALL", "has a faulty declaration: its model table has 8 bytes, version 1.0 has 104"),
+        (
+            "MANY_MODELS",
+            "has a faulty declaration: it claims 1152921504606846976 models; a library has at most 100000",
+        ),
         ("NO_EVALUATE", "has a faulty declaration: model `no_evaluate` has no function `evaluate`"),
         ("NO_SLOT", "has a faulty declaration: model `no_slot` is for slot 9, which does not exist"),
     ] {
@@ -119,10 +123,19 @@ fn what_goes_wrong_in_evaluation_names_the_model() {
 
 #[test]
 fn a_faulty_description_is_refused() {
-    let Some(library) = built::faulty("NO_COLUMNS") else { return };
-    let registry = built::with(&library);
-    let errors = registry.build_from_json::<dyn HysteresisModel>(&json!({ "model": "faulty" })).unwrap_err();
-    assert_eq!(errors[0].to_string(), "model `faulty`: it names 1 columns but does not give them");
+    for (fault, expected) in [
+        ("NO_COLUMNS", "it names 1 columns but does not give them"),
+        ("MANY_COLUMNS", "it names 1152921504606846976 columns"),
+        ("MANY_SHAPES", "it names 1152921504606846976 shape parameters"),
+        ("MANY_JOINTS", "it names 1152921504606846976 joints"),
+        ("MANY_STATES", "it asks for 1152921504606846976 state variables"),
+    ] {
+        let Some(library) = built::faulty(fault) else { return };
+        let registry = built::with(&library);
+        let errors =
+            registry.build_from_json::<dyn HysteresisModel>(&json!({ "model": "faulty" })).unwrap_err();
+        assert_eq!(errors[0].to_string(), format!("model `faulty`: {expected}"));
+    }
 }
 
 /// What people read of an experiment with these lines about friction.

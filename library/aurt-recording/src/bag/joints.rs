@@ -4,6 +4,7 @@ use std::path::Path;
 use crate::bag::joint_state::JointState;
 use crate::bag::messages::Messages;
 use crate::bag::topics::Topic;
+use crate::branches::{BranchMotion, BranchTrack};
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
 
@@ -29,6 +30,12 @@ pub(super) struct Joints<'a> {
     recorder_stamps: bool,
     origin_ns: i64,
     passed_over: usize,
+    /// The joints beside the robot's chain.
+    branches: Vec<BranchTrack>,
+    /// The names that `beside` is for, as they are written.
+    beside_of: Vec<u8>,
+    /// Of each of `branches` its place in the message.
+    beside: Vec<Option<usize>>,
 }
 
 impl<'a> Joints<'a> {
@@ -52,6 +59,9 @@ impl<'a> Joints<'a> {
             recorder_stamps: false,
             origin_ns: 0,
             passed_over: 0,
+            branches: options.branch_tracks(),
+            beside_of: Vec::new(),
+            beside: Vec::new(),
         };
         let refuse = |reason: String, remedy: String| RecordingError::Malformed {
             path: path.to_owned(),
@@ -202,7 +212,32 @@ impl<'a> Joints<'a> {
         self.state.decode(&self.messages.payload).map_err(|reason| {
             self.messages.malformed(format!("a message cannot be decoded: {reason}"), "record it again")
         })?;
+        self.track_branches();
         Ok(true)
+    }
+
+    /// Looks at the joints beside the chain, which may have messages of their own.
+    fn track_branches(&mut self) {
+        let state = &self.state;
+        if self.branches.is_empty() || state.position.len() != state.names.len() {
+            return;
+        }
+        if self.beside_of != state.names_written {
+            self.beside_of.clone_from(&state.names_written);
+            let place = |track: &BranchTrack| state.names.iter().position(|name| *name == track.joint);
+            self.beside = self.branches.iter().map(place).collect();
+        }
+        let stamp_ns = if state.stamp_ns == 0 { self.messages.log_ns } else { state.stamp_ns };
+        for (track, place) in self.branches.iter_mut().zip(&self.beside) {
+            if let Some(place) = place {
+                track.add(stamp_ns as f64 / SECOND_NS as f64, state.position[*place]);
+            }
+        }
+    }
+
+    /// The joints beside the chain that move.
+    pub(super) fn branches(self) -> Vec<BranchMotion> {
+        self.branches.into_iter().filter_map(BranchTrack::motion).collect()
     }
 
     /// Where the wanted joints are in the present message.

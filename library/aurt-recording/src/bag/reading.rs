@@ -67,5 +67,6 @@ pub(super) fn read(
     })?;
     recording.report.remarks.extend(joints.closing_remarks());
     recording.report.origin_s = joints.origin_s();
+    recording.report.branches = joints.branches();
     Ok(recording)
 }

@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use crate::branches::{BranchMotion, BranchTrack};
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
 use crate::csv::plausibility::{self, Finding, Turns};
@@ -43,6 +44,7 @@ pub(super) struct Collector<'a> {
     /// The first second of stamps that are in two columns.
     first_second: Option<f64>,
     turns: Vec<Turns>,
+    branches: Vec<BranchTrack>,
     remarks: Vec<String>,
 }
 
@@ -70,6 +72,8 @@ pub(super) struct Collected {
     pub(super) dropped: Vec<DroppedRow>,
     pub(super) dropped_rows: usize,
     pub(super) remarks: Vec<String>,
+    /// Joints beside the chain that move.
+    pub(super) branches: Vec<BranchMotion>,
     /// What was taken off the stamps, in s.
     pub(super) origin_s: f64,
 }
@@ -96,6 +100,7 @@ impl<'a> Collector<'a> {
             begun: false,
             first_second: None,
             turns: vec![Turns::default(); selected.position.len()],
+            branches: selected.branches.iter().map(|(joint, _)| BranchTrack::new(joint.clone())).collect(),
             remarks: Vec::new(),
         }
     }
@@ -117,6 +122,7 @@ impl<'a> Collector<'a> {
 
     /// Takes a row as it was read, unless it cannot be true; it is left in SI units.
     pub(super) fn add(&mut self, row: &mut [f64], line: usize) {
+        let (row, beside) = row.split_at_mut(row.len() - self.branches.len());
         if let Some(rate_hz) = self.selected.rate_hz {
             row[0] = self.rows as f64 / rate_hz;
         }
@@ -148,6 +154,10 @@ impl<'a> Collector<'a> {
                 series.pop();
             }
             self.drop_row(ahead, 0, Reason::TimeAhead { stamp: last, after: row[0] });
+        }
+        let [up, down] = self.selected.branch_factor;
+        for (track, value) in self.branches.iter_mut().zip(beside) {
+            track.add(row[0], *value * up / down);
         }
         for (series, value) in self.series.iter_mut().zip(row) {
             series.push(*value);
@@ -187,7 +197,9 @@ impl<'a> Collector<'a> {
             .map(|d| DroppedRow { line: d.line, reason: self.in_words(d, header) })
             .collect();
         let origin_s = self.first_second.unwrap_or(0.0);
-        Ok(Collected { series, dropped, dropped_rows: self.dropped_rows, remarks: self.remarks, origin_s })
+        let branches = self.branches.into_iter().filter_map(BranchTrack::motion).collect();
+        let (dropped_rows, remarks) = (self.dropped_rows, self.remarks);
+        Ok(Collected { series, dropped, dropped_rows, remarks, origin_s, branches })
     }
 
     /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.

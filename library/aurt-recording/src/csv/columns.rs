@@ -22,6 +22,10 @@ pub(super) struct Selected {
     pub(super) rate_hz: Option<f64>,
     /// The nanoseconds of the stamps, where `time` has their seconds alone; last in a row.
     pub(super) nanoseconds: Option<usize>,
+    /// Columns of positions of joints beside the chain, after all others in a row.
+    pub(super) branches: Vec<(String, usize)>,
+    /// What those numbers are scaled with.
+    pub(super) branch_factor: Factor,
     /// Which joints the columns belong to.
     pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
@@ -29,13 +33,14 @@ pub(super) struct Selected {
 }
 
 impl Selected {
-    /// All columns: time, positions, velocities, measurements, nanoseconds.
+    /// All columns: time, positions, velocities, measurements, nanoseconds, positions beside the chain.
     pub(super) fn all(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.time.into_iter().collect();
         all.extend(&self.position);
         all.extend(self.velocity.iter().flatten());
         all.extend(self.measurement.iter().flatten());
         all.extend(self.nanoseconds);
+        all.extend(self.branches.iter().map(|(_, column)| column));
         all
     }
 }
@@ -115,6 +120,8 @@ impl Search<'_> {
             factors: Vec::new(),
             rate_hz: recorded.rate_hz,
             nanoseconds: time.and_then(|clock| clock.nanoseconds),
+            branches: Vec::new(),
+            branch_factor: [1.0, 1.0],
             joints: self.options.joints_read(&[]),
             remarks,
         };
@@ -144,6 +151,11 @@ impl Search<'_> {
                 ),
                 "select another column for one of them".into(),
             ));
+        }
+        // Counts and gears of each joint of the chain say nothing of a joint beside it.
+        if let Ok([factor]) = recorded.angle_factors(1).as_deref() {
+            selected.branch_factor = *factor;
+            selected.branches = self.branches(&all);
         }
         Ok(selected)
     }

@@ -112,7 +112,7 @@ impl Reader<'_> {
         };
         let selected = Search { path: self.path, header: &header, options: self.options }.run()?;
         let wanted = selected.all();
-        let parser = RowParser::new(dialect, header.columns, &wanted);
+        let parser = RowParser::new(dialect, header.columns, &wanted, selected.branches.len());
         let mean_length = sample.len().div_ceil(content.len().max(1)).max(1);
         let rows = (bytes as usize / mean_length).min(self.piece_rows);
         let mut collector = Collector::new(&selected, self.options, rows);

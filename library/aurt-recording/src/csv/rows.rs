@@ -8,6 +8,8 @@ pub(super) struct RowParser {
     dialect: Dialect,
     /// For each column of the file its place in the row, if it is wanted.
     places: Vec<Option<usize>>,
+    /// Places in the row from which on a cell may be no number.
+    optional: usize,
 }
 
 /// What is wrong with a line.
@@ -20,13 +22,14 @@ pub(super) enum RowProblem {
 }
 
 impl RowParser {
-    /// A parser for files of `columns` columns; `wanted[k]` is the column of the row's k-th number.
-    pub(super) fn new(dialect: Dialect, columns: usize, wanted: &[usize]) -> Self {
+    /// A parser for files of `columns` columns; `wanted[k]` is the column of the row's k-th number; the last
+    /// `optional` of them may be none.
+    pub(super) fn new(dialect: Dialect, columns: usize, wanted: &[usize], optional: usize) -> Self {
         let mut places = vec![None; columns];
         for (place, column) in wanted.iter().enumerate() {
             places[*column] = Some(place);
         }
-        Self { dialect, places }
+        Self { dialect, places, optional: wanted.len() - optional }
     }
 
     /// Writes the wanted cells of `line` to `row`.
@@ -76,6 +79,7 @@ impl RowParser {
             if let Some(Some(place)) = self.places.get(found) {
                 match number::parse(cell, self.dialect.decimal()).filter(|v| v.is_finite()) {
                     Some(value) => row[*place] = value,
+                    None if *place >= self.optional => row[*place] = f64::NAN,
                     None => bad = bad.or(Some(found)),
                 }
             }

@@ -72,7 +72,20 @@ impl Search<'_> {
     /// The first of some quantities that has a column for each of the robot's joints by its name, as `elbow.position` and
     /// `position/elbow`.
     pub(super) fn by_joint<'p>(&self, quantities: &[&'p str]) -> Option<(&'p str, Vec<usize>)> {
-        let joints = self.options.joint_names();
+        self.by_names(self.options.joint_names(), quantities)
+    }
+
+    /// The positions of joints beside the robot's chain, in columns that nothing else is read from.
+    pub(super) fn branches(&self, taken: &[usize]) -> Vec<(String, usize)> {
+        let tracks = self.options.branch_tracks().into_iter().map(|track| track.joint);
+        let column = |joint: String| {
+            let (_, columns) = self.by_names(std::slice::from_ref(&joint), &families::POSITION)?;
+            columns.first().filter(|column| !taken.contains(column)).map(|column| (joint, *column))
+        };
+        tracks.filter_map(column).collect()
+    }
+
+    fn by_names<'p>(&self, joints: &[String], quantities: &[&'p str]) -> Option<(&'p str, Vec<usize>)> {
         let mut places = HashMap::new();
         for (k, quantity) in quantities.iter().enumerate() {
             for (j, joint) in joints.iter().map(|joint| joint.to_lowercase()).enumerate() {

@@ -92,7 +92,8 @@ impl<'a> Table<'a> {
         let remarks = std::mem::take(&mut self.selected.remarks);
         let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(ROOM_ROWS));
         while next(&mut row[first..])? {
-            if let Some(place) = row[first..].iter().position(|v| !v.is_finite()) {
+            let needed = row.len() - self.selected.branches.len();
+            if let Some(place) = row[first..needed].iter().position(|v| !v.is_finite()) {
                 return Err(RecordingError::Value {
                     path: self.path.to_owned(),
                     row: collector.rows() + 1,
@@ -157,6 +158,7 @@ pub(super) fn report(
         dropped_rows: collected.dropped_rows,
         remarks,
         origin_s: collected.origin_s,
+        branches: collected.branches,
         ..ReadReport::default()
     }
 }

@@ -64,7 +64,9 @@ impl LongRecording {
         })?;
         let found = "no row follows the header".into();
         let long = long.ok_or(RecordingError::NoRows { path: path.to_owned(), found })?;
-        Ok(Self { report, ..long })
+        let branches =
+            options.joints.as_ref().map_or_else(Vec::new, |robot| robot.moving(&report.branches, &[]));
+        Ok(Self { report: ReadReport { branches, ..report }, ..long })
     }
 
     /// Appends samples. Velocities are skipped.

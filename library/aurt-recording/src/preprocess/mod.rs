@@ -29,22 +29,17 @@ pub use zero_phase::ZeroPhase;
 use std::ops::Range;
 use std::path::Path;
 
+use crate::branches::NOISE_SAMPLES;
 use crate::error::RecordingError;
 use crate::noise::PositionNoise;
 use crate::preprocess::clock::Clock;
 use crate::preprocess::refusal::Refusal;
 use crate::preprocess::segment::Plan;
-use crate::preprocess::zero_phase::CUTOFF_RANGE;
+use crate::preprocess::zero_phase::{CUTOFF_RANGE, FILTER_ORDER};
 use crate::recording::Recording;
-
-/// Order of both Butterworth filters, one way (paper, section IV).
-const FILTER_ORDER: usize = 4;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;
-
-/// Samples from which noise is told; more tell nothing new of an encoder.
-const NOISE_SAMPLES: usize = 20_000;
 
 /// A recording made ready for calibration, validation or prediction.
 #[derive(Debug, Clone, PartialEq)]

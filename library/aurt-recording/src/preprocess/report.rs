@@ -2,8 +2,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use crate::error::RecordingError;
 use crate::preprocess::clock::ClockReport;
 use crate::preprocess::decimate::Decimation;
+use crate::preprocess::zero_phase::{FILTER_ORDER, ZeroPhase};
 
 /// Everything that preprocessing found out and did, as numbers; [`Self::notes`] says it in sentences.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -71,6 +73,14 @@ pub struct DroppedSegment {
 }
 
 impl PreprocessReport {
+    /// The filter that the positions passed.
+    ///
+    /// # Errors
+    /// [`RecordingError::Cutoff`]; none of a report that preprocessing made.
+    pub fn position_filter(&self) -> Result<ZeroPhase, RecordingError> {
+        ZeroPhase::butterworth(FILTER_ORDER, self.position_cutoff_hz, self.rate_hz)
+    }
+
     /// The report in sentences.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {

@@ -38,7 +38,7 @@ impl Memory {
         Self { motion: position.memory() + 1, parallel, decimation }
     }
 
-    /// Samples at either end of a run that moves there, of which no row counts.
+    /// Samples at either end of a run of which no row counts.
     const fn of_rows(&self) -> usize {
         self.motion + self.parallel
     }
@@ -50,16 +50,17 @@ impl Memory {
 
     /// The span of a run of `all` samples that moves from the first to the last of `moving`.
     ///
-    /// Filters continue a series by its mirror image through the end point. Of a robot that stands s samples at an end, that is
-    /// standing for another s, whatever moved before the run began: so many more samples are as good as recorded.
+    /// Filters continue a series by its mirror image through the end point: wrong where the robot moves there, and with all of
+    /// that one sample's noise where it stands.
     pub(crate) fn span(&self, options: &PreprocessOptions, all: usize, moving: Option<[usize; 2]>) -> Span {
-        let Self { decimation, .. } = *self;
-        let [before, after] = moving.map_or([all; 2], |[first, last]| [first, all - 1 - last]);
-        let wanted = if options.trim_rest { before..all - after } else { 0..all };
-        let cut = |memory: usize| [before, after].map(|standing| memory.saturating_sub(standing));
-        let ([motion_before, motion_after], [before, after]) = (cut(self.motion), cut(self.of_rows()));
-        let start = wanted.start.max(before);
-        let rows = start..wanted.end.min(all.saturating_sub(after)).max(start);
+        let (decimation, memory) = (self.decimation, self.of_rows());
+        let wanted = match moving.filter(|_| options.trim_rest) {
+            Some([first, last]) => first..last + 1,
+            None if options.trim_rest => all..all,
+            None => 0..all,
+        };
+        let start = wanted.start.max(memory);
+        let rows = start..wanted.end.min(all.saturating_sub(memory)).max(start);
         let near_ends = wanted.len() - rows.len().min(wanted.len());
         if options.count_ends {
             // After trimming, the measurement loses one more sample at either end, as in the original tool, whose first
@@ -75,9 +76,8 @@ impl Memory {
             let rows = rows.start.next_multiple_of(decimation).min(rows.end)..rows.end;
             return Span { motion: 0..all, rows, wanted, near_ends, lost: 0, all, decimation };
         }
-        let lead = self.parallel.min((start - motion_before) / decimation * decimation);
-        let end = (rows.end + self.parallel).min(all.saturating_sub(motion_after)).max(rows.end);
-        Span { motion: start - lead..end, rows, wanted, near_ends, lost: before + after, all, decimation }
+        let end = (rows.end + self.parallel).min(all.saturating_sub(self.motion)).max(rows.end);
+        Span { motion: start - self.parallel..end, rows, wanted, near_ends, lost: 2 * memory, all, decimation }
     }
 }
 
@@ -134,14 +134,13 @@ mod tests {
     }
 
     #[test]
-    fn rows_at_rest_count_as_far_as_the_mirror_image_stands() {
+    fn rest_at_an_end_is_cut_before_what_moves() {
         let long = span(false, true, [100, 800]);
         assert_eq!((long.motion.clone(), long.rows.clone()), (70..831, 100..801));
         assert_eq!(long.reported(0.0, 100.0).rows_near_ends, 0);
-        // 15 samples at rest before the run and 15 at its beginning leave 10 of 40 that are not known.
         let short = span(false, true, [15, 999]);
-        assert_eq!((short.motion.start, short.rows.start), (0, 25));
-        assert_eq!(span(false, false, [100, 800]).rows, 0..1000);
+        assert_eq!((short.motion.start, short.rows.start), (10, 40));
+        assert_eq!(span(false, false, [100, 800]).rows, 40..960);
     }
 
     #[test]

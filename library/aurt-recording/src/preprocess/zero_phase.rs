@@ -7,6 +7,9 @@ const LANES: usize = 8;
 /// Share of a step that is left of it beyond the filter's [memory](ZeroPhase::memory).
 const SETTLED: f64 = 1e-3;
 
+/// Order of both Butterworth filters of preprocessing, one way (paper, section IV).
+pub(crate) const FILTER_ORDER: usize = 4;
+
 /// Lowest and highest cut-off as shares of the Nyquist frequency. At the ends the poles come so close to 1 and −1
 /// that about eight digits of the filtered series are left.
 pub(crate) const CUTOFF_RANGE: [f64; 2] = [1e-4, 1.0 - 1e-4];

@@ -104,6 +104,7 @@ impl KnownRobot {
             armature_kg_m2: vec![0.0; self.joints.len()],
             standard_parameters: None,
             frames,
+            branches: Vec::new(),
             notes: Vec::new(),
         }
     }

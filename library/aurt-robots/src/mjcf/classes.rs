@@ -11,6 +11,8 @@ type Attributes<'x> = HashMap<&'x str, &'x str>;
 struct Class<'x> {
     joint: Attributes<'x>,
     geom: Attributes<'x>,
+    /// `size` of a geom: a class may change the first of its numbers alone.
+    size: [Option<&'x str>; 3],
 }
 
 /// All classes, each with what it inherits.
@@ -19,6 +21,8 @@ pub(super) struct Classes<'x>(HashMap<&'x str, Class<'x>>);
 
 /// The class of elements that name none.
 const MAIN: &str = "main";
+/// Orientations: one of them overrules all that stand further out.
+const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 impl<'x> Classes<'x> {
     /// Reads the `<default>` sections of a file; a class inherits those that it lies in.
@@ -35,6 +39,12 @@ impl<'x> Classes<'x> {
                         "geom" => &mut class.geom,
                         _ => continue,
                     };
+                    if child.has_tag_name("geom") {
+                        overlay(&mut class.size, child);
+                        if is_turned(child) {
+                            attributes.retain(|name, _| !TURNS.contains(name));
+                        }
+                    }
                     attributes.extend(child.attributes().map(|a| (a.name(), a.value())));
                 }
                 classes.0.insert(node.attribute("class").unwrap_or(MAIN), class.clone());
@@ -49,9 +59,26 @@ impl<'x> Classes<'x> {
         if let Some(own) = node.attribute(name) {
             return Some(own);
         }
-        let class = self.0.get(node.attribute("class").or(around).unwrap_or(MAIN))?;
+        let class = self.of(node, around)?;
         let attributes = if node.tag_name().name() == "geom" { &class.geom } else { &class.joint };
         attributes.get(name).copied()
+    }
+
+    /// The numbers of `size` of a geom: its own, and behind these the rest of its class.
+    pub fn size(&self, node: Node<'x, 'x>, around: Option<&str>) -> [Option<&'x str>; 3] {
+        let mut size = self.of(node, around).map_or([None; 3], |class| class.size);
+        overlay(&mut size, node);
+        size
+    }
+
+    /// As [`Self::attribute`], of the attributes that place a geom.
+    pub fn placing(&self, node: Node<'x, 'x>, around: Option<&str>, name: &str) -> Option<&'x str> {
+        let own = TURNS.contains(&name) && is_turned(node);
+        if own { node.attribute(name) } else { self.attribute(node, around, name) }
+    }
+
+    fn of(&self, node: Node<'x, 'x>, around: Option<&str>) -> Option<&Class<'x>> {
+        self.0.get(node.attribute("class").or(around).unwrap_or(MAIN))
     }
 
     /// The class that an element names but that no `<default>` defines.
@@ -59,4 +86,13 @@ impl<'x> Classes<'x> {
         let named = ["class", "childclass"].into_iter().filter_map(|key| node.attribute(key));
         named.filter(|name| *name != MAIN).find(|name| !self.0.contains_key(name))
     }
+}
+
+fn is_turned(geom: Node<'_, '_>) -> bool {
+    TURNS.iter().any(|turn| geom.has_attribute(*turn))
+}
+
+fn overlay<'x>(size: &mut [Option<&'x str>; 3], geom: Node<'x, 'x>) {
+    let own = geom.attribute("size").unwrap_or_default().split_whitespace();
+    size.iter_mut().zip(own).for_each(|(size, own)| *size = Some(own));
 }

@@ -6,11 +6,8 @@ use roxmltree::Node;
 use super::classes::Classes;
 use crate::element::Element;
 use crate::pose::Pose;
-use crate::tree::Freedom;
+use crate::tree::{Freedom, Spring};
 use crate::{JointFriction, JointLimits, RobotError};
-
-/// The numbers of an attribute: its name, its text, how many there have to be.
-type Numbers<'f> = dyn Fn(&'static str, &str, usize) -> Result<Vec<f64>, RobotError> + 'f;
 
 /// A joint of a body.
 pub(super) struct ReadJoint {
@@ -22,7 +19,7 @@ pub(super) struct ReadJoint {
     pub limits: JointLimits,
     pub friction: JointFriction,
     pub armature: f64,
-    pub has_spring: bool,
+    pub spring: Spring,
 }
 
 /// What says how joints are read.
@@ -44,22 +41,12 @@ impl<'x> Reading<'_, 'x> {
     ) -> Result<ReadJoint, RobotError> {
         let node = element.node;
         let of = |name: &str| self.attribute(node, class, name);
-        let numbers = |name: &'static str, text: &str, count: usize| -> Result<Vec<f64>, RobotError> {
-            let numbers: Option<Vec<f64>> =
-                text.split_whitespace().map(|n| n.parse().ok().filter(|v: &f64| v.is_finite())).collect();
-            numbers.filter(|n| n.len() == count).ok_or_else(|| {
-                element.error(format!(
-                    "`{name}` must be finite numbers with spaces between ({count}), is `{text}`"
-                ))
-            })
-        };
         let vector = |name: &'static str, default: [f64; 3]| -> Result<Vector3<f64>, RobotError> {
-            let found = of(name).map(|text| numbers(name, text, 3)).transpose()?;
-            Ok(found.map_or(default.into(), |v| Vector3::new(v[0], v[1], v[2])))
+            let found = of(name).map(|text| element.parsed(name, text)).transpose()?;
+            Ok(found.unwrap_or(default).into())
         };
         let number = |name: &'static str| -> Result<f64, RobotError> {
-            let found = of(name).map(|text| numbers(name, text, 1)).transpose()?;
-            Ok(found.map_or(0.0, |v| v[0]))
+            Ok(of(name).map(|text| element.parsed(name, text)).transpose()?.map_or(0.0, |[v]: [f64; 1]| v))
         };
         let kind = if node.has_tag_name("freejoint") { "free" } else { of("type").unwrap_or("hinge") };
         let axis = frame.rotation * vector("axis", [0.0, 0.0, 1.0])?;
@@ -86,7 +73,7 @@ impl<'x> Reading<'_, 'x> {
             _ => Pose { origin_m: axis * back, ..Pose::identity() },
         };
         let moved = |origin_m| Pose { origin_m, ..Pose::identity() };
-        let limits = self.limits(of, &numbers, unit)?;
+        let limits = self.limits(element, of, unit)?;
         let friction =
             JointFriction { viscous_nm_s_rad: number("damping")?, coulomb_nm: number("frictionloss")? };
         Ok(ReadJoint {
@@ -96,14 +83,14 @@ impl<'x> Reading<'_, 'x> {
             limits,
             friction,
             armature: number("armature")?,
-            has_spring: number("stiffness")? != 0.0,
+            spring: Spring { stiffness: number("stiffness")?, reference: number("springref")?, unit },
         })
     }
 
     fn limits<'t>(
         &self,
+        element: &Element<'_, '_>,
         of: impl Fn(&str) -> Option<&'t str>,
-        numbers: &Numbers<'_>,
         unit: f64,
     ) -> Result<JointLimits, RobotError> {
         let pair = |name: &'static str, flag: &str| -> Result<Option<[f64; 2]>, RobotError> {
@@ -112,8 +99,8 @@ impl<'x> Reading<'_, 'x> {
                 Some("false") => false,
                 _ => self.autolimits,
             };
-            let range = of(name).filter(|_| limited).map(|text| numbers(name, text, 2)).transpose()?;
-            Ok(range.map(|r| [r[0], r[1]]).filter(|[low, high]| low < high))
+            let range = of(name).filter(|_| limited).map(|text| element.parsed(name, text)).transpose()?;
+            Ok(range.filter(|[low, high]: &[f64; 2]| low < high))
         };
         let torque = pair("actuatorfrcrange", "actuatorfrclimited")?;
         Ok(JointLimits {

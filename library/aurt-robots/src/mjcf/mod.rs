@@ -3,23 +3,24 @@
 mod classes;
 mod joint;
 mod orientation;
-mod places;
 mod settings;
+mod shapes;
 
+use std::cell::OnceCell;
+use std::collections::HashSet;
 use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
 use crate::body::Body;
-use crate::element::{Element, line_of};
+use crate::element::{Element, Source};
 use crate::pose::Pose;
-use crate::tree::{BodyPlace, Freedom, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
 use classes::Classes;
 use joint::{ReadJoint, Reading};
-pub use places::{MjcfBody, MjcfJoint, MjcfLink, mjcf_links};
-use settings::{FromShapes, Settings};
+use settings::{FromShapes, Settings, WRITE_OUT};
 
 /// The outermost element.
 pub(crate) const ROOT: &str = "mujoco";
@@ -34,27 +35,37 @@ const ACTING: [&str; 2] = ["equality", "tendon"];
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
     let name = root.attribute("model").unwrap_or_default().to_owned();
     let world = TreeLink { name: WORLD.into(), body: None, parent: None, children: Vec::new(), place: None };
-    let tree = Tree { path: path.into(), name, links: vec![world], joints: Vec::new(), notes: Vec::new() };
+    let tree = Tree {
+        path: path.into(),
+        name,
+        links: vec![world],
+        joints: Vec::new(),
+        notes: Vec::new(),
+        followed: OnceCell::new(),
+    };
+    let source = Source::of(root, path);
     let mut errors = Vec::new();
     for node in root.descendants().filter(|n| GENERATING.contains(&n.tag_name().name())) {
-        let element = Element { node, what: format!("<{}>", node.tag_name().name()), path };
-        errors.push(element.error(
-            "generates or opens other elements, which is not done here; let MuJoCo write the file out: \
-             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
-        ));
+        let element = Element { node, what: format!("<{}>", node.tag_name().name()), source: &source };
+        errors.push(
+            element.error(format!("generates or opens other elements, which is not done here; {WRITE_OUT}")),
+        );
     }
     if !errors.is_empty() {
         return Err(RobotErrors(errors));
     }
-    let settings = Settings::read(root, path)?;
+    let settings = Settings::read(root, &source)?;
     let classes = Classes::read(root);
     let mut reader = Reader {
-        path,
+        source: &source,
+        taken: HashSet::from([WORLD.to_owned()]),
         settings,
         classes: &classes,
         tree,
         errors,
-        shapes: Vec::new(),
+        unstated: Vec::new(),
+        weighed: Vec::new(),
+        unweighed: Vec::new(),
         springs: Vec::new(),
         lifted: Vec::new(),
     };
@@ -79,13 +90,19 @@ struct Own<'x> {
 }
 
 struct Reader<'a, 'x> {
-    path: &'a Path,
+    source: &'a Source<'a>,
+    /// Names of links.
+    taken: HashSet<String>,
     settings: Settings,
     classes: &'a Classes<'x>,
     tree: Tree,
     errors: Vec<RobotError>,
-    /// Links whose mass MuJoCo would take from shapes, with their lines.
-    shapes: Vec<(usize, u32)>,
+    /// Bodies that have neither an `<inertial>` nor, by `<compiler>`, the mass of their shapes.
+    unstated: Vec<String>,
+    /// Links that have the mass of their shapes.
+    weighed: Vec<usize>,
+    /// Links that would, and what is wrong with a shape.
+    unweighed: Vec<(usize, RobotError)>,
     springs: Vec<String>,
     /// Bodies that MuJoCo holds against gravity.
     lifted: Vec<String>,
@@ -144,7 +161,7 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 
     fn element(&self, node: Node<'x, 'x>, what: String) -> Element<'a, 'x> {
-        Element { node, what, path: self.path }
+        Element { node, what, source: self.source }
     }
 
     /// Reads a body with its joints; its link, and its frame in that.
@@ -155,8 +172,8 @@ impl<'a, 'x> Reader<'a, 'x> {
         if let Some(class) = self.classes.unknown(node) {
             return Err(element.error(format!("there is no class `{class}` under <default>")));
         }
-        if let Some(taken) = self.tree.links.iter().find(|l| l.name == name) {
-            return Err(element.error(format!("the name `{}` is taken; rename one of the two", taken.name)));
+        if self.taken.contains(&name) {
+            return Err(element.error(format!("the name `{name}` is taken; rename one of the two")));
         }
         for frame in node.children().filter(|c| c.has_tag_name("frame")) {
             self.settings.angles.pose(&self.element(frame, format!("body {name}, <frame>")))?;
@@ -179,21 +196,22 @@ impl<'a, 'x> Reader<'a, 'x> {
             if let Some(class) = self.classes.unknown(own.node) {
                 return Err(joint_element.error(format!("there is no class `{class}` under <default>")));
             }
-            let ReadJoint { pose, body, freedom, limits, friction, armature, has_spring } =
+            let ReadJoint { pose, body, freedom, limits, friction, armature, spring } =
                 reading.joint(&joint_element, own.class, &own.frame)?;
-            if has_spring {
+            if spring.stiffness != 0.0 {
                 self.springs.push(joint_name.clone());
             }
             // Between several joints of one body there are links without mass.
             let child = if last { name.clone() } else { format!("{name}, behind {joint_name}") };
             let pose = before.then(&pose);
             let joint = (joint_name, own.node, pose, freedom);
-            link = self.add(link, child, joint, (limits, friction, armature));
+            link = self.add(link, child, joint, (limits, friction, armature, spring));
             before = body;
         }
         if joints.is_empty() {
             let joint = (format!("weld of {name}"), node, before, Freedom::Fixed);
-            link = self.add(link, name.clone(), joint, Default::default());
+            let still = (JointLimits::default(), JointFriction::default(), 0.0, Spring::NONE);
+            link = self.add(link, name.clone(), joint, still);
             before = Pose::identity();
         }
         if node.attribute("gravcomp").is_some_and(|g| g.trim().parse() != Ok(0.0)) {
@@ -205,14 +223,37 @@ impl<'a, 'x> Reader<'a, 'x> {
             inertial: inertial.map(|own| own.node.range().start),
             frame: inertial.map_or(before, |own| before.then(&own.frame)),
         });
-        match inertial {
-            Some(own) => {
-                let element = self.element(own.node, format!("body {name}, <inertial>"));
-                self.tree.links[link].body = Some(self.inertial(&element, &before.then(&own.frame))?);
+        let stated = inertial.map(|own| {
+            let element = self.element(own.node, format!("body {name}, <inertial>"));
+            self.inertial(&element, &before.then(&own.frame))
+        });
+        let stated = stated.transpose()?;
+        self.tree.links[link].body = match (stated, self.settings.from_shapes) {
+            (Some(_), FromShapes::Never | FromShapes::WithoutInertial) => stated,
+            (stated, from_shapes) => {
+                let shapes = inside.iter().filter(|own| own.node.has_tag_name("geom"));
+                let shapes = shapes.map(|own| {
+                    let element = self.element(own.node, format!("body {name}, <geom>"));
+                    let world = (self.classes, &self.settings);
+                    shapes::mass(&element, own.class, &before.then(&own.frame), world)
+                });
+                match shapes.filter_map(Result::transpose).collect::<Result<Vec<Body>, _>>() {
+                    Ok(none) if none.is_empty() => stated,
+                    _ if from_shapes == FromShapes::Never => {
+                        self.unstated.push(name);
+                        None
+                    }
+                    Ok(shapes) => {
+                        self.weighed.push(link);
+                        Some(Body::of_parts(&shapes))
+                    }
+                    Err(error) => {
+                        self.unweighed.push((link, error));
+                        None
+                    }
+                }
             }
-            None if inside.iter().any(|o| self.has_mass(o)) => self.shapes.push((link, line_of(node))),
-            None => {}
-        }
+        };
         Ok((link, before))
     }
 
@@ -221,9 +262,10 @@ impl<'a, 'x> Reader<'a, 'x> {
         parent: usize,
         name: String,
         (joint_name, node, pose, freedom): (String, Node<'x, 'x>, Pose, Freedom),
-        (limits, friction, armature): (JointLimits, JointFriction, f64),
+        (limits, friction, armature, spring): (JointLimits, JointFriction, f64, Spring),
     ) -> usize {
         let (child, joint) = (self.tree.links.len(), self.tree.joints.len());
+        self.taken.insert(name.clone());
         self.tree.links.push(TreeLink {
             name,
             body: None,
@@ -234,7 +276,7 @@ impl<'a, 'x> Reader<'a, 'x> {
         self.tree.links[parent].children.push(joint);
         self.tree.joints.push(TreeJoint {
             name: joint_name,
-            line: line_of(node),
+            line: self.source.line(node),
             start: node.range().start,
             parent,
             child,
@@ -244,6 +286,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             limits,
             friction,
             armature,
+            spring,
         });
         child
     }
@@ -262,51 +305,22 @@ impl<'a, 'x> Reader<'a, 'x> {
         Ok(Body { mass_kg, pose, inertia_kg_m2 })
     }
 
-    /// Whether an element is a shape that MuJoCo gives a mass to.
-    fn has_mass(&self, own: &Own<'x>) -> bool {
-        if !own.node.has_tag_name("geom") {
-            return false;
-        }
-        let of = |name| self.classes.attribute(own.node, own.class, name);
-        let number = |name, default: f64| of(name).and_then(|t| t.trim().parse().ok()).unwrap_or(default);
-        let [low, high] = self.settings.mass_groups;
-        let group = number("group", 0.0);
-        let counts = (low..=high).contains(&group) && of("type") != Some("plane");
-        counts
-            && if of("mass").is_some() {
-                number("mass", 0.0) != 0.0
-            } else {
-                number("density", 1000.0) != 0.0
-            }
+    /// Refuses bodies that move and whose shapes cannot be weighed.
+    fn refuse_shapes(&mut self) {
+        let unweighed = std::mem::take(&mut self.unweighed);
+        let moves = self.moving();
+        let moving = unweighed.into_iter().filter(|(link, _)| moves[*link]);
+        let errors: Vec<RobotError> = moving.map(|(_, error)| error).collect();
+        self.errors.extend(errors);
     }
 
-    /// Bodies that move and have their mass from shapes are refused: volumes of shapes are not computed here.
-    fn refuse_shapes(&mut self) {
-        const REMEDY: &str = "give it an <inertial>, or let MuJoCo write all of them out: \
-             mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))";
-        if self.settings.from_shapes == FromShapes::Never {
-            let names: Vec<&str> =
-                self.shapes.iter().map(|(l, _)| self.tree.links[*l].name.as_str()).collect();
-            if !names.is_empty() {
-                let names = names.join(", ");
-                self.tree.notes.push(format!("no inertia is stated, and so none is assumed, for: {names}"));
-            }
-            return;
+    /// Of each link, whether a joint that moves leads to it; a link comes after the one that it hangs on.
+    fn moving(&self) -> Vec<bool> {
+        let mut moves = vec![false; self.tree.links.len()];
+        for joint in &self.tree.joints {
+            moves[joint.child] = moves[joint.parent] || joint.freedom != Freedom::Fixed;
         }
-        for (link, line) in std::mem::take(&mut self.shapes) {
-            let hung = self.tree.path_between(0, link).unwrap_or_default();
-            if hung.iter().all(|j| self.tree.joints[*j].freedom == Freedom::Fixed) {
-                continue;
-            }
-            self.errors.push(RobotError::Element {
-                path: self.path.into(),
-                line,
-                what: format!("body {}", self.tree.links[link].name),
-                reason: format!(
-                    "its mass is that of its shapes, whose volume is not computed here; {REMEDY}"
-                ),
-            });
-        }
+        moves
     }
 
     fn note(&mut self, root: Node<'x, 'x>) {
@@ -316,6 +330,16 @@ impl<'a, 'x> Reader<'a, 'x> {
             .map(|c| c.tag_name().name())
             .collect();
         let of = |what: &str, names: &[String]| format!("{what}: {}", names.join(", "));
+        if !self.unstated.is_empty() {
+            self.tree.notes.push(of("no inertia is stated, and so none is assumed, for", &self.unstated));
+        }
+        let moves = self.moving();
+        let weighed = self.weighed.iter().filter(|link| moves[**link]);
+        let weighed: Vec<String> = weighed.map(|link| self.tree.links[*link].name.clone()).collect();
+        if !weighed.is_empty() {
+            let what = "mass and inertia are computed from shapes and their density, as MuJoCo does, of";
+            self.tree.notes.push(of(what, &weighed));
+        }
         if !acting.is_empty() {
             self.tree.notes.push(format!("what <{}> does to joints is not read", acting.join("> and <")));
         }

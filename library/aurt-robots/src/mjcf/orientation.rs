@@ -6,6 +6,9 @@ use crate::RobotError;
 use crate::element::Element;
 use crate::pose::Pose;
 
+/// The attributes of an element, its class's among them.
+type Of<'f, 'x> = dyn Fn(&str) -> Option<&'x str> + 'f;
+
 /// What `<compiler>` says of angles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Angles {
@@ -33,58 +36,73 @@ impl Angles {
 
     /// The `pos` and the orientation of an element.
     pub fn pose(&self, element: &Element<'_, '_>) -> Result<Pose, RobotError> {
-        let position = element.numbers::<3>("pos")?.unwrap_or_default();
-        Ok(Pose { rotation: self.rotation(element)?, origin_m: position.into() })
+        self.pose_by(element, &|name| element.node.attribute(name))
     }
 
-    fn rotation(&self, element: &Element<'_, '_>) -> Result<Matrix3<f64>, RobotError> {
+    /// The same of an element whose attributes are those of `of`.
+    pub fn pose_by<'x>(&self, element: &Element<'_, 'x>, of: &Of<'_, 'x>) -> Result<Pose, RobotError> {
+        let position: [f64; 3] =
+            of("pos").map(|text| element.parsed("pos", text)).transpose()?.unwrap_or_default();
+        Ok(Pose { rotation: self.rotation(element, of)?, origin_m: position.into() })
+    }
+
+    fn rotation<'x>(&self, element: &Element<'_, 'x>, of: &Of<'_, 'x>) -> Result<Matrix3<f64>, RobotError> {
         const WAYS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
-        let given: Vec<&str> = WAYS.into_iter().filter(|way| element.node.has_attribute(*way)).collect();
-        if let [first, second, ..] = given[..] {
-            return Err(element.error(format!("`{first}` and `{second}` are two orientations; remove one")));
-        }
-        let direction = |way: &str, v: Vector3<f64>| {
+        let given: Vec<(&str, &str)> = WAYS.into_iter().filter_map(|way| Some((way, of(way)?))).collect();
+        let (way, text) = match given[..] {
+            [] => return Ok(Matrix3::identity()),
+            [given] => given,
+            [(first, _), (second, _), ..] => {
+                return Err(
+                    element.error(format!("`{first}` and `{second}` are two orientations; remove one"))
+                );
+            }
+        };
+        let direction = |v: Vector3<f64>| {
             if v.norm() < 1e-10 {
                 Err(element.error(format!("`{way}` has no direction")))
             } else {
                 Ok(v.normalize())
             }
         };
-        if let Some([w, x, y, z]) = element.numbers("quat")? {
-            let quaternion = Quaternion::new(w, x, y, z);
-            if quaternion.norm() < 1e-10 {
-                return Err(element.error("`quat` is zero; it is w x y z of a rotation"));
+        Ok(match way {
+            "quat" => {
+                let [w, x, y, z] = element.parsed(way, text)?;
+                let quaternion = Quaternion::new(w, x, y, z);
+                if quaternion.norm() < 1e-10 {
+                    return Err(element.error("`quat` is zero; it is w x y z of a rotation"));
+                }
+                UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner()
             }
-            return Ok(UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().into_inner());
-        }
-        if let Some([x, y, z, angle]) = element.numbers("axisangle")? {
-            let axis = direction("axisangle", Vector3::new(x, y, z))?;
-            return Ok(Rotation3::new(axis * angle * self.unit_rad).into_inner());
-        }
-        if let Some(angles) = element.numbers::<3>("euler")? {
-            let mut rotation = Rotation3::identity();
-            for ((axis, fixed), angle) in self.euler.into_iter().zip(angles) {
-                let mut vector = Vector3::zeros();
-                vector[axis] = angle * self.unit_rad;
-                let turn = Rotation3::new(vector);
-                rotation = if fixed { turn * rotation } else { rotation * turn };
+            "axisangle" => {
+                let [x, y, z, angle] = element.parsed(way, text)?;
+                let axis = direction(Vector3::new(x, y, z))?;
+                Rotation3::new(axis * angle * self.unit_rad).into_inner()
             }
-            return Ok(rotation.into_inner());
-        }
-        if let Some([a, b, c, d, e, f]) = element.numbers("xyaxes")? {
-            let x = direction("xyaxes", Vector3::new(a, b, c))?;
-            let y = Vector3::new(d, e, f);
-            let y = direction("xyaxes", y - x * x.dot(&y))?;
-            return Ok(Matrix3::from_columns(&[x, y, x.cross(&y)]));
-        }
-        if let Some(z) = element.numbers::<3>("zaxis")? {
-            // The smallest rotation that takes z there; of the opposite direction half a turn about x.
-            let z = direction("zaxis", z.into())?;
-            let turn = Rotation3::rotation_between(&Vector3::z(), &z);
-            return Ok(turn
-                .unwrap_or_else(|| Rotation3::new(Vector3::x() * std::f64::consts::PI))
-                .into_inner());
-        }
-        Ok(Matrix3::identity())
+            "euler" => {
+                let mut rotation = Rotation3::identity();
+                for ((axis, fixed), angle) in self.euler.into_iter().zip(element.parsed::<3>(way, text)?) {
+                    let mut vector = Vector3::zeros();
+                    vector[axis] = angle * self.unit_rad;
+                    let turn = Rotation3::new(vector);
+                    rotation = if fixed { turn * rotation } else { rotation * turn };
+                }
+                rotation.into_inner()
+            }
+            "xyaxes" => {
+                let [a, b, c, d, e, f] = element.parsed(way, text)?;
+                let x = direction(Vector3::new(a, b, c))?;
+                let y = Vector3::new(d, e, f);
+                let y = direction(y - x * x.dot(&y))?;
+                Matrix3::from_columns(&[x, y, x.cross(&y)])
+            }
+            _ => z_onto(&direction(element.parsed::<3>(way, text)?.into())?),
+        })
     }
+}
+
+/// The smallest rotation that takes the z axis to a direction; to the opposite direction half a turn about x.
+pub(super) fn z_onto(direction: &Vector3<f64>) -> Matrix3<f64> {
+    let turn = Rotation3::rotation_between(&Vector3::z(), direction);
+    turn.unwrap_or_else(|| Rotation3::new(Vector3::x() * std::f64::consts::PI)).into_inner()
 }

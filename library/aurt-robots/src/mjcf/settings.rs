@@ -1,12 +1,14 @@
 //! `<compiler>`: how the file is to be read.
 
-use std::path::Path;
-
 use roxmltree::Node;
 
 use super::orientation::Angles;
 use crate::RobotError;
-use crate::element::Element;
+use crate::element::{Element, Source};
+
+/// What makes a file readable that is not so as it stands. Without `saveinertial` MuJoCo does not write masses of shapes.
+pub(super) const WRITE_OUT: &str = "let MuJoCo write the file out: put `saveinertial=\"true\"` into its <compiler> \
+    and run mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))";
 
 /// Where bodies have their masses from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +17,8 @@ pub(super) enum FromShapes {
     Never,
     /// From shapes where there is no `<inertial>`.
     WithoutInertial,
+    /// From shapes, whether there is an `<inertial>` or not.
+    Always,
 }
 
 /// What `<compiler>` says that matters to bodies and joints.
@@ -29,7 +33,7 @@ pub(super) struct Settings {
 
 impl Settings {
     /// The settings of a file; later `<compiler>` elements overrule earlier ones.
-    pub fn read(root: Node<'_, '_>, path: &Path) -> Result<Self, RobotError> {
+    pub fn read(root: Node<'_, '_>, source: &Source<'_>) -> Result<Self, RobotError> {
         let mut settings = Self {
             angles: Angles::DEFAULT,
             autolimits: true,
@@ -37,7 +41,7 @@ impl Settings {
             mass_groups: [0.0, 5.0],
         };
         for node in root.children().filter(|c| c.has_tag_name("compiler")) {
-            settings.take(&Element { node, what: "<compiler>".into(), path })?;
+            settings.take(&Element { node, what: "<compiler>".into(), source })?;
         }
         Ok(settings)
     }
@@ -67,12 +71,7 @@ impl Settings {
             None => {}
             Some("auto") => self.from_shapes = FromShapes::WithoutInertial,
             Some("false") => self.from_shapes = FromShapes::Never,
-            Some("true") => {
-                return Err(compiler.error(
-                    "inertiafromgeom=\"true\" takes all masses from shapes, whose volume is not computed here; let MuJoCo write \
-                     them out: mujoco.mj_saveLastXML(\"robot.xml\", mujoco.MjModel.from_xml_path(FILE))",
-                ));
-            }
+            Some("true") => self.from_shapes = FromShapes::Always,
             Some(other) => return unknown("inertiafromgeom", other, "auto, false and true"),
         }
         if let Some(groups) = compiler.numbers("inertiagrouprange")? {
@@ -81,8 +80,7 @@ impl Settings {
         for name in ["boundmass", "boundinertia", "settotalmass"] {
             if compiler.number(name)?.is_some_and(|v| v > 0.0) {
                 return Err(compiler.error(format!(
-                    "`{name}` changes the inertias that the file states; remove it, or let MuJoCo write the file out \
-                     (mujoco.mj_saveLastXML)"
+                    "`{name}` changes the inertias that the file states; remove it, or {WRITE_OUT}; then remove `{name}` from that"
                 )));
             }
         }

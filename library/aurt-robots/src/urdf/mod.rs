@@ -1,5 +1,6 @@
 //! URDF files: links and joints as <https://wiki.ros.org/urdf/XML> describes them.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -8,15 +9,19 @@ use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
 use crate::body::Body;
-use crate::element::{Element, line_of};
+use crate::element::{Element, Source};
 use crate::pose::Pose;
-use crate::tree::{Freedom, Mimic, Tree, TreeJoint, TreeLink};
+use crate::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+
+/// The outermost element.
+pub(crate) const ROOT: &str = "robot";
 
 /// Reads links and joints, and hangs them together.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
-    let line = line_of(root);
-    if root.tag_name().name() != "robot" {
+    let source = Source::of(root, path);
+    let line = source.line(root);
+    if root.tag_name().name() != ROOT {
         let found = root.tag_name().name();
         let reason = format!(
             "the outermost element is <{found}>; a URDF file describes the robot in an element <robot>, an MJCF file in <mujoco>"
@@ -25,11 +30,11 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
     }
     let is_macro = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|n| n.contains("xacro"));
     if let Some(node) = root.descendants().find(is_macro) {
-        let (line, text) = (line_of(node), format!("<xacro:{}>", node.tag_name().name()));
+        let (line, text) = (source.line(node), format!("<xacro:{}>", node.tag_name().name()));
         return Err(RobotError::Xacro { path: path.into(), line, text }.into());
     }
     let mut reader = Reader {
-        path,
+        source: &source,
         errors: Vec::new(),
         notes: Vec::new(),
         rounded: Vec::new(),
@@ -54,7 +59,7 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
             without_inertia.join(", ")
         ));
     }
-    let mut tree = Tree { path: path.into(), name, links, joints, notes };
+    let mut tree = Tree { path: path.into(), name, links, joints, notes, followed: OnceCell::new() };
     if errors.is_empty() {
         errors.extend(hang(&mut tree));
     }
@@ -62,7 +67,7 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
 }
 
 struct Reader<'a> {
-    path: &'a Path,
+    source: &'a Source<'a>,
     errors: Vec<RobotError>,
     notes: Vec<String>,
     /// Angles that look rounded, with how far they are off.
@@ -77,8 +82,8 @@ impl<'a> Reader<'a> {
         let mut known: HashMap<&str, u32> = HashMap::new();
         let mut elements = Vec::new();
         for node in root.children().filter(|c| c.is_element() && c.tag_name().name() == tag) {
-            let line = line_of(node);
-            let mut element = Element { node, what: format!("<{tag}>"), path: self.path };
+            let line = self.source.line(node);
+            let mut element = Element { node, what: format!("<{tag}>"), source: self.source };
             match element.text("name") {
                 Err(error) => self.errors.push(error),
                 Ok(name) => {
@@ -109,7 +114,9 @@ impl<'a> Reader<'a> {
                 self.errors.push(error);
                 None
             });
-            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: None });
+            let inertial = element.child("inertial").map(|inertial| inertial.node.range().start);
+            let place = BodyPlace { body: element.node.range().start, inertial, frame: Pose::identity() };
+            links.push(TreeLink { name, body, parent: None, children: Vec::new(), place: Some(place) });
         }
         links
     }
@@ -211,6 +218,7 @@ impl<'a> Reader<'a> {
             limits,
             friction,
             armature: 0.0,
+            spring: Spring::NONE,
         })
     }
 

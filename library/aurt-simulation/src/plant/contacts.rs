@@ -55,7 +55,7 @@ impl Plant {
         if resting.iter().all(|contact| self.spare_nm(*contact) >= 0.0) {
             return Ok(evaluations);
         }
-        let mut levels: Vec<[f64; 2]> = resting.iter().map(|c| self.levels_nm(*c, time_s, state)).collect();
+        let mut levels = self.levels_at_rest(&resting, time_s, state)?;
         let (free, yielding) = self.yielding(&resting, &levels, time_s, state, rates)?;
         evaluations += 1 + resting.len() as u64;
         let loaded = self.machine.joints.iter().any(|joint| joint.load_coefficient != [0.0; 2]);
@@ -71,7 +71,7 @@ impl Plant {
             self.set_modes(&resting, |k| modes[k]);
             self.rates(time_s, state, rates)?;
             evaluations += 1;
-            let now: Vec<[f64; 2]> = resting.iter().map(|c| self.levels_nm(*c, time_s, state)).collect();
+            let now = self.levels_at_rest(&resting, time_s, state)?;
             let close = |a: &f64, b: &f64| (a - b).abs() <= SLACK * a.abs();
             let settled = now.iter().flatten().zip(levels.iter().flatten()).all(|(a, b)| close(a, b));
             levels = if pass < LOAD_PASSES / 2 {
@@ -164,6 +164,21 @@ impl Plant {
             }
         }
         Ok((free, yielding))
+    }
+
+    /// The levels of friction of all contacts at rest.
+    fn levels_at_rest(
+        &self,
+        resting: &[usize],
+        time_s: f64,
+        state: &[f64],
+    ) -> Result<Vec<[f64; 2]>, SimulationError> {
+        let finite = |contact: &usize| {
+            let levels = self.levels_nm(*contact, time_s, state);
+            let fine = levels.iter().all(|level| level.is_finite());
+            fine.then_some(levels).ok_or_else(|| self.not_finite(*contact, time_s, "friction"))
+        };
+        resting.iter().map(finite).collect()
     }
 
     /// The levels of friction of a contact at rest against motion in the negative and the positive direction, Nm,

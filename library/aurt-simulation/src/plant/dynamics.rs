@@ -266,7 +266,24 @@ impl Plant {
         }
         self.accelerate(state, rates)?;
         self.note_holding_levels(time_s, state);
-        Ok(())
+        // The rates of a joint that holds are zero whatever acts on it.
+        let acting = |j: &usize| {
+            [self.net_nm[*j], self.qdd_rad_s2[*j], rates[*j], rates[self.shaft_velocity_index(*j)]]
+        };
+        match (0..n).find(|j| !acting(j).iter().all(|value| value.is_finite())) {
+            Some(joint) => Err(self.not_finite(joint, time_s, "torque")),
+            None => Ok(()),
+        }
+    }
+
+    /// What no integration can follow: a torque of a contact that is too large for a number, or no number.
+    pub fn not_finite(&self, contact: usize, time_s: f64, what: &str) -> SimulationError {
+        let rotor = contact.checked_sub(self.joints).map(|k| &self.machine.couplings[k]);
+        let joint = rotor.map_or(contact, |rotor| rotor.ratios.first().map_or(0, |(joint, _)| *joint));
+        let reason = format!(
+            "its {what} is not finite; a value of the robot, the controller or an effect is far too large or too small"
+        );
+        SimulationError::Diverged { joint, time_s, reason }
     }
 
     /// Accelerations from the net torques on the shafts, load-dependent friction solved for.

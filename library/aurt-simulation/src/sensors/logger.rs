@@ -171,6 +171,15 @@ impl Logger {
                     MeasurementUnit::NewtonMetre => measured,
                     MeasurementUnit::Ampere => measured / channel.torque_constant_nm_per_a,
                 };
+                let logged = [row.position[j], row.velocity[j], row.measurement[j]];
+                if let Some(value) = logged.into_iter().find(|value| !value.is_finite()) {
+                    let what = format!("what the logger reads of joint {j} at {time_s:.3} s");
+                    return Err(SimulationError::value(
+                        what,
+                        value,
+                        "noise, resolution and torque constant must be such that it is finite",
+                    ));
+                }
             }
             if self.faults.is_none() {
                 recording.push(time_s, &row);

@@ -13,9 +13,7 @@ impl Edits {
     /// are taken away, with the blanks before them.
     pub fn set(&mut self, text: &str, node: Node<'_, '_>, with: &[(&str, String)], without: &[&str]) {
         // Behind the name of the element, where it has no attributes.
-        let start = node.range().start;
-        let after_name = |c: char| c.is_whitespace() || c == '/' || c == '>';
-        let name_end = text[start..].find(after_name).map_or(start, |length| start + length);
+        let name_end = node.range().start + 1 + name(text, node).len();
         let end = node.attributes().map(|a| a.range().end).max().unwrap_or(name_end);
         let mut added = String::new();
         for (name, value) in with {
@@ -44,6 +42,20 @@ impl Edits {
         self.0.push((at..at, text));
     }
 
+    /// Puts an element before all that an element contains, behind the blanks that its first child has before it.
+    pub fn insert_first(&mut self, text: &str, node: Node<'_, '_>, element: &str) {
+        let range = node.range();
+        if let Some(first) = node.first_child() {
+            let blank = first.text().filter(|t| first.is_text() && t.trim().is_empty()).unwrap_or_default();
+            self.insert(first.range().start, format!("{blank}{element}"));
+        } else if text[range.clone()].ends_with("/>") {
+            let name = name(text, node);
+            self.0.push((range.end - 2..range.end, format!(">{element}</{name}>")));
+        } else if let Some(end) = text[range.clone()].rfind("</") {
+            self.insert(range.start + end, element.to_owned());
+        }
+    }
+
     /// The text with all changes.
     pub fn apply(mut self, text: &str) -> String {
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
@@ -57,6 +69,13 @@ impl Edits {
         out.push_str(&text[at..]);
         out
     }
+}
+
+/// The name of an element, with its prefix.
+fn name<'t>(text: &'t str, node: Node<'_, '_>) -> &'t str {
+    let behind = &text[node.range().start + 1..];
+    let end = behind.find(|c: char| c.is_whitespace() || c == '/' || c == '>');
+    &behind[..end.unwrap_or_default()]
 }
 
 #[cfg(test)]
@@ -74,6 +93,12 @@ mod tests {
         edits.set(text, node("b"), &[of("x", "10"), of("w", "4"), of("y", "2")], &["z", "u"]);
         edits.set(text, node("c"), &[of("v", "6"), of("u", "7")], &[]);
         let wanted = "<a>\n  <!-- b c='1' -->\n  <b x = '10'\n     y=\"2\" w=\"4\" /> <c v=\"6\" u=\"7\"/>\u{e9}<d v=\"5\"></d>\n</a>";
+        assert_eq!(edits.apply(text), wanted);
+        let mut edits = Edits::default();
+        for (at, new) in [("a", "<n/>"), ("b", "<o/>"), ("c", "<p/>"), ("d", "<q/>")] {
+            edits.insert_first(text, node(at), new);
+        }
+        let wanted = "<a>\n  <n/>\n  <!-- b c='1' -->\n  <b x = '1'\n     y=\"2\" z='3' ><o/></b> <c><p/></c>\u{e9}<d><q/></d>\n</a>";
         assert_eq!(edits.apply(text), wanted);
         assert_eq!(Edits::default().apply(text), text);
     }
