@@ -131,7 +131,7 @@ fn too_few_samples() {
     let folder = experiment();
     folder.write(RECORDING, &first(300)(&folder.read(RECORDING)));
     folder.aurt("run experiment.toml --out out".split(' ')).refused(&[
-        "48 samples per joint",
+        "samples per joint remain",
         "parameters",
         "record longer",
     ]);

@@ -44,7 +44,7 @@ fn currents_without_constants_accuse_no_robot() {
     let folder = demo();
     let said = folder.aurt(init(&LOGS, &[])).succeeded().stdout();
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("to tell other zeros and tables, torque constants are needed"), "{said}");
+    assert!(said.contains("to detect wrong zeros and tables, torque constants are needed"), "{said}");
     assert!(folder.read("experiment.toml").contains("# Currents stay in A"), "{said}");
 }
 

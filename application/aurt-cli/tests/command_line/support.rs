@@ -76,16 +76,16 @@ impl Folder {
         self
     }
 
-    /// A library of models compiled here from C, the source below `library`; nothing, with a reason printed, where there
+    /// A library of models compiled here from C, the source seen from the repository's root; nothing, with a reason printed, where there
     /// is no C compiler.
     pub fn library(&self, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
-        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../library");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let library = self.path(&format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"));
         let compiler = Command::new("cc")
             .args(["-shared", "-fPIC", "-I"])
-            .arg(crates.join("aurt-traits/include"))
+            .arg(root.join("library/aurt-traits/include"))
             .args(options)
-            .arg(crates.join(source))
+            .arg(root.join(source))
             .arg("-o")
             .arg(&library)
             .arg("-lm")

@@ -247,8 +247,8 @@ load_coefficient = 0.08
 [[effect]]
 name = "friction_level_changed"
 joints = [4]
-coulomb_change = [0.4]
-viscous_change = [0.4]
+coulomb_change = [0.5]
+viscous_change = [0.5]
 "#;
 
 #[test]
@@ -262,5 +262,5 @@ fn friction_that_grows_is_named_with_its_joint_and_size() {
     assert_eq!(alarms[0]["parameter"], "friction_4", "{alarms:?}");
     let grown = drift(&found, 1, "friction_4");
     let ends: Vec<f64> = crate::support::numbers(&grown["interval_95"]);
-    assert!(ends[0] < 0.4 && 0.4 < ends[1] && ends[0] > 0.2, "{grown}");
+    assert!(ends[0] < 0.5 && 0.5 < ends[1] && ends[0] > 0.2, "{grown}");
 }

@@ -70,7 +70,7 @@ fn wrong_arguments_leave_with_status_2() {
          --out-prediction q")
         .refused(&["between 0 and 1"]);
     run("compile-rd --model-rbd r.json --friction-torque-model cubic --friction-viscous-powers 1 --out rd.json")
-        .refused(&["cubic", "none, square, absolute"]);
+        .refused(&["cubic", "constant, square, absolute"]);
     run("export fmu rd_calibrated.json --out exported").refused(&["--kind <KIND>"]);
     run("export fmu rd_calibrated.json --kind sideways --out exported").refused(&["inverse", "forward"]);
     run("export c rd_calibrated.json --fmi 2 --out exported")

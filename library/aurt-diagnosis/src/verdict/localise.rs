@@ -120,7 +120,13 @@ const JOLT_ROWS: usize = 2;
 pub fn windows(recording: &RecordingRows, joint: usize, residual: &[f64], floor: f64) -> Vec<[f64; 2]> {
     let bin = (BIN_S * recording.rate_hz).max(2.0) as usize;
     let velocity = &recording.joints[joint].velocity_rad_s;
-    let turns: Vec<usize> = (1..velocity.len()).filter(|k| velocity[*k] * velocity[*k - 1] <= 0.0).collect();
+    // Rest before and after a segment is cut: its ends are where the joint breaks loose and sticks.
+    let ends = &recording.segment_starts;
+    let turns: Vec<usize> = (0..=velocity.len())
+        .filter(|k| {
+            ends.contains(k) || (1..velocity.len()).contains(k) && velocity[*k] * velocity[*k - 1] <= 0.0
+        })
+        .collect();
     let jolted = |row: &usize| {
         let after = turns.partition_point(|turn| *turn + JOLT_ROWS <= *row);
         turns.get(after).is_some_and(|turn| row + JOLT_ROWS >= *turn)

@@ -77,7 +77,15 @@ impl Memory {
             return Span { motion: 0..all, rows, wanted, near_ends, lost: 0, all, decimation };
         }
         let end = (rows.end + self.parallel).min(all.saturating_sub(self.motion)).max(rows.end);
-        Span { motion: start - self.parallel..end, rows, wanted, near_ends, lost: 2 * memory, all, decimation }
+        Span {
+            motion: start - self.parallel..end,
+            rows,
+            wanted,
+            near_ends,
+            lost: 2 * memory,
+            all,
+            decimation,
+        }
     }
 }
 
