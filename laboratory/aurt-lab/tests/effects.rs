@@ -1,5 +1,4 @@
 //! Every effect, of the vocabulary and outside of it: what is drawn is valid, acts, and is refused where it cannot be.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use aurt_lab::effects::{all_kinds, kind, read_effect};
 use aurt_simulation::{

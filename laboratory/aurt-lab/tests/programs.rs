@@ -1,4 +1,5 @@
 //! The programs of the tests.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::{
     env::consts::EXE_SUFFIX,
