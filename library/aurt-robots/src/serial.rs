@@ -127,7 +127,12 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
         friction: own.iter().map(|own| own.friction).collect(),
         armature_kg_m2: own.iter().map(|own| own.armature).collect(),
         standard_parameters: has_masses.then_some(standard),
-        branches: carried.iter().map(|joint| branch(tree, &links, &own, *joint, has_masses)).collect(),
+        // A joint that follows another moves with that one, which recordings have.
+        branches: carried
+            .iter()
+            .filter(|joint| tree.joints[**joint].mimic.is_none())
+            .map(|joint| branch(tree, &links, &own, *joint, has_masses))
+            .collect(),
         frames: links
             .iter()
             .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
