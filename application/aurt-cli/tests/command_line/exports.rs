@@ -54,17 +54,19 @@ fn a_mujoco_file_that_a_model_was_calibrated_with_is_corrected() {
 
     // The same of a URDF file, which has the same chain.
     folder.aurt(["export", "urdf", "of_mdh/rd_calibrated.json", "--name", "own", "--out", "."]).succeeded();
-    let wrong_urdf = folder.read("own.urdf").replace("<mass value=\"8", "<!-- mine --><mass value=\"18");
+    let own_urdf = folder.read("own.urdf");
+    let elbow = own_urdf.match_indices("<mass value=\"").nth(2).unwrap().0;
+    let (before, rest) = own_urdf.split_at(elbow);
+    let rest = rest.replacen("<mass value=\"", "<!-- mine --><mass value=\"1", 1);
+    let heavy = rest[rest.find("<mass").unwrap()..].split('"').nth(1).unwrap().to_owned();
+    let wrong_urdf = format!("{before}{rest}");
     let wrong_urdf = wrong_urdf[wrong_urdf.find("<robot").unwrap()..].to_owned();
     folder.write("own.urdf", &wrong_urdf);
     let into = ["export", "urdf", "of_mdh/rd_calibrated.json", "--into", "own.urdf", "--out", "corrected"];
     let said = folder.aurt(into).succeeded().stdout();
     assert!(said.contains("changed: body own_link_"), "{said}");
     let corrected = folder.read("corrected/own_calibrated.urdf");
-    assert!(
-        wrong_urdf.contains("<mass value=\"18") && !corrected.contains("<mass value=\"18"),
-        "{corrected}"
-    );
+    assert!(!corrected.contains(&format!("<mass value=\"{heavy}\"")), "{corrected}");
     assert_eq!(corrected.matches("<!-- mine -->").count(), wrong_urdf.matches("<!-- mine -->").count());
 
     // Of another robot, of another target, and over the input.

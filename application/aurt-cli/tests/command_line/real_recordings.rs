@@ -42,7 +42,8 @@ fn the_original_tool_s_results_are_reproduced() {
     let moving = read("original_aurt_results_moving.json");
     for coulomb in ["constant", "square", "absolute"] {
         for powers in ["[1]", "[1, 2, 3]"] {
-            let name = format!("{coulomb} {powers}");
+            // The paper calls a constant level "none".
+            let name = format!("{} {powers}", if coulomb == "constant" { "none" } else { coulomb });
             let folder = Folder::new();
             folder.write("experiment.toml", &as_in_the_paper(&data, coulomb, powers));
             folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
@@ -182,7 +183,7 @@ fn a_check_tells_what_a_motion_leaves_out() {
     // An exciting motion of all joints leaves nothing out, and nothing to heed at the f_dyn that the check recommends; at
     // 10 Hz noise covers what is small.
     let (recording, mdh) = (text(&data.join("ur10e/excitation_20s.csv")), text(&data.join("ur10e/mdh.csv")));
-    let report = folder.aurt(["check", &recording, "--mdh", &mdh, "--f-dyn-hz", "4"]).succeeded().stdout();
+    let report = folder.aurt(["check", &recording, "--mdh", &mdh, "--f-dyn-hz", "2.5"]).succeeded().stdout();
     assert!(report.contains("48 determined, 0 only in combinations, 0 out of"), "{report}");
-    assert!(report.contains("f_dyn_hz = 4 under [preprocess]"), "{report}");
+    assert!(report.contains("f_dyn_hz = 2.5 under [preprocess]"), "{report}");
 }

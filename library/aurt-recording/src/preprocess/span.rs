@@ -96,7 +96,7 @@ impl Span {
             let after = " less those within the filters' memory of ends and gaps";
             return Some(Refusal::Short { samples: self.wanted.len(), needed: self.lost + 1, after });
         }
-        let (samples, needed) = (self.motion.len(), padding + 1);
+        let (samples, needed) = (self.motion.len().min(self.wanted.len()), padding + 1);
         let after = if self.wanted.len() < self.all { " after cutting the rest" } else { "" };
         (samples < needed).then_some(Refusal::Short { samples, needed, after })
     }
