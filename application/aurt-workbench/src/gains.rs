@@ -41,7 +41,7 @@ pub struct DriveGains {
 /// Estimates gains on the calibration recordings of an experiment, whose arm term `payload` is the load.
 ///
 /// # Errors
-/// What makes a recording unfit, and [`GainsError`].
+/// What makes a recording unfit, and [`aurt_calibration::GainsError`].
 pub fn drive_gains(
     experiment: &Experiment,
     load: Option<KnownLoad>,
