@@ -55,7 +55,7 @@ impl CalibratedModel {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::Plugins`] or [`Error::Unfit`], with the place of what is wrong.
+    /// What reading the file reports, with the place of what is wrong.
     pub fn read(path: &Path, registry: &Registry) -> Result<Self, Error> {
         let (value, text) = read_json(path)?;
         let refuse = |reason: String, remedy: &str| Error::Unfit {

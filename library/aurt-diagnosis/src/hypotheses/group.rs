@@ -18,7 +18,7 @@ pub struct Switch {
 /// A hypothesis: coefficients that enter or leave the model together.
 #[derive(Debug, Clone)]
 pub struct Group {
-    /// The effect; [`REGISTERED`] for a registered model.
+    /// The effect; `REGISTERED` for a registered model.
     pub effect: &'static Effect,
     /// Joints whose physics it is.
     pub joints: Vec<usize>,

@@ -112,7 +112,7 @@ pub struct Effect {
     pub estimate: Option<Estimate>,
     /// The effect with its first parameters as a phrase, where title and a list of parameters are hard to read.
     pub phrase: Option<fn(&Parameters, MeasurementUnit) -> Option<String>>,
-    /// Why no machine has these parameters, beyond the signs of [`Parameter::never_negative`]. The length is the longest
+    /// Why no machine has these parameters, beyond the signs of `Parameter::never_negative`. The length is the longest
     /// lever of the arm that the recordings show, m.
     pub excludes: fn(&Parameters, f64) -> Option<String>,
 }
