@@ -20,7 +20,7 @@ pub(crate) const BEGINNING_BYTES: usize = 1 << 16;
 /// A format that recordings are read from.
 ///
 /// A file belongs to the first format that [recognises](Self::recognises) its beginning, else to the first that has the
-/// [ending](Self::endings) of its name, else it is read as text ([`Csv`]).
+/// [ending](Self::endings) of its name, else it is read as text ([`Csv`](crate::Csv)).
 pub trait RecordingFormat: Debug + Send + Sync {
     /// The format's name, as reports write it.
     fn name(&self) -> &'static str;

@@ -13,12 +13,12 @@ use crate::joined;
 use crate::read_options::ReadOptions;
 use crate::recording::{ReadReport, Recording};
 
-/// Reads a recording from a file of any of the [`FORMATS`], or from the folder (or the `meta/info.json`) of a LeRobot data
+/// Reads a recording from a file of any of the [`FORMATS`](crate::FORMATS), or from the folder (or the `meta/info.json`) of a LeRobot data
 /// set, together with those that
 /// [belong to it](crate::RecordedAs::joined): rows of the common time span, joined by their stamps.
 ///
 /// # Errors
-/// A file that cannot be read, and what its format reports (for text: [`Csv`]). Each error names the file, the place and
+/// A file that cannot be read, and what its format reports (for text: [`Csv`](crate::Csv)). Each error names the file, the place and
 /// what to do.
 pub fn read_recording(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     if !options.recorded.joined.is_empty() {
