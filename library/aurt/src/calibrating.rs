@@ -36,7 +36,7 @@ pub struct Settings {
 ///
 /// # fn main() -> Result<(), aurt::Error> {
 /// let robot = Robot::read_mdh("mdh.csv", [0.0, 0.0, -9.81])?;
-/// let outcome = Calibrator::new(robot.model().coulomb("absolute").build()?)
+/// let outcome = Calibrator::new(robot.model().friction(Friction::load_dependent().viscous(1)).build()?)
 ///     .calibration(&Recording::read("monday.csv")?)
 ///     .validation(&Recording::read("tuesday.csv")?)
 ///     .calibrate()?;

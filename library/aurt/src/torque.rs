@@ -39,6 +39,7 @@ impl CalibratedModel {
 ///
 /// ```
 /// use aurt::{TorqueSeries, prelude::*, traits::Motion as Series};
+/// # use aurt::{simulate, simulation::{Motion, Scenario, robots}};
 ///
 /// # let machine = robots::two_link();
 /// # let motion = Motion::MultiSine { duration_s: 5.0, harmonics: 5, top_hz: 1.0, share: 0.6 };

@@ -31,8 +31,8 @@ fn grids_zips_and_variants_are_combined() {
 joint_dynamics.viscous.powers = [[1], [1, 2]]
 "#;
     let expected = [
-        "coulomb.model=none, viscous.powers=[1]",
-        "coulomb.model=none, viscous.powers=[1,2]",
+        "coulomb.model=constant, viscous.powers=[1]",
+        "coulomb.model=constant, viscous.powers=[1,2]",
         "coulomb.model=square, viscous.powers=[1]",
         "coulomb.model=square, viscous.powers=[1,2]",
     ];
@@ -102,7 +102,7 @@ fn values_that_cannot_be_are_refused_where_they_stand() {
 "#;
     let complaints = refused(sweep);
     assert_eq!(complaints.len(), 2, "{complaints:#?}");
-    assert!(complaints[0].starts_with("2:43: there is no coulomb model `sqare`"), "{complaints:#?}");
+    assert!(complaints[0].starts_with("2:47: there is no coulomb model `sqare`"), "{complaints:#?}");
     assert!(complaints[0].contains("did you mean `square`"), "{complaints:#?}");
     assert!(complaints[1].starts_with("3:93: "), "{complaints:#?}");
     assert!(

@@ -102,7 +102,7 @@ pub fn main() -> ExitCode {
             "\ninterrupted: {kept} files had been written before and are whole; a proof goes on when it is run again"
         );
         // Cases are made on several threads: what one of them has begun to write meanwhile goes, too.
-        aurt_output::abandon();
+        let _ = aurt_output::abandon();
         std::process::exit(INTERRUPTED);
     });
     let (text, status) = match run(&arguments) {

@@ -34,7 +34,7 @@ const PAIRS: [(&str, &str); 28] = [
 /// The declared neighbours of an effect.
 ///
 /// ```
-/// use aurt_simulation::score::neighbours;
+/// use aurt_lab::score::neighbours;
 /// assert_eq!(neighbours("spring"), ["torque_ripple"]);
 /// assert!(neighbours("external_contact").is_empty());
 /// ```
