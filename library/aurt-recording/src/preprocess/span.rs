@@ -59,7 +59,8 @@ impl Memory {
             None if options.trim_rest => all..all,
             None => 0..all,
         };
-        let start = wanted.start.max(memory);
+        // Rows lie where they would if the run did not begin there, whatever the filters remember.
+        let start = wanted.start + memory.saturating_sub(wanted.start).next_multiple_of(decimation);
         let rows = start..wanted.end.min(all.saturating_sub(memory)).max(start);
         let near_ends = wanted.len() - rows.len().min(wanted.len());
         if options.count_ends {
