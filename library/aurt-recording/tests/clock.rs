@@ -268,8 +268,8 @@ fn recordings_that_cannot_be_used() {
     let error = refused(&still, &options);
     assert!(matches!(error, RecordingError::AtRest { .. }), "{error}");
     let validation = PreprocessOptions { trim_rest: false, ..options.clone() };
-    // The position filter and the differences remember 24 samples at either end.
-    assert_eq!(preprocess(&still, &validation).unwrap().segments[0].motion.samples(), 1998 - 2 * 24);
+    // The position filter and the differences remember 24 samples at either end, and rows stay on the grid of the whole run.
+    assert_eq!(preprocess(&still, &validation).unwrap().segments[0].motion.samples(), 1998 - 24 - 30);
 
     let mut backwards = sampled(uniform(100, 100.0));
     backwards.time_s[50] = 0.1;
