@@ -38,10 +38,12 @@ pub(crate) fn out_of_bounds(model: &str, parameters: &[ShapeParameter]) -> Vec<M
     parameters
         .iter()
         .filter(|p| !(p.lower..=p.upper).contains(&p.value))
-        .map(|p| ModelError::InvalidParameter {
-            model: model.into(),
-            parameter: p.name.clone(),
-            reason: format!("must lie between {} and {} {}, is {}", p.lower, p.upper, p.unit, p.value),
+        .map(|p| {
+            ModelError::parameter(
+                model,
+                &p.name,
+                format!("must lie between {} and {} {}, is {}", p.lower, p.upper, p.unit, p.value),
+            )
         })
         .collect()
 }

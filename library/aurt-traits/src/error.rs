@@ -57,3 +57,14 @@ pub enum ModelError {
         available: String,
     },
 }
+
+impl ModelError {
+    /// [`Self::InvalidParameter`]: `reason` is the rest of the sentence that `parameter` of `model` begins.
+    pub fn parameter(
+        model: impl Into<String>,
+        parameter: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self::InvalidParameter { model: model.into(), parameter: parameter.into(), reason: reason.into() }
+    }
+}

@@ -42,7 +42,7 @@
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, Invariant, Invariants, ModelError, Motion, Parameter,
+    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter,
     RegressorTile, RigidBodyRegressor, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -114,12 +114,9 @@ register_model! {
 
 #[typetag::serde(name = "base_tilt")]
 impl ArmTerm for BaseTilt {
-    fn name(&self) -> &str {
-        "base_tilt"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
+    declares_term! {
+        "base_tilt",
+        invariants: [EvenInLoad, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
@@ -136,15 +133,6 @@ impl ArmTerm for BaseTilt {
 
     fn acts_on(&self, column: usize, joint: usize, _robot_joints: usize) -> bool {
         column < 2 || joint == 0
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
     }
 
     fn is_load(&self) -> bool {
@@ -166,11 +154,7 @@ impl ArmTerm for BaseTilt {
             });
         }
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "base_tilt".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("base_tilt", parameter, reason));
         };
         for (k, index) in self.inertial_columns.iter().enumerate() {
             if *index >= MOST_STANDARD {

@@ -113,13 +113,7 @@ register_model! {
 
 #[typetag::serde(name = "coupling")]
 impl ArmTerm for Coupling {
-    fn name(&self) -> &str {
-        "coupling"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "coupling" }
 
     fn joints(&self, _robot_joints: usize) -> Vec<usize> {
         vec![self.joint.min(self.partner), self.joint.max(self.partner)]
@@ -152,11 +146,7 @@ impl ArmTerm for Coupling {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "coupling".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("coupling", parameter, reason));
         };
         let last = robot_joints.saturating_sub(1);
         for (key, joint) in [("joint", self.joint), ("partner", self.partner)] {

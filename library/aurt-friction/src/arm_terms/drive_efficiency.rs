@@ -33,7 +33,7 @@
 //! Of the sign of velocity, passive, rate-independent, memoryless. Not even in load: reversing it swaps the two.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
+    ArmSeries, ArmTerm, Columns, ModelError, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -61,33 +61,10 @@ register_model! {
 
 #[typetag::serde(name = "drive_efficiency")]
 impl ArmTerm for DriveEfficiency {
-    fn name(&self) -> &str {
-        "drive_efficiency"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("driving", "1"), ("driven", "1")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
+    declares_term! {
+        "drive_efficiency",
+        per joint: ["driving" in "1", "driven" in "1"],
+        invariants: [SignOfVelocity, Passive, RateIndependent, Memoryless]
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {

@@ -109,13 +109,7 @@ fn joint_series<'a>(series: &ArmSeries<'a>, joint: usize) -> JointSeries<'a> {
 
 #[typetag::serde(name = "joint_friction")]
 impl ArmTerm for JointFriction {
-    fn name(&self) -> &str {
-        "joint_friction"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "joint_friction" }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
         self.joints.resolve(robot_joints)

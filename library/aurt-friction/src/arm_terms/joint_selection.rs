@@ -41,7 +41,7 @@ impl JointSelection {
     pub(crate) fn complaints(&self, model: &str, robot_joints: usize) -> Vec<ModelError> {
         let Some(list) = &self.0 else { return Vec::new() };
         let complaint =
-            |reason| ModelError::InvalidParameter { model: model.into(), parameter: "joints".into(), reason };
+            |reason| ModelError::parameter(model, "joints", reason);
         if list.is_empty() {
             return vec![complaint("must not be empty; leave the key out for all joints".into())];
         }

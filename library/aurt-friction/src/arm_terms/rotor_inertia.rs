@@ -25,7 +25,7 @@
 //! Memoryless. The term is no load: the rotor sits before the gear.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
+    ArmSeries, ArmTerm, Columns, ModelError, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -52,29 +52,7 @@ register_model! {
 
 #[typetag::serde(name = "rotor_inertia")]
 impl ArmTerm for RotorInertia {
-    fn name(&self) -> &str {
-        "rotor_inertia"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("I_a", "kg m^2")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 1, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[Invariant::Memoryless])
-    }
+    declares_term! { "rotor_inertia", per joint: ["I_a" in "kg m^2"], invariants: [Memoryless] }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         verdict(self.joints.complaints("rotor_inertia", robot_joints))

@@ -41,7 +41,7 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
+    Columns, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
     register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -94,26 +94,13 @@ register_model! {
 }
 
 impl JointModel for MaxwellSlip {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, Passive, RateIndependent],
+        reads_load: false,
     }
 
     fn columns(&self) -> Vec<Parameter> {
         (0..self.thresholds().len()).map(|i| Parameter::new(format!("m{i}"), "1")).collect()
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
     }
 
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
