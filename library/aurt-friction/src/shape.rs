@@ -60,11 +60,11 @@ pub(crate) fn accepted(
 ) -> Result<Vec<f64>, ModelError> {
     const ROUNDING: f64 = 1e-9;
     if values.len() != parameters.len() {
-        return Err(ModelError::Count {
-            what: format!("shape parameters of `{model}`"),
-            expected: parameters.len(),
-            found: values.len(),
-        });
+        return Err(ModelError::count(
+            format!("shape parameters of `{model}`"),
+            parameters.len(),
+            values.len(),
+        ));
     }
     let trial: Vec<ShapeParameter> = parameters
         .iter()

@@ -67,4 +67,14 @@ impl ModelError {
     ) -> Self {
         Self::InvalidParameter { model: model.into(), parameter: parameter.into(), reason: reason.into() }
     }
+
+    /// [`Self::Evaluation`].
+    pub fn evaluation(model: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::Evaluation { model: model.into(), reason: reason.into() }
+    }
+
+    /// [`Self::Count`].
+    pub fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
+        Self::Count { what: what.into(), expected, found }
+    }
 }

@@ -30,9 +30,7 @@
 //! Even in load, bounded by one, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 //! Not odd.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{

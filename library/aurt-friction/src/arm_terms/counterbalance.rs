@@ -32,9 +32,7 @@
 
 use std::f64::consts::PI;
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, Parameter, ShapeParameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, ShapeParameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::{Shape, accepted, out_of_bounds, verdict};

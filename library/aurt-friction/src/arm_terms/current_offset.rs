@@ -23,9 +23,7 @@
 //! # Invariants
 //! Even in load, bounded by one, rate-independent, memoryless.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};

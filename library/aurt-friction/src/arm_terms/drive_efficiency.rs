@@ -32,9 +32,7 @@
 //! # Invariants
 //! Of the sign of velocity, passive, rate-independent, memoryless. Not even in load: reversing it swaps the two.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, hysteresis::sign::sign_beyond, shape::verdict};

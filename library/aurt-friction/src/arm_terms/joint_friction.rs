@@ -85,10 +85,7 @@ impl JointFriction {
     /// The stack, where validation has let it pass.
     fn evaluable(&self) -> Result<JointStack, ModelError> {
         self.stack().map_err(|mut errors| {
-            errors.pop().unwrap_or(ModelError::Evaluation {
-                model: "joint_friction".into(),
-                reason: "the stack is not valid".into(),
-            })
+            errors.pop().unwrap_or(ModelError::evaluation("joint_friction", "the stack is not valid"))
         })
     }
 

@@ -34,10 +34,7 @@
 //! # Invariants
 //! Even in load, odd. Passivity is not declared: it depends on σ_1 (Barabanov and Ortega 2000).
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, JointModel, ModelError, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, JointModel, ModelError, ShapeParameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{

@@ -29,9 +29,7 @@
 //! # Invariants
 //! Even in load, continuous in velocity, memoryless. The term is a load.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::verdict;
@@ -169,14 +167,14 @@ impl ArmTerm for Payload {
         // Where joints follow others there are more links than joints that move on their own: the last is still the last.
         let link = self.link.unwrap_or_else(|| links.saturating_sub(1));
         if standard != each * links || link >= links {
-            return Err(ModelError::Evaluation {
-                model: "payload".into(),
-                reason: format!(
+            return Err(ModelError::evaluation(
+                "payload",
+                format!(
                     "it needs a rigid body with {each} inertial parameters per link, {} in all, but this one has \
                      {standard}, and no link {link}",
                     each * joints
                 ),
-            });
+            ));
         }
         let parameters = self.parameters();
         let mut destination = vec![RegressorTile::UNWANTED; joints * standard];

@@ -24,9 +24,7 @@
 //! # Invariants
 //! Memoryless. The term is no load: the rotor sits before the gear.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};

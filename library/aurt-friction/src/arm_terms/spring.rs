@@ -26,9 +26,7 @@
 //! # Invariants
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load: it acts behind the gear.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -84,7 +82,11 @@ impl ArmTerm for Spring {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("spring", robot_joints);
         if let Some(rest) = self.rest_rad.filter(|rest| !rest.is_finite()) {
-            complaints.push(ModelError::parameter("spring", "rest_rad", format!("must be an angle, is {rest}")));
+            complaints.push(ModelError::parameter(
+                "spring",
+                "rest_rad",
+                format!("must be an angle, is {rest}"),
+            ));
         }
         verdict(complaints)
     }

@@ -63,7 +63,11 @@ impl ArmTerm for Temperature {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("temperature", robot_joints);
         if !(self.warming_time_s.is_finite() && self.warming_time_s > 0.0) {
-            complaints.push(ModelError::parameter("temperature", "warming_time_s", format!("must be positive, is {}", self.warming_time_s)));
+            complaints.push(ModelError::parameter(
+                "temperature",
+                "warming_time_s",
+                format!("must be positive, is {}", self.warming_time_s),
+            ));
         }
         verdict(complaints)
     }

@@ -30,9 +30,7 @@
 //! # Invariants
 //! Even in load, bounded by one, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};

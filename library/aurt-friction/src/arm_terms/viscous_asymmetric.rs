@@ -27,9 +27,7 @@
 //! # Invariants
 //! Even in load, continuous, of the sign of velocity, passive, memoryless. Not odd.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, ModelError, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};

@@ -32,8 +32,7 @@
 //! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 

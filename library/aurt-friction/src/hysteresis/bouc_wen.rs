@@ -32,16 +32,10 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    hysteresis::dahl::PRESLIDING,
-    shape::Shape,
-};
+use crate::{hysteresis::dahl::PRESLIDING, shape::Shape};
 
 const EXPONENT: Shape = Shape::linear("exponent", "1", 1.0, 4.0);
 const BETA: Shape = Shape::linear("beta", "1", 0.5, 1.0);

@@ -25,10 +25,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;

@@ -48,10 +48,7 @@
 //! Bounded by one, odd, continuous. Passivity is not declared: an element that slips into rest gains force
 //! without a displacement that would pay for it.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{

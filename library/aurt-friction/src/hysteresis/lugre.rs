@@ -33,10 +33,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous; passive, for H q̇ − d/dt (p H²/2) = |q̇| H²/g ≥ 0.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{

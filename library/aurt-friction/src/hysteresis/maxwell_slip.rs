@@ -40,10 +40,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, ShapeParameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{

@@ -21,9 +21,7 @@
 //! # Invariants
 //! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, register_model,
-};
+use aurt_traits::{Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::verdict;
@@ -88,7 +86,13 @@ pub(crate) fn sign_beyond(v: f64, rest: f64) -> f64 {
 /// The complaint about a rest velocity that is none, in the name of `model`.
 pub(crate) fn rest_complaint(model: &str, rest_velocity_rad_s: f64) -> Option<ModelError> {
     let sensible = rest_velocity_rad_s.is_finite() && rest_velocity_rad_s >= 0.0;
-    (!sensible).then(|| ModelError::parameter(model, "rest_velocity_rad_s", format!("must be zero or positive, is {rest_velocity_rad_s}")))
+    (!sensible).then(|| {
+        ModelError::parameter(
+            model,
+            "rest_velocity_rad_s",
+            format!("must be zero or positive, is {rest_velocity_rad_s}"),
+        )
+    })
 }
 
 #[cfg(test)]

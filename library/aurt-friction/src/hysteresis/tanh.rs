@@ -19,10 +19,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;

@@ -25,9 +25,7 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError, Parameter, register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
 use serde::{Deserialize, Serialize};
 
 /// Viscous friction as a sum of odd powers of velocity.

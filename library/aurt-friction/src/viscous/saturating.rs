@@ -29,10 +29,7 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, JointModel, JointSeries, ModelError, Parameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;

@@ -167,9 +167,8 @@ impl EffectKind {
     /// # Errors
     /// [`SimulationError::Unreadable`]: what is wrong with the fields.
     pub fn effect(&self, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
-        (self.read)(fields).map_err(|error| SimulationError::Unreadable {
-            path: format!("effect `{}`", self.identifier).into(),
-            reason: error.to_string(),
+        (self.read)(fields).map_err(|error| {
+            SimulationError::unreadable(format!("effect `{}`", self.identifier), error.to_string())
         })
     }
 
