@@ -24,7 +24,7 @@ macro_rules! declares {
             vec![$($shape.at(self.$field)),+]
         }
 
-        fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
+        fn set_shape(&mut self, values: &[f64]) -> aurt_traits::Result {
             if let [$($field),+] = crate::shape::accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
                 $(self.$field = $field;)+
             }
@@ -32,7 +32,7 @@ macro_rules! declares {
         }
     };
     (@validate within_bounds) => {
-        fn validate(&self) -> Result<(), Vec<ModelError>> {
+        fn validate(&self) -> aurt_traits::Result<(), Vec<aurt_traits::ModelError>> {
             crate::shape::verdict(crate::shape::out_of_bounds(Self::NAME, &self.shape_parameters()))
         }
     };

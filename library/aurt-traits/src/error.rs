@@ -1,5 +1,8 @@
 use thiserror::Error;
 
+/// What a model or a request to it gives: nothing, unless something is wrong.
+pub type Result<T = (), E = ModelError> = std::result::Result<T, E>;
+
 /// What can be wrong with a model or with a request to it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]

@@ -42,7 +42,7 @@
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, RegressorTile,
+    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, RegressorTile, Result,
     RigidBodyRegressor, register_model,
 };
 use serde::{Deserialize, Serialize};
@@ -175,12 +175,7 @@ impl ArmTerm for BaseTilt {
         vec![first.rigid_body.standard_parameters().len() as f64]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, standard) = (series.motion, state[0] as usize);
         let (joints, samples) = (motion.joints(), motion.samples());
         let per_joint = self.columns(joints).len();

@@ -30,7 +30,7 @@
 //! Even in load, bounded by one, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 //! Not odd.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -82,12 +82,7 @@ impl ArmTerm for CoulombAsymmetric {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (n, v) in motion.velocity_rad_s(joint).iter().enumerate() {

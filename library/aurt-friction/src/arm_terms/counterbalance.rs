@@ -32,7 +32,9 @@
 
 use std::f64::consts::PI;
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, ShapeParameter, register_model};
+use aurt_traits::{
+    ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, ShapeParameter, register_model,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::{Shape, accepted, out_of_bounds, verdict};
@@ -120,12 +122,7 @@ impl ArmTerm for Counterbalance {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (a, b) = (self.crank_m, self.anchor_m);
         for (n, q) in series.motion.position_rad(self.joint).iter().enumerate() {
             let (sin, cos) = libm::sincos(q - self.dead_centre_rad);

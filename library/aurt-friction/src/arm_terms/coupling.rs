@@ -34,7 +34,7 @@
 //! Even in load, memoryless; without `inertia` odd and passive as well.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
+    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -167,12 +167,7 @@ impl ArmTerm for Coupling {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, parts) = (series.motion, self.parts());
         let samples = motion.samples();
         let (data, stride) = out.raw_mut();

@@ -23,7 +23,7 @@
 //! # Invariants
 //! Even in load, bounded by one, rate-independent, memoryless.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -59,12 +59,7 @@ impl ArmTerm for CurrentOffset {
         verdict(self.joints.complaints("current_offset", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         self.joints.write_own_rows(series.motion.joints(), 1, out, |_, _, own| own.column_mut(0).fill(1.0));
         Ok(())
     }

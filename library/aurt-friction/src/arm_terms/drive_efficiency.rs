@@ -32,7 +32,7 @@
 //! # Invariants
 //! Of the sign of velocity, passive, rate-independent, memoryless. Not even in load: reversing it swaps the two.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, hysteresis::sign::sign_beyond, shape::verdict};
@@ -69,12 +69,7 @@ impl ArmTerm for DriveEfficiency {
         verdict(self.joints.complaints("drive_efficiency", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             let loads = series.load_torque(joint);

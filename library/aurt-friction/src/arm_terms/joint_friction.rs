@@ -28,7 +28,7 @@
 
 use aurt_traits::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, InnerModels, Invariants, JointSeries,
-    JointStack, ModelError, Parameter, ViscousBasis, register_model,
+    JointStack, ModelError, Parameter, Result, ViscousBasis, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -173,12 +173,7 @@ impl ArmTerm for JointFriction {
             .collect()
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let stack = self.evaluable()?;
         let joints = self.joints.resolve(series.motion.joints());
         let own_state = state.len() / joints.len().max(1);

@@ -34,7 +34,9 @@
 //! # Invariants
 //! Even in load, odd. Passivity is not declared: it depends on σ_1 (Barabanov and Ortega 2000).
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, JointModel, ModelError, ShapeParameter, register_model};
+use aurt_traits::{
+    ArmSeries, ArmTerm, Columns, JointModel, ModelError, Result, ShapeParameter, register_model,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -130,12 +132,7 @@ impl ArmTerm for LuGreDamped {
             .collect()
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, bristles) = (series.motion, self.bristles());
         let (curve, time) = (bristles.curve(), motion.time_s());
         let states = state.as_chunks_mut::<{ LuGre::STATE_LEN }>().0;

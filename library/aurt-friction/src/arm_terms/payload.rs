@@ -29,7 +29,9 @@
 //! # Invariants
 //! Even in load, continuous in velocity, memoryless. The term is a load.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, register_model};
+use aurt_traits::{
+    ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, Result, register_model,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::verdict;
@@ -155,12 +157,7 @@ impl ArmTerm for Payload {
         vec![first.rigid_body.standard_parameters().len() as f64]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let joints = series.motion.joints();
         let (standard, each) = (state[0] as usize, Inertial::ALL.len());
         let links = standard / each;

@@ -24,7 +24,7 @@
 //! # Invariants
 //! Memoryless. The term is no load: the rotor sits before the gear.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -56,12 +56,7 @@ impl ArmTerm for RotorInertia {
         verdict(self.joints.complaints("rotor_inertia", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 1, out, |_, joint, own| {
             own.column_mut(0).copy_from_slice(motion.acceleration_rad_s2(joint));

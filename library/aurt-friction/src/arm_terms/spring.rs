@@ -26,7 +26,7 @@
 //! # Invariants
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load: it acts behind the gear.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -91,12 +91,7 @@ impl ArmTerm for Spring {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, rest) = (series.motion, self.rest_rad.unwrap_or(0.0));
         self.joints.write_own_rows(motion.joints(), self.per_joint(), out, |_, joint, own| {
             for (o, q) in own.column_mut(0).iter_mut().zip(motion.position_rad(joint)) {

@@ -25,7 +25,7 @@
 //! # Invariants
 //! None: the term depends on time itself.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -81,12 +81,7 @@ impl ArmTerm for Temperature {
         vec![first.motion.time_s().first().copied().unwrap_or(0.0)]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, start) = (series.motion, state[0]);
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (k, (t, v)) in motion.time_s().iter().zip(motion.velocity_rad_s(joint)).enumerate() {

@@ -30,7 +30,7 @@
 //! # Invariants
 //! Even in load, bounded by one, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -108,12 +108,7 @@ impl ArmTerm for TorqueRipple {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2 * self.orders.len(), out, |_, joint, own| {
             for (i, order) in self.orders.iter().enumerate() {

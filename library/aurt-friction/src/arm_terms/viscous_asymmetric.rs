@@ -27,7 +27,7 @@
 //! # Invariants
 //! Even in load, continuous, of the sign of velocity, passive, memoryless. Not odd.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -63,12 +63,7 @@ impl ArmTerm for ViscousAsymmetric {
         verdict(self.joints.complaints("viscous_asymmetric", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (n, v) in motion.velocity_rad_s(joint).iter().enumerate() {

@@ -14,7 +14,6 @@
 
 pub mod arm;
 pub mod joint;
-pub mod least_squares;
 pub mod recording;
 
 use std::{fmt::Debug, ops::Range};
@@ -71,6 +70,9 @@ pub(crate) fn first_difference(a: &[Vec<f64>], b: &[Vec<f64>], tolerance: f64) -
     None
 }
 
+/// Columns over a recording, or why there are none.
+type Evaluated = Result<Vec<Vec<f64>>, Violation>;
+
 /// Columns over `samples` samples, evaluated in pieces that end at `cuts`.
 ///
 /// # Errors
@@ -81,7 +83,7 @@ fn in_pieces(
     samples: usize,
     cuts: &[usize],
     mut evaluate: impl FnMut(Range<usize>, &mut Columns<'_>) -> Result<(), ModelError>,
-) -> Result<Vec<Vec<f64>>, Violation> {
+) -> Evaluated {
     const UNTOUCHED: f64 = 1.25e77;
     /// Distance between columns beyond a series, so that writing beyond its end is seen.
     const PADDING: usize = 3;
@@ -118,7 +120,7 @@ fn check_splits(
     seed: u64,
     samples: usize,
     whole: &[Vec<f64>],
-    evaluate: impl Fn(&[usize]) -> Result<Vec<Vec<f64>>, Violation>,
+    evaluate: impl Fn(&[usize]) -> Evaluated,
 ) -> Result<(), Violation> {
     let mut draw = Draw::new(!seed);
     let some_cuts: Vec<usize> = (0..6).map(|_| draw.below(samples)).collect();
@@ -139,7 +141,7 @@ fn of_motion(
     seed: u64,
     recording: &Recording,
     whole: &[Vec<f64>],
-    over: &dyn Fn(&Recording) -> Result<Vec<Vec<f64>>, Violation>,
+    over: &dyn Fn(&Recording) -> Evaluated,
 ) -> Result<Option<String>, Violation> {
     let changed = recording.clone();
     let memoryless = declared.contains(Invariant::Memoryless);
@@ -194,7 +196,7 @@ pub(crate) fn check_shape<M: Debug>(
     name: &str,
     parameters: impl Fn(&M) -> Vec<ShapeParameter>,
     set: impl Fn(&[f64]) -> Result<M, ModelError>,
-    columns: impl Fn(&M) -> Result<Vec<Vec<f64>>, Violation>,
+    columns: impl Fn(&M) -> Evaluated,
 ) -> Result<(), Violation> {
     let broken = |detail: String| Violation::Contract { model: name.into(), detail };
     let present = parameters(model);

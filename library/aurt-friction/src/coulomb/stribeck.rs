@@ -32,7 +32,7 @@
 //! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -107,12 +107,7 @@ impl JointModel for Stribeck {
         .with(Invariant::BoundedByOne, self.load == LoadDependence::None)
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let decay = Decay { velocity_rad_s: self.stribeck_velocity_rad_s, exponent: self.stribeck_exponent };
         out.column_mut(0).fill(1.0);
         for (o, v) in out.column_mut(1).iter_mut().zip(series.velocity_rad_s) {

@@ -25,7 +25,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;
@@ -75,12 +75,7 @@ impl JointModel for Dahl {
         vec![0.0, first.position_rad[0]]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (mut h, mut position) = (state[0], state[1]);
         for (o, q) in out.column_mut(0).iter_mut().zip(series.position_rad) {
             h = relax(h, q - position, self.presliding_rad, 1.0);

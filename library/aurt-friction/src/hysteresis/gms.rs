@@ -48,7 +48,7 @@
 //! Bounded by one, odd, continuous. Passivity is not declared: an element that slips into rest gains force
 //! without a displacement that would pay for it.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -192,12 +192,7 @@ impl JointModel for Gms {
         state
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let thresholds = self.thresholds().values();
         let curve = self.curve();
         let (mut time, mut position) = (state[0], state[1]);

@@ -33,7 +33,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous; passive, for H q̇ − d/dt (p H²/2) = |q̇| H²/g ≥ 0.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -129,12 +129,7 @@ impl JointModel for LuGre {
         vec![0.0, first.time_s[0], first.position_rad[0]]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let mut now = [state[0], state[1], state[2]];
         for (n, o) in out.column_mut(0).iter_mut().enumerate() {
             let sample = (series.time_s[n], series.position_rad[n], series.velocity_rad_s[n]);

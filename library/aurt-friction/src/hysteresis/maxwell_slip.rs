@@ -40,7 +40,9 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, ShapeParameter, register_model};
+use aurt_traits::{
+    Columns, JointModel, JointSeries, ModelError, Parameter, Result, ShapeParameter, register_model,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -124,12 +126,7 @@ impl JointModel for MaxwellSlip {
         vec![first.position_rad[0]; self.state_len()]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (i, (threshold, anchor)) in self.thresholds().values().into_iter().zip(state).enumerate() {
             let mut a = *anchor;
             for (o, q) in out.column_mut(i).iter_mut().zip(series.position_rad) {

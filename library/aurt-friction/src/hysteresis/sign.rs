@@ -21,7 +21,9 @@
 //! # Invariants
 //! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
-use aurt_traits::{Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, register_model};
+use aurt_traits::{
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Result, register_model,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::verdict;
@@ -64,12 +66,7 @@ impl JointModel for Sign {
         verdict(rest_complaint(Self::NAME, self.rest_velocity_rad_s).into_iter().collect())
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = sign_beyond(*v, self.rest_velocity_rad_s);
         }

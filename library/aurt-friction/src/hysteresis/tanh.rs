@@ -19,7 +19,7 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;
@@ -60,12 +60,7 @@ impl JointModel for Tanh {
         validate: within_bounds,
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = libm::tanh(v / self.velocity_rad_s);
         }

@@ -25,7 +25,7 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 /// Viscous friction as a sum of odd powers of velocity.
@@ -81,12 +81,7 @@ impl JointModel for Polynomial {
         if complaints.is_empty() { Ok(()) } else { Err(complaints) }
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (k, power) in self.powers.iter().enumerate() {
             let column = out.column_mut(k);
             match power {

@@ -29,7 +29,7 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, register_model};
+use aurt_traits::{Columns, JointModel, JointSeries, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::shape::Shape;
@@ -79,12 +79,7 @@ impl JointModel for Saturating {
         columns
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = libm::tanh(v / self.saturation_velocity_rad_s);
         }

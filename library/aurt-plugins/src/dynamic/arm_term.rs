@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, ShapeParameter, abi::Series,
+    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, Result, ShapeParameter, abi::Series,
 };
 
 use super::{description::Described, instance::Fault, model::LibraryTerm};
@@ -88,12 +88,7 @@ impl ArmTerm for LibraryTerm {
         self.first_state(&described, &Series::of_arm(first))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let described = self
             .instance
             .describe(series.motion.joints())

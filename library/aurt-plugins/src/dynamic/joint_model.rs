@@ -1,6 +1,6 @@
 use aurt_traits::{
     Columns, CoulombModel, HysteresisModel, Invariants, JointModel, JointSeries, ModelError, Parameter,
-    ShapeParameter, ViscousBasis, abi::Series,
+    Result, ShapeParameter, ViscousBasis, abi::Series,
 };
 
 use super::{guarded, instance::Fault, model::LibraryTerm};
@@ -34,12 +34,7 @@ impl JointModel for LibraryTerm {
         self.first_state(&self.described, &Series::of_joint(first))
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let columns = self.described.columns.len();
         let described = &*self.described;
         if !self.instance.is_new() {

@@ -125,12 +125,6 @@ impl LongRecording {
         self.first_s
     }
 
-    /// Whether something was measured.
-    #[must_use]
-    pub const fn is_measured(&self) -> bool {
-        self.measured
-    }
-
     /// What was found while the file was read; nothing of samples that were pushed.
     #[must_use]
     pub const fn report(&self) -> &ReadReport {
