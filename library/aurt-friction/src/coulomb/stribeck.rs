@@ -32,15 +32,11 @@
 //! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    shape::{accepted, out_of_bounds, verdict},
-    stribeck_curve::{Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY},
-};
+use crate::stribeck_curve::{Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY};
 
 /// How a Stribeck level grows with the load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -85,8 +81,9 @@ register_model! {
 }
 
 impl JointModel for Stribeck {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        shape: [stribeck_velocity_rad_s in STRIBECK_VELOCITY, stribeck_exponent in STRIBECK_EXPONENT],
+        validate: within_bounds,
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -101,41 +98,16 @@ impl JointModel for Stribeck {
     }
 
     fn invariants(&self) -> Invariants {
-        const ALWAYS: [Invariant; 4] = [
+        Invariants::of(&[
             Invariant::EvenInLoad,
             Invariant::Positive,
             Invariant::ContinuousInVelocity,
             Invariant::Memoryless,
-        ];
-        let bounded = match self.load {
-            LoadDependence::None => Invariants::of(&[Invariant::BoundedByOne]),
-            LoadDependence::Absolute | LoadDependence::Square => Invariants::NONE,
-        };
-        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | bounded.bits())
+        ])
+        .with(Invariant::BoundedByOne, self.load == LoadDependence::None)
     }
 
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s), STRIBECK_EXPONENT.at(self.stribeck_exponent)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity, exponent] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.stribeck_velocity_rad_s = velocity;
-            self.stribeck_exponent = exponent;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let decay = Decay { velocity_rad_s: self.stribeck_velocity_rad_s, exponent: self.stribeck_exponent };
         out.column_mut(0).fill(1.0);
         for (o, v) in out.column_mut(1).iter_mut().zip(series.velocity_rad_s) {
