@@ -101,8 +101,6 @@ pub fn main() -> ExitCode {
             std::io::stderr(),
             "\ninterrupted: {kept} files had been written before and are whole; a proof goes on when it is run again"
         );
-        // Cases are made on several threads: what one of them has begun to write meanwhile goes, too.
-        let _ = aurt_output::abandon();
         std::process::exit(INTERRUPTED);
     });
     let (text, status) = match run(&arguments) {
