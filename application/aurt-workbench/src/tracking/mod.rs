@@ -15,7 +15,7 @@ use aurt_calibration::{
 };
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_recording::RecordedAs;
+use aurt_recording::{RecordedAs, Recording};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 use serde::Serialize;
 use serde_json::json;
@@ -177,9 +177,12 @@ pub fn track(
             Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
             continue;
         }
-        let recording = prepared(calibrated, source)?;
+        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+        let recording = prepared_of(calibrated, &loaded)?;
+        let Recording { time_s, report, .. } = &*loaded.recording;
+        let stamp_s = |stamp: Option<&f64>| stamp.map_or(f64::NAN, |s| report.origin_s + s);
         let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
-        follower.begin(recording.name.clone());
+        follower.begin(recording.name.clone(), [stamp_s(time_s.first()), stamp_s(time_s.last())]);
         for window in windows {
             if let Some(alarm) = follower.take(&window, &baseline)? {
                 said(&alarm);
