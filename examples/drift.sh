@@ -40,7 +40,7 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 [joint_dynamics]
-coulomb = { model = "none" }
+coulomb = { model = "constant" }
 hysteresis = { model = "sign" }
 viscous = { model = "polynomial", powers = [1] }
 [[arm_terms]]
