@@ -8,9 +8,6 @@ use aurt_traits::MeasurementUnit;
 
 use super::{Alarm, TrackOptions, Tracked, TrackedRecording};
 
-/// Windows that fit into the shortest pause that ends a motion.
-const WINDOWS: f64 = 2.0;
-
 /// Where a window lies.
 #[derive(Debug, Clone, Copy)]
 struct Place {
@@ -120,11 +117,10 @@ impl Follower {
         }
     }
 
-    /// The windows that follow are of this recording or stream with these first and last stamps. One that begins where the last ended is
-    /// of its motion: clocks cut logs in the middle of one.
+    /// The windows that follow are of this recording or stream with these first and last stamps.
     pub(super) fn begin(&mut self, source: String, span_s: [f64; 2]) {
         self.sources.push(source);
-        if !(0.0..self.longest_pause_s()).contains(&(span_s[0] - self.ended_s)) {
+        if !self.options.continues(self.ended_s, span_s[0]) {
             self.begin_motion();
         }
         self.ended_s = span_s[1];
@@ -133,11 +129,6 @@ impl Follower {
     /// The windows that follow are of another motion.
     pub(super) fn begin_motion(&mut self) {
         self.charts.iter_mut().for_each(|c| c.chart.begin_motion());
-    }
-
-    /// A motion goes on after a pause that is shorter, s.
-    pub(super) fn longest_pause_s(&self) -> f64 {
-        WINDOWS * self.options.window_s
     }
 
     /// Takes in the next window; the first alarm that it makes certain.

@@ -121,7 +121,7 @@ impl<'a> Running<'a> {
             Some(pending) => append(pending, piece),
         }
         // Windows that are preprocessed together.
-        let length_s = self.follower.longest_pause_s();
+        let length_s = self.follower.options.longest_pause_s();
         while last >= self.done_s + length_s + self.settling_s {
             let next_s = self.first_from(self.done_s);
             if next_s >= self.done_s + length_s {
