@@ -1,5 +1,4 @@
 //! An interruption: a process of its own, since nothing can be written after it.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::{fs, thread, time::Duration};
 
