@@ -20,7 +20,7 @@ use super::models::{
 };
 use super::{provenance, source};
 
-fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
+pub fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
     (0..archive.len())
         .map(|k| {
@@ -32,7 +32,7 @@ fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
+pub fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
     String::from_utf8(files[name].clone()).unwrap()
 }
 
