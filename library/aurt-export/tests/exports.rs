@@ -115,7 +115,7 @@ fn names_of_other_people_stay_names_in_every_target() {
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stdout));
     }
     crates::passes("hostile", &rust::export(&source, &checks(&case, 2)).unwrap(), 7);
-    let unit = fmu::export(&source, fmu::Kind::Inverse, fmu::Version::Three).unwrap();
+    let unit = fmu::export(&source, fmu::Kind::Inverse).unwrap();
     let description = units::text(&units::files(&unit), "modelDescription.xml");
     let own = |name: &str| name.replace(char::is_control, " ");
     let variables = names_of(&description, "Float64");
