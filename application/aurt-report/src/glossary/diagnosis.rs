@@ -5,10 +5,10 @@ use super::Term;
 /// The terms.
 pub const TERMS: &[Term] = &[
     Term {
-        name: "ambiguous",
-        title: "verdict: ambiguous",
-        text: "Several effects explain the mismatch equally well on these recordings. Each finding lists its \
-            alternatives and what to record to separate it from them; record that and diagnose again.",
+        name: "alternatives",
+        title: "alternatives of a claim",
+        text: "Effects that explain the mismatch as well as the claimed one on these recordings. Each comes with what to \
+            record to separate it from the claim; record that and diagnose again.",
     },
     Term {
         name: "beyond_noise",
@@ -109,6 +109,18 @@ pub const TERMS: &[Term] = &[
             hundred. They indicate contacts, corrupt samples and sudden changes; rows at reversals do not count.",
     },
     Term {
+        name: "partly_explained",
+        title: "verdict: partly explained",
+        text: "The claims hold, each on its own evidence, and something beside them is missing. `explained` is the share \
+            of the predictable held-out error that the claims explain; `remainder` shows by joint what the rest follows.",
+    },
+    Term {
+        name: "remainder",
+        title: "what is left beside the claims",
+        text: "Boosted trees are fitted to the residual of the improved model and judged on held-out rows. What they \
+            predict is something that the model lacks; what they do not predict is noise as far as these recordings show.",
+    },
+    Term {
         name: "structure",
         title: "structure: the second answer",
         text: "With targets, `verdict` says what has changed in them, and `structure`, with the same four \
@@ -118,8 +130,8 @@ pub const TERMS: &[Term] = &[
     Term {
         name: "structure_left",
         title: "structure left",
-        text: "The residual of a joint exceeds 1.65 times the noise floor after all claimed effects. See \
-            follows for where to look.",
+        text: "More than noise is left of a joint after all claimed effects: boosted trees predict it on held-out rows, or \
+            it exceeds 1.65 times the noise floor and shows a pattern. See follows for where to look.",
     },
     Term {
         name: "tied_with_best",

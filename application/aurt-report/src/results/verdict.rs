@@ -11,8 +11,8 @@ use crate::{
         text::{WIDTH, wrapped, wrapped_with},
     },
     words::{
-        Group, HOW_LARGE, claim, follows, groups, headline, indicated, is_about_physics, nothing, objection,
-        undecidable,
+        Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, is_about_physics, nothing,
+        objection, undecidable,
     },
 };
 
@@ -68,6 +68,7 @@ impl Shown<'_> {
         }
         self.table(&mut text);
         text.push_str(&wrapped(&format!("held out: {}", self.held_out.join(", "))));
+        text.extend(explained(verdict).map(|said| wrapped(&said)));
         if !verdict.not_decidable.is_empty() {
             let names: Vec<String> = verdict.not_decidable.iter().map(undecidable).collect();
             text.push_str(&wrapped(&format!("not decidable here: {}", names.join(", "))));
