@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # A simulated UR10e whose joint 2 rubs more from night to night, and what `aurt track` says of it.
 #   examples/drift.sh
-# With a number, as many nights in which nothing changes instead, ten at a time judged with one false alarm in 0.25 h, and all
-# together with the default of 720 h: how many alarms there are. A second number is the first night's seed.
+# With a number, as many hours in which nothing changes instead: logs of ten minutes, cut by the clock in the middle of a motion into
+# pieces with gaps, four hours a machine with a calibration of its own; how many alarms there are with one false alarm in 1 h asked
+# for, and with the default of 720 h. A second number is the first seed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo build --release --quiet
-aurt="$PWD/target/release/aurt"
+[[ -n "${AURT:-}" ]] || cargo build --release --quiet
+aurt="${AURT:-$PWD/target/release/aurt}"
 scratch="$(mktemp -d)"
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
@@ -39,7 +40,7 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 torque_constants_nm_per_a = [11.976, 11.976, 9.839, 10.763, 10.763, 10.763]
 [joint_dynamics]
-coulomb = { model = "none" }
+coulomb = { model = "constant" }
 hysteresis = { model = "sign" }
 viscous = { model = "polynomial", powers = [1] }
 [[arm_terms]]
@@ -51,13 +52,16 @@ validation = ["unchanged_2.csv", "unchanged_3.csv"]
 [preprocess]
 f_dyn_hz = 5.0
 TOML
-for k in 1 2 3; do
-    simulated "$k" 120.0 0 "unchanged_$k.csv"
-done
-"$aurt" run experiment.toml --out results --quiet
+calibrated() { # first seed
+    for k in 1 2 3; do
+        simulated "$(($1 + k))" 120.0 0 "unchanged_$k.csv"
+    done
+    "$aurt" run experiment.toml --out results --quiet
+}
 mkdir nights
 track=("$aurt" track experiment.toml --model results/rd_calibrated.json)
 if (($# == 0)); then
+    calibrated 0
     night=0
     for growth in 0 0 0.05 0.1 0.15 0.2; do
         night=$((night + 1))
@@ -66,20 +70,34 @@ if (($# == 0)); then
     "${track[@]}" nights --out track || (($? == 1))
     exit 0
 fi
-counted() { # folder or files, options; nothing but alarms of a chart ends with 1
-    "${track[@]}" "$@" --out track --json >track.out || (($? == 1))
+cut_by_the_clock() { # seed, file: pieces of about a minute in `nights`, three gaps of up to 3 s in each
+    awk -F, -v seed="$1" '
+        NR == 1 { header = $0; srand(seed); next }
+        piece == 0 && $1 < 2 { next }
+        piece == 0 || $1 > end {
+            file = sprintf("nights/%06d_%02d.csv", seed, ++piece)
+            print header >file
+            end = $1 + 40 + 40 * rand()
+            for (k = 0; k < 3; k++) { from[k] = $1 + 60 * rand(); to[k] = from[k] + 0.15 + 3 * rand() * rand() }
+        }
+        $1 > 598 { exit }
+        { for (k = 0; k < 3; k++) if ($1 > from[k] && $1 < to[k]) next; print >file }' "$2"
+}
+counted() { # options; nothing but alarms of a chart ends with 1
+    "${track[@]}" nights "$@" --out track --json >track.out || (($? == 1))
     grep -c '"since_recording"' track.out || true
 }
-alarms=0
-mkdir all
-for ((night = 0; night < $1; night += 10)); do
-    for k in 0 1 2 3 4 5 6 7 8 9; do
-        simulated "$((${2:-100} + night + k))" 60.0 0 "nights/$k.csv"
+often=0
+seldom=0
+for ((hour = 0; hour < $1; hour += 4)); do
+    seed=$((${2:-1000} + 10 * hour))
+    calibrated "$seed"
+    for ((k = 4; k < 28; k++)); do
+        simulated "$((seed + k))" 600.0 0 whole.csv
+        cut_by_the_clock "$((seed + k))" whole.csv
     done
-    alarms=$((alarms + $(counted nights --false-alarm-h 0.25)))
-    for k in 0 1 2 3 4 5 6 7 8 9; do
-        mv "nights/$k.csv" "all/$(printf '%06d' $((night + k))).csv"
-    done
+    often=$((often + $(counted --false-alarm-h 1)))
+    seldom=$((seldom + $(counted)))
+    rm nights/*.csv
+    echo "$((hour + 4)) h without a change: $often alarms with one in 1 h asked for, $seldom with one in 720 h"
 done
-echo "$alarms alarms in $1 minutes without a change, one in 0.25 h asked for"
-echo "$(counted all) alarms in $1 minutes without a change, one in 720 h asked for"

@@ -8,7 +8,10 @@ use aurt_plugins::Registry;
 use aurt_report::reports::calibration;
 use aurt_workbench::experiments::fit_experiment;
 use numpy::{PyArray1, PyArray2};
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
 use serde_json::json;
 
 use crate::{
@@ -101,6 +104,12 @@ impl Model {
     /// Writes the model into a file, which appears whole or not at all.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| self.calibrated.save(&path)).map_err(raised)
+    }
+
+    /// For `pickle`: the contents of the model's file.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let contents = py.detach(|| self.calibrated.to_file()).map_err(raised)?;
+        Ok((py.import("aurt._plain")?.getattr("unpickled")?, (PyBytes::new(py, &contents),)))
     }
 
     /// Number of joints N.

@@ -48,6 +48,19 @@ impl Robot {
         Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
     }
 
+    /// The serial chain between two bodies of a MuJoCo file.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
+    fn from_mjcf(
+        py: Python<'_>,
+        path: PathBuf,
+        base: Option<String>,
+        tip: Option<String>,
+        gravity: [f64; 3],
+    ) -> PyResult<Self> {
+        Self::from_urdf(py, path, base, tip, gravity)
+    }
+
     /// The robot of a table of modified Denavit–Hartenberg parameters: a file, or the text itself with its header.
     #[staticmethod]
     #[pyo3(signature = (table, *, gravity=GRAVITY_M_S2))]
@@ -265,7 +278,9 @@ impl Robot {
     }
 
     fn standard(&self, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-        let (standard, expected) = (vector("parameters", given)?, 10 * self.joints());
+        // Links are more than joints where joints follow others.
+        let expected = self.inner.rigid_body().standard_parameters().len();
+        let standard = vector("parameters", given)?;
         if standard.len() != expected {
             return Err(refused(format!(
                 "parameters has {} values; it must have {expected}, ten for each link: XX XY XZ YY YZ ZZ mX mY mZ m",

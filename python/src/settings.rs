@@ -71,8 +71,8 @@ pub fn settings<'py>(
                     &key,
                     &value,
                     &[
-                        ("weighted_least_squares", Estimator::Wls),
-                        ("ordinary_least_squares", Estimator::Ols),
+                        ("wls", Estimator::Wls),
+                        ("ols", Estimator::Ols),
                         ("consistent", Estimator::Consistent),
                         ("essential", Estimator::Essential),
                         ("irls", Estimator::Irls),

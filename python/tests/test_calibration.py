@@ -1,10 +1,15 @@
 """Calibration, prediction, files, simulation."""
 
+import pickle
+from pathlib import Path
+
 import numpy
 import pytest
 
 import aurt
 from conftest import motion, states
+
+BAGS = Path(__file__).parents[2] / "examples" / "urdf-bag"
 
 
 def test_a_model_predicts_what_was_held_out(model, tuesday):
@@ -33,6 +38,26 @@ def test_a_saved_model_is_the_same(model, tuesday, tmp_path):
         aurt.Model.load(tmp_path / "none.json")
     with pytest.raises(aurt.Error):
         model.save(tmp_path)
+
+
+def test_a_pickled_model_is_the_same(model, tuesday):
+    copy = pickle.loads(pickle.dumps(model))
+    assert numpy.array_equal(copy.predict(tuesday), model.predict(tuesday))
+
+
+def test_the_order_of_a_bag_is_not_that_of_the_robot(tmp_path):
+    """63 % for 7.5 % on joint 0, when both objects knew their joints' names and nobody asked."""
+    robot = aurt.Robot.from_urdf(BAGS / "ur10e.urdf")
+    bag = aurt.Recording(BAGS / "monday.mcap", unit="A")
+    order = [bag.joint_names.index(name) for name in robot.joint_names]
+    assert order != sorted(order)
+    ordered = aurt.Recording(bag.t, bag.q[:, order], current=bag.current[:, order])
+    structure, settings = robot.model(coulomb="absolute"), {"f_dyn_hz": 5.0, "estimator": "wls"}
+    named, plain = (aurt.calibrate(structure, recording, **settings) for recording in (bag, ordered))
+    assert numpy.array_equal(named.coefficients, plain.coefficients)
+    assert numpy.allclose(named.predict(bag), plain.predict(ordered), rtol=0, atol=1e-9)
+    rows = named.errors if isinstance(named.errors, list) else named.errors.to_dict("records")
+    assert rows[0]["nrmse"] < 0.1, rows
 
 
 def test_single_samples_and_series_agree(two_link, monday):

@@ -55,6 +55,30 @@ def test_regressors_give_the_torques():
     assert numpy.array_equal(one, base[3])
 
 
+def test_a_finger_that_follows_another_has_parameters_of_its_own(tmp_path):
+    joint, link = PENDULUM.index("  <joint"), PENDULUM.index("</robot>")
+    follower = PENDULUM[joint:link].replace("hinge", "second").replace('"rod"', '"tip"').replace('"base"', '"rod"')
+    rod = PENDULUM[PENDULUM.index('  <link name="rod">') : joint].replace('"rod"', '"tip"')
+    follower = follower.replace("</joint>", '<mimic joint="hinge" multiplier="0.5"/></joint>')
+    path = tmp_path / "finger.urdf"
+    path.write_text(PENDULUM[:joint] + rod + PENDULUM[joint:link] + follower + "</robot>")
+    robot = aurt.Robot.from_urdf(path)
+    assert robot.joints == 1 and len(robot.standard_parameters) == 20
+    motion = states(50, 1)
+    values = robot.base_values(robot.standard_parameters)
+    assert numpy.allclose(robot.regressor(*motion) @ values, robot.torque(*motion), rtol=0, atol=1e-9)
+
+
+def test_a_mujoco_file_is_a_robot(tmp_path):
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        "<mujoco><worldbody><body><joint name='hinge' axis='0 -1 0'/>"
+        "<geom type='box' size='.5 .05 .05' pos='.5 0 0' mass='2'/></body></worldbody></mujoco>"
+    )
+    robot = aurt.Robot.from_mjcf(path)
+    assert robot.joint_names == ["hinge"] and robot.standard_parameters[9] == pytest.approx(2.0)
+
+
 def test_a_table_is_text_or_a_file(tmp_path):
     path = tmp_path / "mdh.csv"
     path.write_text(TWO_LINK)

@@ -289,7 +289,7 @@ fn text(
     }
     text.push_str(
         "\n# Guessed: Coulomb and viscous friction in every joint; `aurt sweep` and `aurt diagnose` find better ones.\n\
-         [joint_dynamics]\ncoulomb = { model = \"none\" }\nhysteresis = { model = \"sign\" }\n\
+         [joint_dynamics]\ncoulomb = { model = \"constant\" }\nhysteresis = { model = \"sign\" }\n\
          viscous = { model = \"polynomial\", powers = [1] }\n\n[recordings]\n",
     );
     text.push_str(bag_keys);

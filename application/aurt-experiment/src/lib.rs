@@ -11,4 +11,4 @@ mod error;
 pub mod experiment;
 
 pub use error::Error;
-pub use experiment::{Experiment, ExperimentErrors, Problem};
+pub use experiment::{Complaint, Experiment, ExperimentErrors, Problem};

@@ -276,11 +276,6 @@ pub fn undecidable(effect: &NotDecidable) -> String {
     }
 }
 
-/// Whether a warning of a calibration says that a value is none that a machine has, or a limit of its model.
-pub fn is_about_physics(warning: &str) -> bool {
-    warning.starts_with("unphysical") || warning.contains("at a bound")
-}
-
 #[cfg(test)]
 mod tests {
     use aurt_diagnosis::{Evidence, HeldOut, ParameterValue};

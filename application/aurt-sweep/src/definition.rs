@@ -1,6 +1,6 @@
 //! `[sweep]`: what is varied, how points are judged.
 
-use aurt_experiment::Problem;
+use aurt_experiment::Complaint;
 use aurt_plugins::{Node, NodeKind, Span, suggestion};
 
 use crate::place::Place;
@@ -57,37 +57,6 @@ pub struct Setting {
     pub key_span: Span,
     /// The value.
     pub value: Node,
-}
-
-/// What is wrong with a sweep, before lines and columns are counted.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Complaint {
-    pub span: Span,
-    pub message: String,
-    pub help: Option<String>,
-}
-
-impl Complaint {
-    pub(crate) fn new(span: &Span, message: impl Into<String>) -> Self {
-        Self { span: span.clone(), message: message.into(), help: None }
-    }
-
-    pub(crate) fn help(self, help: impl Into<String>) -> Self {
-        Self { help: Some(help.into()), ..self }
-    }
-
-    /// The problem in a text.
-    pub(crate) fn located(self, text: &str) -> Problem {
-        let before = text.get(..self.span.start).unwrap_or(text);
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        Problem {
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-            span: self.span,
-            message: self.message,
-            help: self.help,
-        }
-    }
 }
 
 const KEYS: [&str; 6] = ["block_s", "grid", "reference", "validate", "variant", "zip"];

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_experiment::{Experiment, ExperimentErrors, Problem};
+use aurt_experiment::{Complaint, Experiment, ExperimentErrors, Problem};
 use aurt_plugins::{Node, Registry, Span};
 use toml::Table;
 
 use crate::{
     SweepError,
-    definition::{Complaint, Definition, Setting, Step, Validate},
+    definition::{Definition, Setting, Step, Validate},
     documents::{make_absolute, path_at},
     place::{brief, to_toml},
 };
@@ -118,7 +118,7 @@ fn resolve(
     let count: usize = definition.axes.iter().map(|a| a.steps.len()).product();
     if count > MOST_POINTS {
         let message = format!("[sweep] makes {count} points, more than {MOST_POINTS}");
-        return Err(vec![Complaint::new(&(0..0), message)]);
+        return Err(vec![Complaint::new(0..0, message)]);
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut points, mut complaints): (Vec<Point>, Vec<Complaint>) = (Vec::new(), Vec::new());

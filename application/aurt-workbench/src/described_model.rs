@@ -147,6 +147,7 @@ fn of_description(
         ranges: vec![JointRange { velocity_rad_s: f64::MAX, load_torque: None }; joints],
         recordings: Vec::new(),
         warnings: Vec::new(),
+        about_physics: Vec::new(),
         shape_fit: None,
         consistent: None,
         essential: None,

@@ -97,9 +97,9 @@ impl Diagnosis {
     /// The verdict in a dozen lines.
     #[must_use]
     pub fn to_text(&self, style: Style) -> String {
-        let warnings = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.warnings);
+        let about_physics = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.about_physics);
         let Self { verdict, asked, held_out, .. } = self;
-        Shown { verdict, asked: *asked, unit: self.unit.symbol(), held_out, warnings }.to_text(style)
+        Shown { verdict, asked: *asked, unit: self.unit.symbol(), held_out, about_physics }.to_text(style)
     }
 }
 

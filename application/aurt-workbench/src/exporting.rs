@@ -8,10 +8,7 @@ use aurt_export::{
     into::{self, Corrected, Original},
     mjcf, rust, sdf, urdf,
 };
-pub use aurt_export::{
-    fmu::{Kind, Version},
-    into::Format,
-};
+pub use aurt_export::{fmu::Kind, into::Format};
 use aurt_model::model_file::read_json;
 use aurt_plugins::Registry;
 use aurt_robots::RobotError;
@@ -36,7 +33,7 @@ pub enum Target {
     /// An SDF file.
     Sdf,
     /// A functional mock-up unit.
-    Fmu(Kind, Version),
+    Fmu(Kind),
 }
 
 /// Files of a target.
@@ -102,7 +99,7 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
             Target::Mjcf => mjcf::export(source)?.into(),
             Target::Urdf => urdf::export(source)?.into(),
             Target::Sdf => sdf::export(source)?.into(),
-            Target::Fmu(kind, version) => fmu::export(source, kind, version)?.into(),
+            Target::Fmu(kind) => fmu::export(source, kind)?.into(),
         })
     })
 }

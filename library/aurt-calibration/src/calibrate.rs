@@ -208,7 +208,7 @@ pub(crate) fn finished(
     warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
     warnings.extend(position_bias.iter().filter(|_| biased.is_some()).flat_map(PositionBias::warnings));
     warnings.extend(robust.iter().flat_map(RobustReport::warnings));
-    warnings.extend(physical::warnings(&physical::Fitted {
+    let about_physics = physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,
         covariance: &estimate.solution.covariance,
@@ -216,12 +216,14 @@ pub(crate) fn finished(
         ranges: &ranges,
         options,
         unit_of_measurement: unit,
-    }));
+    });
+    warnings.extend(about_physics.iter().cloned());
     Ok(Calibration {
         unit,
         options: *options,
         f_dyn_hz,
         warnings,
+        about_physics,
         parameters,
         sigma: estimate.sigma,
         samples_per_joint: system.factors().iter().map(JointFactor::rows).collect(),

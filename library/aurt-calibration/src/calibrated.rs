@@ -31,6 +31,9 @@ pub struct Calibration {
     pub recordings: Vec<String>,
     /// What a user should know of this calibration.
     pub warnings: Vec<String>,
+    /// Of these, the ones that say that a value is none that a machine has, or a limit of its model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub about_physics: Vec<String>,
     /// The search for shape parameters, if the model has any and they were searched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape_fit: Option<ShapeReport>,

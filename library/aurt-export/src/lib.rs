@@ -3,7 +3,7 @@
 //! | target | what is made |
 //! |---|---|
 //! | [`c::export`] | a C99 header and source: inverse dynamics, friction with its state, gravity, mass matrix; a program that checks them |
-//! | [`fmu::export`] | a functional mock-up unit: FMI 2.0 or 3.0 co-simulation of inverse or forward dynamics |
+//! | [`fmu::export`] | a functional mock-up unit: FMI 2.0 co-simulation of inverse or forward dynamics |
 //! | [`mjcf::export`] | a MuJoCo model: geometry, inertias, armature, damping, friction loss |
 //! | [`into::correct`] | the user's own MuJoCo or URDF file with its dynamics corrected, all else as it is |
 //! | [`sdf::export`] | an SDF file for Gazebo: geometry, inertias, damping, friction, springs |

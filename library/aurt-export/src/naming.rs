@@ -7,93 +7,25 @@ use aurt_rbd::SerialChain;
 use crate::ExportError;
 
 /// Words of C99 and of C++ that cannot name anything, as far as they are lower-case words.
-const RESERVED: [&str; 40] = [
-    "auto",
-    "break",
-    "case",
-    "char",
-    "class",
-    "const",
-    "continue",
-    "default",
-    "delete",
-    "do",
-    "double",
-    "else",
-    "enum",
-    "extern",
-    "float",
-    "for",
-    "goto",
-    "if",
-    "inline",
-    "int",
-    "long",
-    "main",
-    "namespace",
-    "new",
-    "private",
-    "protected",
-    "public",
-    "register",
-    "restrict",
-    "return",
-    "short",
-    "signed",
-    "sizeof",
-    "static",
-    "struct",
-    "switch",
-    "template",
-    "this",
-    "typedef",
-    "void",
-];
+const RESERVED: &str = "\
+    auto break case char class const continue default delete do double else enum extern float for goto \
+    if inline int long main namespace new private protected public register restrict return short signed \
+    sizeof static struct switch template this typedef void";
 
 /// Headers of C: a model's own, found in their place, would hide them.
-const HEADERS: [&str; 24] = [
-    "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits", "locale", "math",
-    "setjmp", "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath",
-    "time", "wchar", "wctype",
-];
+const HEADERS: &str = "\
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg \
+    stdbool stddef stdint stdio stdlib string tgmath time wchar wctype";
 
 /// Words of Rust that are none of C, and crates that a crate would hide.
-const RUST: [&str; 34] = [
-    "alloc",
-    "as",
-    "async",
-    "await",
-    "become",
-    "box",
-    "core",
-    "crate",
-    "dyn",
-    "final",
-    "fn",
-    "gen",
-    "impl",
-    "in",
-    "let",
-    "libm",
-    "loop",
-    "macro",
-    "match",
-    "mod",
-    "move",
-    "mut",
-    "priv",
-    "proc_macro",
-    "pub",
-    "ref",
-    "self",
-    "std",
-    "super",
-    "test",
-    "trait",
-    "try",
-    "type",
-    "use",
-];
+const RUST: &str = "\
+    alloc as async await become box core crate dyn final fn gen impl in let libm loop macro match mod \
+    move mut priv proc_macro pub ref self std super test trait try type use";
+
+/// Whether `name` is one of the words of a list.
+fn among(words: &str, name: &str) -> bool {
+    words.split(' ').any(|word| word == name)
+}
 
 /// Whether a crate may be called `name`.
 ///
@@ -101,7 +33,7 @@ const RUST: [&str; 34] = [
 /// [`ExportError::Name`].
 pub(crate) fn check_crate(name: &str) -> Result<(), ExportError> {
     check_identifier(name)?;
-    if RUST.contains(&name) {
+    if among(RUST, name) {
         return Err(ExportError::Name { name: name.to_owned(), reason: "is a word or a crate of Rust" });
     }
     Ok(())
@@ -122,10 +54,10 @@ pub(crate) fn check_identifier(name: &str) -> Result<(), ExportError> {
     if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return refuse("is no identifier");
     }
-    if RESERVED.contains(&name) {
+    if among(RESERVED, name) {
         return refuse("is a word of the language");
     }
-    if HEADERS.contains(&name) {
+    if among(HEADERS, name) {
         return refuse("is the name of a header of C");
     }
     Ok(())

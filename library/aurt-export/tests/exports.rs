@@ -12,7 +12,7 @@ use std::{
     process::{Command, Output},
 };
 
-use aurt_export::{Export, ExportError, Provenance, Source, c, mjcf, sdf, urdf};
+use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
 use aurt_robots::KNOWN_ROBOTS;
@@ -96,6 +96,50 @@ fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
         assert!(run.status.success(), "{name}: {text}{}", String::from_utf8_lossy(&run.stderr));
         assert_eq!(text.matches("passed").count(), 8, "{name}: {text}");
     }
+}
+
+/// What would end strings, comments and elements, begin trigraphs, be expanded or name two joints alike, if it were written as it is.
+const HOSTILE: [&str; 6] =
+    ["a\"*/\n//\u{e9}", "--><x>&amp;", "${HOME}\\", "??/'{}%s", "joint::2", "joint::2 "];
+
+fn named_by_other_people() -> Case {
+    case(arm().with_joint_names(HOSTILE.map(str::to_owned).to_vec()).unwrap(), true)
+}
+
+#[test]
+fn names_of_other_people_stay_names_in_every_target() {
+    let (case, provenance) = (named_by_other_people(), provenance());
+    let source = source(&case, &provenance);
+    let export = c::export(&source, &checks(&case, 2)).unwrap();
+    if let Some(run) = compiled_and_run(&export) {
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stdout));
+    }
+    crates::passes("hostile", &rust::export(&source, &checks(&case, 2)).unwrap(), 7);
+    let unit = fmu::export(&source, fmu::Kind::Inverse).unwrap();
+    let description = units::text(&units::files(&unit), "modelDescription.xml");
+    let own = |name: &str| name.replace(char::is_control, " ");
+    let variables = names_of(&description, "Float64");
+    for name in HOSTILE {
+        assert!(variables.iter().any(|v| v.contains(&own(name))), "{name:?}: {variables:?}");
+    }
+    let written =
+        [&urdf::export(&source).unwrap(), &mjcf::export(&source).unwrap(), &sdf::export(&source).unwrap()];
+    for export in written {
+        let joints = names_of(&export.files[0].1, "joint");
+        for name in HOSTILE {
+            // Double colons divide names of SDF.
+            let name =
+                if export.files[0].0.ends_with("sdf") { name.replace("::", ":_") } else { name.into() };
+            assert!(joints.contains(&own(&name)), "{}: {name:?}: {joints:?}", export.files[0].0);
+        }
+    }
+}
+
+/// The names of all elements with a tag.
+fn names_of(xml: &str, tag: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(xml).unwrap();
+    let elements = document.descendants().filter(|node| node.has_tag_name(tag));
+    elements.filter_map(|node| node.attribute("name").map(str::to_owned)).collect()
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
     python fmpy_check.py AURT MODEL RECORDING
 
-AURT is the program, MODEL an `rd_calibrated.json`, RECORDING a motion that the model can follow. Units of both kinds and of
-both versions of FMI are exported, validated and simulated; the status is 1 if one of them fails. Needs `fmpy`.
+AURT is the program, MODEL an `rd_calibrated.json`, RECORDING a motion that the model can follow. Units of both kinds
+are exported, validated and simulated; the status is 1 if one of them fails. Needs `fmpy`.
 """
 
 import csv
@@ -97,13 +97,9 @@ def seconds(unit, moved):
     unpacked = fmpy.extract(unit)
     by_name = {v.name: v.valueReference for v in description.modelVariables}
     slave = fmpy.instantiate_fmu(unpacked, description, "CoSimulation")
-    if description.fmiVersion.startswith("2"):
-        slave.setupExperiment(startTime=0.0)
-        slave.enterInitializationMode()
-        set_values = slave.setReal
-    else:
-        slave.enterInitializationMode(startTime=0.0)
-        set_values = slave.setFloat64
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    set_values = slave.setReal
     start = [by_name[f"q_start[{j}]"] for j in range(joints)]
     set_values(start, [moved[f"q_{j}"][0] for j in range(joints)])
     slave.exitInitializationMode()
@@ -130,21 +126,20 @@ def main(program, model, recording):
              folder / "moved.csv")
         moved = read(folder / "moved.csv")
         for kind in ("inverse", "forward"):
-            for fmi in ("2", "3"):
-                out = folder / f"{kind}_{fmi}"
-                aurt(program, "export", "fmu", model, "--kind", kind, "--fmi", fmi, "--name", "machine", "--out", out)
-                unit = str(out / "machine.fmu")
-                problems = validate_fmu(unit)
-                if kind == "inverse":
-                    away, limit, what = check_inverse(unit, stored), TORQUE_LIMIT, "of the largest torque"
-                else:
-                    away, limit, what = check_forward(unit, moved), POSITION_LIMIT_RAD, f"rad in {FREE_S:g} s"
-                passed = not problems and away <= limit
-                good &= passed
-                print(f"FMI {fmi} {kind}: {len(problems)} problems, largest difference {away:.2e} {what}: "
-                      f"{'passed' if passed else 'FAILED'}", *problems, sep="\n  " if problems else " ")
-                if kind == "forward":
-                    print(f"FMI {fmi} forward: 10 s of motion take {10.0 * seconds(unit, moved):.3f} s of processor time")
+            out = folder / kind
+            aurt(program, "export", "fmu", model, "--kind", kind, "--name", "machine", "--out", out)
+            unit = str(out / "machine.fmu")
+            problems = validate_fmu(unit)
+            if kind == "inverse":
+                away, limit, what = check_inverse(unit, stored), TORQUE_LIMIT, "of the largest torque"
+            else:
+                away, limit, what = check_forward(unit, moved), POSITION_LIMIT_RAD, f"rad in {FREE_S:g} s"
+            passed = not problems and away <= limit
+            good &= passed
+            print(f"{kind}: {len(problems)} problems, largest difference {away:.2e} {what}: "
+                  f"{'passed' if passed else 'FAILED'}", *problems, sep="\n  " if problems else " ")
+            if kind == "forward":
+                print(f"forward: 10 s of motion take {10.0 * seconds(unit, moved):.3f} s of processor time")
     return good
 
 

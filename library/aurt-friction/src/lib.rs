@@ -12,6 +12,9 @@
 //! Adding a model is one file in the folder of its slot: every file there is a module, and the tests find its model by
 //! the registration.
 
+#[macro_use]
+mod declare;
+
 pub mod conformance;
 mod path_step;
 mod shape;

@@ -38,10 +38,12 @@ pub(crate) fn out_of_bounds(model: &str, parameters: &[ShapeParameter]) -> Vec<M
     parameters
         .iter()
         .filter(|p| !(p.lower..=p.upper).contains(&p.value))
-        .map(|p| ModelError::InvalidParameter {
-            model: model.into(),
-            parameter: p.name.clone(),
-            reason: format!("must lie between {} and {} {}, is {}", p.lower, p.upper, p.unit, p.value),
+        .map(|p| {
+            ModelError::parameter(
+                model,
+                &p.name,
+                format!("must lie between {} and {} {}, is {}", p.lower, p.upper, p.unit, p.value),
+            )
         })
         .collect()
 }
@@ -58,11 +60,11 @@ pub(crate) fn accepted(
 ) -> Result<Vec<f64>, ModelError> {
     const ROUNDING: f64 = 1e-9;
     if values.len() != parameters.len() {
-        return Err(ModelError::Count {
-            what: format!("shape parameters of `{model}`"),
-            expected: parameters.len(),
-            found: values.len(),
-        });
+        return Err(ModelError::count(
+            format!("shape parameters of `{model}`"),
+            parameters.len(),
+            values.len(),
+        ));
     }
     let trial: Vec<ShapeParameter> = parameters
         .iter()

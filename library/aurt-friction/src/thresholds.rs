@@ -55,11 +55,7 @@ impl Thresholds<'_> {
     pub(crate) fn complaints(self, model: &str, fitted: bool) -> Vec<ModelError> {
         let mut complaints = Vec::new();
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: model.into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter(model, parameter, reason));
         };
         if let Some(list) = self.list_rad {
             for (key, given) in [

@@ -132,8 +132,7 @@ fn a_tilt_is_the_derivative_with_respect_to_the_mounting() {
         seed: 0,
         observations: 0,
     };
-    let mut term = BaseTilt { first_axis: true, ..BaseTilt::default() };
-    term.linearise_at(&base, &standard);
+    let term = BaseTilt::around(&base, &standard, true);
     let columns = evaluate(&term, &body, &recording, &[]).unwrap();
     let [x, y, z] = body.gravity_m_s2;
     let angle = 1e-4_f64;

@@ -13,7 +13,7 @@
 //! [`clear_unfinished`] does so at any time, and [`take_cleared`] tells where something was found.
 //!
 //! What is staged is noted, so that [`abandon`] takes it along when a command is interrupted; renames that have begun are
-//! done first.
+//! done first. From then on nothing is staged, and no folder made: threads that would wait until the process ends.
 //!
 //! Links keep their place (what they point to is replaced); devices and the pipes of a shell are written to directly, last.
 //! Pipes with names are refused: writing would wait for a reader, perhaps for ever.
@@ -33,7 +33,7 @@ use thiserror::Error;
 use crate::{
     journal::Journal,
     staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
-    unfinished::publishing,
+    unfinished::{make_folders, publishing},
 };
 pub use crate::{
     journal::clear_unfinished,
@@ -141,7 +141,7 @@ impl MadeFolders {
             .map(Path::to_owned)
             .collect();
         self.deepest_first.splice(0..0, missing);
-        fs::create_dir_all(folder).map_err(WriteError::at(folder))
+        make_folders(folder).map_err(WriteError::at(folder))
     }
 
     fn keep(mut self) {
@@ -200,7 +200,7 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
         return write_files(&placed);
     }
     let parent = folder_of(folder);
-    fs::create_dir_all(parent).map_err(WriteError::at(parent))?;
+    make_folders(parent).map_err(WriteError::at(parent))?;
     clear_unfinished(parent);
     let staging = StagedFolder::new(parent)?;
     let staged = staging.path();

@@ -52,6 +52,16 @@ impl Drop for Unfinished {
     }
 }
 
+/// Makes folders for what is going to be written. Nothing is abandoned meanwhile, and after that none is made: it could be one that
+/// was removed.
+///
+/// # Errors
+/// The system's.
+pub(crate) fn make_folders(path: &Path) -> io::Result<()> {
+    let _held = lock(&UNFINISHED);
+    fs::create_dir_all(path)
+}
+
 /// Held by whoever gives finished files their names: an interruption waits until all of them have theirs.
 #[derive(Debug)]
 pub(crate) struct Publishing {

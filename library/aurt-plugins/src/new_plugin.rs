@@ -50,95 +50,13 @@ const C: [(&str, &str); 4] = [
 ];
 
 /// Words that cannot name a crate, a struct's file or a C type.
-const RESERVED: &[&str] = &[
-    "abstract",
-    "as",
-    "async",
-    "auto",
-    "await",
-    "become",
-    "box",
-    "break",
-    "case",
-    "char",
-    "check",
-    "columns",
-    "const",
-    "continue",
-    "core",
-    "crate",
-    "create",
-    "declaration",
-    "default",
-    "describe",
-    "destroy",
-    "do",
-    "double",
-    "dyn",
-    "else",
-    "enum",
-    "evaluate",
-    "extern",
-    "false",
-    "final",
-    "float",
-    "fn",
-    "for",
-    "gen",
-    "goto",
-    "if",
-    "impl",
-    "in",
-    "inline",
-    "int",
-    "keys",
-    "let",
-    "long",
-    "loop",
-    "macro",
-    "main",
-    "match",
-    "mod",
-    "models",
-    "move",
-    "mut",
-    "override",
-    "priv",
-    "proc-macro",
-    "pub",
-    "ref",
-    "register",
-    "restrict",
-    "return",
-    "self",
-    "set_shape",
-    "short",
-    "signed",
-    "sizeof",
-    "static",
-    "std",
-    "struct",
-    "super",
-    "switch",
-    "test",
-    "trait",
-    "true",
-    "try",
-    "type",
-    "typedef",
-    "typeof",
-    "union",
-    "unsafe",
-    "unsigned",
-    "unsized",
-    "use",
-    "virtual",
-    "void",
-    "volatile",
-    "where",
-    "while",
-    "yield",
-];
+const RESERVED: &str = "\
+    abstract as async auto await become box break case char check columns const continue core crate \
+    create declaration default describe destroy do double dyn else enum evaluate extern false final \
+    float fn for gen goto if impl in inline int keys let long loop macro main match mod models move mut \
+    override priv proc-macro pub ref register restrict return self set_shape short signed sizeof static \
+    std struct super switch test trait true try type typedef typeof union unsafe unsigned unsized use \
+    virtual void volatile where while yield";
 
 /// Writes a new plugin into `folder`, which must not exist yet.
 ///
@@ -198,7 +116,7 @@ fn model_name(name: &str) -> Result<String, Error> {
     if name.len() > 64 {
         return refuse("must not have more than 64 letters");
     }
-    if RESERVED.contains(&model.as_str()) || model.starts_with("aurt") {
+    if RESERVED.split(' ').any(|word| word == model) || model.starts_with("aurt") {
         return refuse("has a meaning of its own in Rust, in C or in AURT");
     }
     Ok(model)

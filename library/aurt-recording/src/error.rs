@@ -408,6 +408,13 @@ pub enum RecordingError {
     },
 }
 
+impl RecordingError {
+    /// [`Self::Count`].
+    pub(crate) fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
+        Self::Count { what: what.into(), expected, found }
+    }
+}
+
 /// Names in a row, the list and each name shortened.
 fn list(names: &[String]) -> String {
     const SHOWN: usize = 20;

@@ -176,11 +176,11 @@ impl RecordedAs {
             None => Ok(vec![1.0; joints]),
             Some([one]) => Ok(vec![*one; joints]),
             Some(list) if list.len() == joints => Ok(list.to_vec()),
-            Some(list) => Err(RecordingError::Count {
-                what: format!("`{what}` (one number, or one for each joint)"),
-                expected: joints,
-                found: list.len(),
-            }),
+            Some(list) => Err(RecordingError::count(
+                format!("`{what}` (one number, or one for each joint)"),
+                joints,
+                list.len(),
+            )),
         };
         let counts = of_joint("counts_per_revolution", &self.counts_per_revolution)?;
         let gears = of_joint("gear_ratio", &self.gear_ratio)?;

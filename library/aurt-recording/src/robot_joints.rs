@@ -145,11 +145,11 @@ impl Recording {
         } else if self.joints() != robot.count {
             let names = self.joints.names();
             let named = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-            return Err(RecordingError::Count {
-                what: format!("{}: joints{named}", self.file.display()),
-                expected: robot.count,
-                found: self.joints(),
-            });
+            return Err(RecordingError::count(
+                format!("{}: joints{named}", self.file.display()),
+                robot.count,
+                self.joints(),
+            ));
         }
         if !robot.names.is_empty() {
             self.joints = RecordedJoints::Named(robot.names.clone());

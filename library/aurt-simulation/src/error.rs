@@ -200,6 +200,25 @@ impl SimulationError {
         }
     }
 
+    /// [`Self::Unreadable`].
+    pub fn unreadable(path: impl Into<PathBuf>, reason: impl Into<String>) -> Self {
+        Self::Unreadable { path: path.into(), reason: reason.into() }
+    }
+
+    /// [`Self::Count`].
+    pub fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
+        Self::Count { what: what.into(), expected, found }
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// [`Self::Io`].
+    pub fn text_of(path: &Path) -> Result<String, Self> {
+        let io = |source| Self::Io { path: path.into(), source };
+        aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(io)
+    }
+
     /// A value that cannot be.
     pub fn value(what: impl Into<String>, value: f64, reason: impl Into<String>) -> Self {
         Self::Value { what: what.into(), value, reason: reason.into() }

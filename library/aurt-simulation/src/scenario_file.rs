@@ -114,8 +114,7 @@ impl ScenarioFile {
     /// [`SimulationError::Io`], and as [`Self::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
-        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
-            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
+        let text = SimulationError::text_of(path)?;
         Self::parse(&text, path)
     }
 
@@ -125,20 +124,11 @@ impl ScenarioFile {
     /// As [`Self::read`] and [`Self::scenario`], with the place of the table that is wrong.
     pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, SimulationError> {
         let path = path.as_ref();
-        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
-            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
+        let text = SimulationError::text_of(path)?;
         Self::parse(&text, path)?.planned().map_err(|(table, index, error)| {
             let reason = error.to_string();
             SimulationError::at(path, &text, Places::of(&text).begin(table, index), reason)
         })
-    }
-
-    /// The robot, with its changes.
-    ///
-    /// # Errors
-    /// [`SimulationError::UnknownRobot`], [`SimulationError::NoSuchPart`], and what [`Robot::validate`] says.
-    pub fn changed_robot(&self) -> Result<Robot, SimulationError> {
-        self.changed().map_err(|(_, _, error)| error)
     }
 
     /// The scenario, planned and checked.
@@ -208,10 +198,10 @@ fn effect_of(table: &toml::Table) -> Result<Box<dyn Effect>, SimulationError> {
     let mut fields = serde_json::to_value(table).unwrap_or_default();
     let name = fields.as_object_mut().and_then(|fields| fields.remove("name"));
     let Some(name) = name.as_ref().and_then(|name| name.as_str()) else {
-        return Err(SimulationError::Unreadable {
-            path: "`[[effect]]`".into(),
-            reason: "it needs a `name`, the identifier of an effect".into(),
-        });
+        return Err(SimulationError::unreadable(
+            "`[[effect]]`",
+            "it needs a `name`, the identifier of an effect",
+        ));
     };
     read_effect(name, fields)
 }

@@ -1,7 +1,7 @@
 use std::fmt::Debug;
 
 use crate::{
-    BaseParameters, Columns, CoulombModel, HysteresisModel, Invariants, ModelError, MotionView, Parameter,
+    Columns, CoulombModel, HysteresisModel, Invariants, ModelError, MotionView, Parameter,
     RigidBodyRegressor, ShapeParameter, ViscousBasis,
 };
 
@@ -110,17 +110,7 @@ pub trait ArmTerm: Debug + Send + Sync {
         if values.is_empty() {
             return Ok(());
         }
-        Err(ModelError::Count {
-            what: format!("shape parameters of `{}`", self.name()),
-            expected: 0,
-            found: values.len(),
-        })
-    }
-
-    /// Takes note of fitted base inertial parameters, one value for each of `base`: for terms that are linear
-    /// only around known bodies, such as a tilt of the base. Other terms have no use for them.
-    fn linearise_at(&mut self, base: &BaseParameters, values: &[f64]) {
-        let _ = (base, values);
+        Err(ModelError::count(format!("shape parameters of `{}`", self.name()), 0, values.len()))
     }
 
     /// Number of state variables for a robot of `robot_joints` joints.

@@ -1,5 +1,8 @@
 use thiserror::Error;
 
+/// What a model or a request to it gives: nothing, unless something is wrong.
+pub type Result<T = (), E = ModelError> = std::result::Result<T, E>;
+
 /// What can be wrong with a model or with a request to it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -56,4 +59,25 @@ pub enum ModelError {
         /// What can be had, comma separated.
         available: String,
     },
+}
+
+impl ModelError {
+    /// [`Self::InvalidParameter`]: `reason` is the rest of the sentence that `parameter` of `model` begins.
+    pub fn parameter(
+        model: impl Into<String>,
+        parameter: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
+        Self::InvalidParameter { model: model.into(), parameter: parameter.into(), reason: reason.into() }
+    }
+
+    /// [`Self::Evaluation`].
+    pub fn evaluation(model: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::Evaluation { model: model.into(), reason: reason.into() }
+    }
+
+    /// [`Self::Count`].
+    pub fn count(what: impl Into<String>, expected: usize, found: usize) -> Self {
+        Self::Count { what: what.into(), expected, found }
+    }
 }

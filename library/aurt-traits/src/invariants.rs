@@ -78,6 +78,12 @@ impl Invariants {
         Self(bits)
     }
 
+    /// The set with `invariant` too, if it holds.
+    #[must_use]
+    pub const fn with(self, invariant: Invariant, holds: bool) -> Self {
+        Self(self.0 | (holds as u32) << invariant as u32)
+    }
+
     /// Whether `invariant` is in the set.
     #[must_use]
     pub const fn contains(self, invariant: Invariant) -> bool {

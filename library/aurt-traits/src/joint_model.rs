@@ -38,11 +38,7 @@ pub trait JointModel: Debug + Send + Sync {
         if values.is_empty() {
             return Ok(());
         }
-        Err(ModelError::Count {
-            what: format!("shape parameters of `{}`", self.name()),
-            expected: 0,
-            found: values.len(),
-        })
+        Err(ModelError::count(format!("shape parameters of `{}`", self.name()), 0, values.len()))
     }
 
     /// Whether the configuration makes sense (powers positive, thresholds ascending, …).
@@ -218,11 +214,7 @@ impl JointStack {
         let h = self.hysteresis.shape_parameters().len();
         let v = self.viscous.shape_parameters().len();
         if values.len() != c + h + v {
-            return Err(ModelError::Count {
-                what: "shape parameters of a joint".into(),
-                expected: c + h + v,
-                found: values.len(),
-            });
+            return Err(ModelError::count("shape parameters of a joint", c + h + v, values.len()));
         }
         self.coulomb.set_shape(&values[..c])?;
         self.hysteresis.set_shape(&values[c..c + h])?;

@@ -29,7 +29,7 @@ mod tile;
 pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
 pub use branch::Branch;
 pub use dispatch::Dispatch;
-pub use error::ModelError;
+pub use error::{ModelError, Result};
 pub use invariants::{Invariant, Invariants};
 pub use joint_model::{CoulombModel, HysteresisModel, JointModel, JointStack, ViscousBasis};
 pub use motion::{JointSeries, Motion, MotionView};

@@ -134,11 +134,7 @@ impl RobotModel {
         let joints = rigid_body.joints();
         let mut errors = Vec::new();
         if stacks.len() != joints {
-            errors.push(ModelError::Count {
-                what: "joint stacks".into(),
-                expected: joints,
-                found: stacks.len(),
-            });
+            errors.push(ModelError::count("joint stacks", joints, stacks.len()));
         }
         let links = rigid_body.bodies().len().max(joints);
         errors.extend(arm_terms.iter().filter_map(|t| t.validate_on(joints, links).err()).flatten());
@@ -302,27 +298,6 @@ impl RobotModel {
         load
     }
 
-    /// The same model with other shape parameters for one joint.
-    ///
-    /// # Errors
-    /// As [`JointStack::set_shape`].
-    pub fn with_joint_shape(&self, joint: usize, values: &[f64]) -> Result<Self, ModelError> {
-        let mut model = self.clone();
-        model.stacks[joint].set_shape(values)?;
-        Ok(model)
-    }
-
-    /// The same model with its arm terms told the base inertial parameters of a fit, the first of
-    /// `coefficients`; see [`ArmTerm::linearise_at`].
-    #[must_use]
-    pub fn linearised_at(&self, coefficients: &[f64]) -> Self {
-        let mut model = self.clone();
-        for term in &mut model.arm_terms {
-            term.linearise_at(&self.base, &coefficients[..self.base.len().min(coefficients.len())]);
-        }
-        model
-    }
-
     /// Writes the regressor's entries for every sample of `motion` into `tile` and moves `state` on.
     ///
     /// `state` starts as [`RobotState::default`] at the beginning of a recording; consecutive views of the
@@ -338,11 +313,7 @@ impl RobotModel {
         tile: &mut RobotTile,
     ) -> Result<(), ModelError> {
         if motion.joints() != self.joints() {
-            return Err(ModelError::Count {
-                what: "joints of the motion".into(),
-                expected: self.joints(),
-                found: motion.joints(),
-            });
+            return Err(ModelError::count("joints of the motion", self.joints(), motion.joints()));
         }
         tile.resize(self.slots(), self.joints(), motion.samples());
         let (samples, stride) = (tile.samples, tile.stride);
@@ -427,11 +398,11 @@ impl RobotModel {
         if let LoadTorque::Fitted(weights) = load
             && weights.len() != self.parameters.len()
         {
-            return Err(ModelError::Count {
-                what: "weights of the load torque".into(),
-                expected: self.parameters.len(),
-                found: weights.len(),
-            });
+            return Err(ModelError::count(
+                "weights of the load torque",
+                self.parameters.len(),
+                weights.len(),
+            ));
         }
         let is_load = self.is_load();
         for joint in 0..self.joints() {

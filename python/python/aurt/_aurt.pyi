@@ -55,6 +55,12 @@ class Robot:
         """The serial chain between two links of a URDF file."""
 
     @staticmethod
+    def from_mjcf(
+        path: _Path, *, base: str | None = None, tip: str | None = None, gravity: Sequence[float] = ...
+    ) -> Robot:
+        """The serial chain between two bodies of a MuJoCo file."""
+
+    @staticmethod
     def from_mdh(table: _Path, *, gravity: Sequence[float] = ...) -> Robot:
         """The robot of a table of modified Denavit–Hartenberg parameters: a file, or its text."""
 
@@ -277,9 +283,7 @@ def calibrate(
     gains: ArrayLike | None = None,
     offsets: ArrayLike | None = None,
     delay_s: ArrayLike | None = None,
-    estimator: Literal[
-        "weighted_least_squares", "ordinary_least_squares", "consistent", "essential", "irls"
-    ] = "weighted_least_squares",
+    estimator: Literal["wls", "ols", "consistent", "essential", "irls"] = "wls",
     load_torque: Literal["fitted", "literal"] = "fitted",
     rest: Literal["keep", "exclude"] = "keep",
     fit_shapes: bool = True,
@@ -305,9 +309,7 @@ def diagnose(
     gains: ArrayLike | None = None,
     offsets: ArrayLike | None = None,
     delay_s: ArrayLike | None = None,
-    estimator: Literal[
-        "weighted_least_squares", "ordinary_least_squares", "consistent", "essential", "irls"
-    ] = "weighted_least_squares",
+    estimator: Literal["wls", "ols", "consistent", "essential", "irls"] = "wls",
     load_torque: Literal["fitted", "literal"] = "fitted",
     rest: Literal["keep", "exclude"] = "keep",
     fit_shapes: bool = True,

@@ -53,3 +53,16 @@ def columns(frame: Any) -> list[tuple[str, Any]]:
 def say(step: str) -> None:
     """A line about the progress."""
     print(step, file=sys.stderr, flush=True)
+
+
+def unpickled(contents: bytes) -> Any:
+    """The model whose file has these contents."""
+    import tempfile
+    from pathlib import Path
+
+    from ._aurt import Model
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rd_calibrated.json"
+        path.write_bytes(contents)
+        return Model.load(path)

@@ -50,7 +50,7 @@ impl Explain {
         }
         if let Some(term) = glossary::term(&wanted) {
             let title = session.terminal.emphasise(Emphasis::Title, term.title);
-            text.push(format!("{title}\n\n{}", wrapped_at(term.text, WIDTH, "")));
+            text.push(format!("{title}\n\n{}", wrapped_at(&term.text, WIDTH, "")));
             explained
                 .push(json!({ "kind": "term", "name": term.name, "title": term.title, "text": term.text }));
         }
@@ -65,7 +65,7 @@ impl Explain {
 fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
     let models = session.registry.models().map(|m| m.name.as_str());
     let effects = effects::ALL.into_iter().map(|e| e.id);
-    let known = models.chain(effects).chain(terms().into_iter().map(|t| t.name));
+    let known = models.chain(effects).chain(terms().iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
     Failure::Argument {
         option: "NAME",
@@ -79,7 +79,7 @@ fn listing(session: &Session<'_>) -> Report {
     let effects: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
     models.dedup();
-    let terms: Vec<&str> = terms().into_iter().map(|t| t.name).collect();
+    let terms: Vec<&str> = terms().iter().map(|t| t.name).collect();
     let section = |title: &str, names: &[&str]| {
         let title = session.terminal.emphasise(Emphasis::Title, title);
         format!("{title}\n{}\n", wrapped_at(&names.join("  "), WIDTH, "  "))

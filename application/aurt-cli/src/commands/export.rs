@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
-    exporting::{Format, Kind, Target, Version, correct, export},
+    exporting::{Format, Kind, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
@@ -31,7 +31,7 @@ use crate::rendering::terminal::{Emphasis, Report};
     aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
     aurt export urdf rd_calibrated.json --into my_robot.urdf --out exported_urdf\n  \
     aurt export sdf rd_calibrated.json --name my_robot --out exported_sdf\n  \
-    aurt export fmu rd_calibrated.json --kind forward --fmi 3 --name my_robot --out exported_fmu")]
+    aurt export fmu rd_calibrated.json --kind forward --name my_robot --out exported_fmu")]
 pub struct Export {
     /// Target of the export
     #[arg(value_enum)]
@@ -48,7 +48,7 @@ pub struct Export {
     /// What an FMU computes
     #[arg(long, value_enum, required_if_eq("target", "fmu"))]
     kind: Option<KindName>,
-    /// Version of FMI, 3 unless given
+    /// Version of FMI: 2 (the one that is written)
     #[arg(long, value_enum)]
     fmi: Option<FmiName>,
     /// Your MuJoCo or URDF file, with which the model was calibrated: written as FILE_calibrated with corrected
@@ -95,9 +95,6 @@ pub enum FmiName {
     /// FMI 2.0
     #[value(name = "2")]
     Two,
-    /// FMI 3.0
-    #[value(name = "3")]
-    Three,
 }
 
 impl Export {
@@ -119,16 +116,10 @@ impl Export {
             TargetName::Mjcf => Target::Mjcf,
             TargetName::Urdf => Target::Urdf,
             TargetName::Sdf => Target::Sdf,
-            TargetName::Fmu => Target::Fmu(
-                match self.kind {
-                    Some(KindName::Forward) => Kind::Forward,
-                    Some(KindName::Inverse) | None => Kind::Inverse,
-                },
-                match self.fmi {
-                    Some(FmiName::Two) => Version::Two,
-                    Some(FmiName::Three) | None => Version::Three,
-                },
-            ),
+            TargetName::Fmu => Target::Fmu(match self.kind {
+                Some(KindName::Forward) => Kind::Forward,
+                Some(KindName::Inverse) | None => Kind::Inverse,
+            }),
         })
     }
 

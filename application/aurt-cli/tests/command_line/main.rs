@@ -7,6 +7,7 @@ mod bad_recording;
 mod chain;
 mod checks;
 mod coupled;
+mod cut_recordings;
 mod damage;
 mod descriptions;
 mod diagnosis;

@@ -1,6 +1,6 @@
 //! Joints by name: whatever order a bag has, every command that takes a recording does the same with it.
 
-use aurt_recording::{JointTopic, ReadOptions, Recording, mcap, read_recording};
+use aurt_recording::{JointTopic, ReadOptions, Recording, RobotJoints, mcap, read_recording};
 use serde_json::Value;
 
 use crate::support::{Folder, numbers};
@@ -157,6 +157,62 @@ fn the_order_of_a_bag_changes_nothing_in_any_command() {
             assert!(found == expected, "{command} on {joints:?}:\n{found}\n{expected}");
         }
     }
+}
+
+/// Bags of a UR10e, in another order and with a gripper that moves, make the experiment of the bag in the robot's order.
+#[test]
+fn a_first_experiment_matches_the_joints_of_any_robot_by_name() {
+    let folder = Folder::new();
+    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/urdf-bag");
+    for name in ["ur10e.urdf", "monday.mcap"] {
+        std::fs::copy(example.join(name), folder.path(name)).unwrap();
+    }
+    let names = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint"];
+    let names = names.into_iter().chain(["wrist_2_joint", "wrist_3_joint"]);
+    let ordered: Vec<BagJoint> = names.enumerate().map(|(j, name)| (name, Some(j))).collect();
+    let robot = RobotJoints {
+        count: 6,
+        names: ordered.iter().map(|(name, _)| (*name).into()).collect(),
+        ..RobotJoints::default()
+    };
+    let recording = read_recording(&folder.path("monday.mcap"), &ReadOptions::default()).unwrap();
+    let recording = recording.of_robot(&robot).unwrap();
+    let others = [("gripper", Some(3))].into_iter().chain(ordered.iter().rev().copied()).collect::<Vec<_>>();
+    let draft = |joints: &[BagJoint], robot: &[&str]| {
+        write_bag(&folder, "log.mcap", &recording, joints);
+        let init = ["init", "log.mcap", "--unit", "A", "--out", "draft.toml", "--robot"];
+        let said = folder.aurt(init.iter().chain(robot)).succeeded().stdout();
+        assert!(said.contains("base first: shoulder_pan_joint, shoulder_lift_joint,"), "{said}");
+        let text = folder.read("draft.toml");
+        std::fs::remove_file(folder.path("draft.toml")).unwrap();
+        // The comments tell of the columns, which are others.
+        let keys =
+            |text: &str| text.lines().filter(|l| !l.trim().starts_with('#')).collect::<Vec<_>>().join("\n");
+        let errors = said.split_once("joint by joint").unwrap().1.split_once('(').unwrap().0.to_owned();
+        (keys(&text), errors)
+    };
+    let described = ["ur10e.urdf", "--base", "shoulder_link", "--tip", "wrist_3_link"];
+    for robot in [&["ur10e.urdf", "--base", "base_link"][..], &["ur10e"]] {
+        let (text, errors) = draft(&ordered, robot);
+        assert!(text.contains("base = \"base_link\"") == robot.contains(&"--base"), "{text}");
+        assert_eq!(draft(&others, robot), (text, errors));
+    }
+    let init = ["init", "log.mcap", "--unit", "A", "--robot"];
+    folder.aurt(init.iter().chain(&described)).refused(&["`shoulder_link`", "shoulder_pan_link"]);
+}
+
+/// The paper's name of a constant level, which older model files have.
+#[test]
+fn a_model_file_with_the_former_name_of_a_model_predicts_the_same() {
+    let folder = recorded(&IN_ORDER);
+    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
+    let model = folder.read("results/rd_calibrated.json");
+    let old = model.replace("{ \"model\": \"constant\" }", "{ \"model\": \"none\" }");
+    assert_ne!(old, model);
+    folder.write("old.json", &old);
+    let predict = ["predict", "--data", "tuesday.mcap", "--unit", "A", "--out", "p.csv", "--model"];
+    folder.aurt(predict.iter().chain(&["old.json"])).succeeded();
+    assert!(apart(&folder.read("p.csv"), &folder.read("results/predicted_tuesday.csv")) < 1e-9);
 }
 
 /// 90 Nm were once between them: the model did not know its joints' names.

@@ -264,3 +264,57 @@ fn friction_that_grows_is_named_with_its_joint_and_size() {
     let ends: Vec<f64> = crate::support::numbers(&grown["interval_95"]);
     assert!(ends[0] < 0.5 && 0.5 < ends[1] && ends[0] > 0.2, "{grown}");
 }
+
+/// Nine minutes of one motion that the reference lacks, cut by the clock into minutes with gaps, is one motion; the same minutes
+/// with stamps that begin anew would each count as a motion of their own that errs alike.
+#[test]
+fn a_motion_that_the_clock_cuts_into_files_is_one_motion() {
+    let folder = Folder::new().with_whole_demo();
+    let simulated = |seed: u32, duration_s: f64, file: &str| {
+        let motion = format!(
+            "kind = 'multi_sine'\nduration_s = {duration_s}\nharmonics = 8\ntop_hz = 1.0\nshare = 0.6\n"
+        );
+        folder.write(
+            "s.toml",
+            &format!("robot = 'ur10e'\nseed = {seed}\n[motion]\n{motion}[logger]\nrate_hz = 125\n"),
+        );
+        folder.aurt(["simulate", "--scenario", "s.toml", "--out", file, "--quiet"]).succeeded();
+    };
+    for (seed, file) in
+        [(1001, "exciting_motion.csv"), (1002, "other_motion.csv"), (1003, "point_to_point.csv")]
+    {
+        simulated(seed, 120.0, file);
+    }
+    let text = folder.read("experiment.toml").replace("model = \"absolute\"", "model = \"constant\"");
+    folder.write("experiment.toml", &text);
+    folder.aurt(["run", "experiment.toml", "--out", "results", "--quiet"]).succeeded();
+    simulated(1014, 600.0, "whole.csv");
+    let whole = folder.read("whole.csv");
+    let (header, rows) = whole.split_once('\n').unwrap();
+    let pieces = |of: &str, origin_s: f64| -> Vec<String> {
+        let mut names = Vec::new();
+        for from_s in (0..9).map(|k| 3.0 + 60.0 * f64::from(k)) {
+            let mut piece = header.to_owned();
+            for row in rows.lines() {
+                let (stamp, cells) = row.split_once(',').unwrap();
+                let at_s = stamp.parse::<f64>().unwrap() - from_s;
+                if (0.0..60.0).contains(&at_s) && !(20.0..21.0).contains(&at_s) {
+                    piece.push_str(&format!("\n{:.4},{cells}", at_s + origin_s * from_s));
+                }
+            }
+            names.push(format!("{of}_{from_s}.csv"));
+            folder.write(&names[names.len() - 1], &piece);
+        }
+        names
+    };
+    let alarms = |of: &str, origin_s: f64| {
+        let names = pieces(of, origin_s);
+        let arguments =
+            [&["--false-alarm-h", "2"][..], &names.iter().map(String::as_str).collect::<Vec<_>>()].concat();
+        let start: Vec<&str> = START[..4].iter().chain(&["--out", of]).chain(&arguments).copied().collect();
+        assert!(folder.aurt(start).status() < 2);
+        folder.json(&format!("{of}/track.json"))["alarms"].as_array().unwrap().len()
+    };
+    assert_eq!(alarms("continued", 1.0), 0);
+    assert!(alarms("anew", 0.0) > 0);
+}

@@ -1,4 +1,4 @@
-use std::{fmt, path::PathBuf};
+use std::{borrow::Borrow, fmt, path::PathBuf};
 
 use aurt_plugins::{BuildError, Span};
 use thiserror::Error;
@@ -69,23 +69,31 @@ impl ExperimentErrors {
 }
 
 /// A problem before its line and column are counted.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Complaint {
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Complaint {
+    /// Where it is written.
     pub span: Span,
+    /// What is wrong.
     pub message: String,
+    /// What to do.
     pub help: Option<String>,
 }
 
 impl Complaint {
-    pub(crate) fn new(span: Span, message: impl Into<String>) -> Self {
-        Self { span, message: message.into(), help: None }
+    /// What is wrong at a place.
+    pub fn new(span: impl Borrow<Span>, message: impl Into<String>) -> Self {
+        Self { span: span.borrow().clone(), message: message.into(), help: None }
     }
 
-    pub(crate) fn help(self, help: impl Into<String>) -> Self {
+    /// The same with what to do.
+    #[must_use]
+    pub fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 
-    fn located(self, text: &str) -> Problem {
+    /// The problem in a text.
+    #[must_use]
+    pub fn located(self, text: &str) -> Problem {
         let before = text.get(..self.span.start).unwrap_or(text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         Problem {

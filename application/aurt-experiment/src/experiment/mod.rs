@@ -29,7 +29,7 @@ use toml::de::DeTable;
 pub use self::{
     calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
     columns::{ColumnName, JointColumns, RecordingColumns},
-    errors::{ExperimentErrors, Problem},
+    errors::{Complaint, ExperimentErrors, Problem},
     geometry::Geometry,
     instrument::Instrument,
     joint_dynamics::{JointDynamics, JointOverride},
@@ -37,7 +37,6 @@ pub use self::{
     robot::Robot,
 };
 use self::{
-    errors::Complaint,
     joint_count::JointCheck,
     section::{Reader, Section},
 };

@@ -1,29 +1,31 @@
-//! The terms of reports and files, in words: what `aurt explain` prints.
+//! The terms of reports and files, in words: what `aurt explain` prints. They stand in `terms.md`, one under each heading.
 
-mod calibration;
-mod diagnosis;
-mod experiment;
-mod recorded_as;
-mod recording;
+use std::sync::LazyLock;
 
 /// A term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Term {
     /// What to ask for, snake_case.
     pub name: &'static str,
     /// Its full name.
     pub title: &'static str,
     /// What it means, when to heed it, what to do.
-    pub text: &'static str,
+    pub text: String,
 }
 
+static TERMS: LazyLock<Vec<Term>> = LazyLock::new(|| {
+    let sections = include_str!("terms.md").split("\n## ").skip(1);
+    let terms = sections.filter_map(|section| {
+        let (heading, text) = section.split_once('\n')?;
+        let (name, title) = heading.split_once(": ")?;
+        Some(Term { name, title, text: text.trim().replace('\n', " ") })
+    });
+    terms.collect()
+});
+
 /// All terms, sorted by name.
-pub fn terms() -> Vec<&'static Term> {
-    let pages =
-        [calibration::TERMS, diagnosis::TERMS, experiment::TERMS, recorded_as::TERMS, recording::TERMS];
-    let mut terms: Vec<&Term> = pages.into_iter().flatten().collect();
-    terms.sort_by_key(|t| t.name);
-    terms
+pub fn terms() -> &'static [Term] {
+    &TERMS
 }
 
 /// Keys of files that are explained under another name.
@@ -45,7 +47,7 @@ const ALIASES: [(&str, &str); 12] = [
 /// The term of a name.
 pub fn term(name: &str) -> Option<&'static Term> {
     let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, of)| of);
-    terms().into_iter().find(|t| t.name == name)
+    terms().iter().find(|t| t.name == name)
 }
 
 #[cfg(test)]
@@ -54,6 +56,7 @@ mod tests {
 
     #[test]
     fn terms_have_one_meaning_and_are_found() {
+        assert_eq!(terms().len(), include_str!("terms.md").matches("\n## ").count());
         assert!(terms().windows(2).all(|w| w[0].name < w[1].name));
         assert_eq!(term("nrmse").unwrap().name, "nrms");
         assert!(ALIASES.iter().all(|(alias, of)| term(alias).is_some_and(|t| t.name == *of)));

@@ -11,8 +11,8 @@ use crate::{
         text::{WIDTH, wrapped, wrapped_with},
     },
     words::{
-        Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, is_about_physics, nothing,
-        objection, undecidable,
+        Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, nothing, objection,
+        undecidable,
     },
 };
 
@@ -27,8 +27,8 @@ pub struct Shown<'a> {
     pub unit: &'a str,
     /// What was held out, with its part of the recording.
     pub held_out: &'a [String],
-    /// Warnings of the improved model, if there is one.
-    pub warnings: &'a [String],
+    /// Warnings about the physics of the improved model, if there is one.
+    pub about_physics: &'a [String],
 }
 
 impl<'a> Shown<'a> {
@@ -36,8 +36,9 @@ impl<'a> Shown<'a> {
     #[must_use]
     pub fn of(explanation: &'a Explanation) -> Self {
         let Diagnosis { verdict, asked, unit } = &explanation.diagnosis;
-        let (held_out, warnings) = (&verdict.held_out.recordings, &explanation.model.calibration.warnings);
-        Self { verdict, asked: *asked, unit: unit.symbol(), held_out, warnings }
+        let held_out = &verdict.held_out.recordings;
+        let about_physics = &explanation.model.calibration.about_physics;
+        Self { verdict, asked: *asked, unit: unit.symbol(), held_out, about_physics }
     }
 }
 
@@ -63,7 +64,7 @@ impl Shown<'_> {
             text.push_str(&wrapped(&format!("{warning}: {w}")));
         }
         // How well its parameters are excited stands in the report; it says nothing about the answer.
-        for w in self.warnings.iter().filter(|w| is_about_physics(w)) {
+        for w in self.about_physics {
             text.push_str(&wrapped(&format!("{warning}: the improved model: {w}")));
         }
         self.table(&mut text);

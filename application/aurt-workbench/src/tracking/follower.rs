@@ -60,6 +60,8 @@ pub(super) struct Follower {
     run_length: f64,
     threshold: f64,
     sources: Vec<String>,
+    /// Last stamp of the recording before, s.
+    ended_s: f64,
     /// The recording that is being taken in: its rows, their duration in s, and its windows.
     current: (Option<System>, f64, usize),
     recordings: Vec<TrackedRecording>,
@@ -81,6 +83,7 @@ impl Follower {
             run_length: f64::INFINITY,
             threshold: 0.0,
             sources: Vec::new(),
+            ended_s: f64::NEG_INFINITY,
             current: (None, 0.0, 0),
             recordings: Vec::new(),
             alarms: Vec::new(),
@@ -114,9 +117,18 @@ impl Follower {
         }
     }
 
-    /// The windows that follow are of this recording or stream.
-    pub(super) fn begin(&mut self, source: String) {
+    /// The windows that follow are of this recording or stream with these first and last stamps.
+    pub(super) fn begin(&mut self, source: String, span_s: [f64; 2]) {
         self.sources.push(source);
+        if !self.options.continues(self.ended_s, span_s[0]) {
+            self.begin_motion();
+        }
+        self.ended_s = span_s[1];
+    }
+
+    /// The windows that follow are of another motion.
+    pub(super) fn begin_motion(&mut self) {
+        self.charts.iter_mut().for_each(|c| c.chart.begin_motion());
     }
 
     /// Takes in the next window; the first alarm that it makes certain.
@@ -173,7 +185,6 @@ impl Follower {
         let mut alone = Tracker::new(self.parameters.len(), self.columns.clone(), &self.sigma);
         alone.add(&rows)?;
         let (mut alone, mut followed) = (alone.estimate()?, self.tracker.estimate()?);
-        self.charts.iter_mut().for_each(|c| c.chart.begin_motion());
         let n = self.parameters.len();
         for (k, wider) in own_residuals(&rows, &alone, &self.sigma).into_iter().enumerate() {
             alone.covariance[k * n + k] *= wider;

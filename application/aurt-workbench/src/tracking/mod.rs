@@ -15,7 +15,7 @@ use aurt_calibration::{
 };
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_recording::RecordedAs;
+use aurt_recording::{RecordedAs, Recording};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 use serde::Serialize;
 use serde_json::json;
@@ -38,6 +38,18 @@ pub struct TrackOptions {
     pub false_alarm_h: f64,
     /// Time of recording after which old rows count half in the tracked estimate, for friction, gains and load, s.
     pub half_life_s: [f64; 3],
+}
+
+impl TrackOptions {
+    /// A motion goes on after a pause that is shorter, s.
+    const fn longest_pause_s(&self) -> f64 {
+        2.0 * self.window_s
+    }
+
+    /// Whether a recording that begins at a stamp is of the motion of one that ended at another: clocks cut logs in the middle of one.
+    fn continues(&self, ended_s: f64, first_s: f64) -> bool {
+        (0.0..self.longest_pause_s()).contains(&(first_s - ended_s))
+    }
 }
 
 /// A recording's drift.
@@ -139,19 +151,31 @@ pub fn track(
     let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
     let sources: Vec<Source> = sources.map(source).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    let mut unchanged = Vec::new();
+    // Recordings of each motion.
+    let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
+    let mut ended_s = f64::NEG_INFINITY;
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
-        unchanged.push(prepared(calibrated, source)?);
+        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+        let [first_s, last_s] = span_s(&loaded);
+        let recording = prepared_of(calibrated, &loaded)?;
+        match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
+            Some(motion) => motion.push(recording),
+            None => unchanged.push(vec![recording]),
+        }
+        ended_s = last_s;
     }
     let LeftOut { all, others } = left_out(calibrated, &unchanged)?;
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
     let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
     let mut motions = Vec::new();
-    for (recording, coefficients) in unchanged.iter().zip(&others) {
+    for (recordings, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
-        let windows = drift_windows(&reference, recording, Cut::whole(options.window_s))?;
+        let mut windows = Vec::new();
+        for recording in recordings {
+            windows.extend(drift_windows(&reference, recording, Cut::whole(options.window_s))?);
+        }
         let whole = windows.iter().filter(|w| w.whole);
         let estimate = |w: &DriftWindow| Ok(DriftEstimate::of(&w.system, &calibration.sigma)?.solution);
         motions.push(whole.map(estimate).collect::<Result<Vec<_>, CalibrationError>>()?);
@@ -177,9 +201,10 @@ pub fn track(
             Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
             continue;
         }
-        let recording = prepared(calibrated, source)?;
+        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+        let recording = prepared_of(calibrated, &loaded)?;
         let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
-        follower.begin(recording.name.clone());
+        follower.begin(recording.name.clone(), span_s(&loaded));
         for window in windows {
             if let Some(alarm) = follower.take(&window, &baseline)? {
                 said(&alarm);
@@ -230,16 +255,20 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-fn prepared(calibrated: &CalibratedModel, source: Source) -> Result<NamedRecording, Failure> {
-    prepared_of(calibrated, &calibrated.pipeline().read(source, Purpose::Calibration)?)
+/// First and last stamp, s.
+fn span_s(loaded: &Loaded) -> [f64; 2] {
+    let Recording { time_s, report, .. } = &*loaded.recording;
+    [time_s.first(), time_s.last()].map(|stamp| stamp.map_or(f64::NAN, |s| report.origin_s + s))
 }
 
-/// The coefficients of all recordings of the unchanged machine, and of all but each of them.
-fn left_out(calibrated: &CalibratedModel, unchanged: &[NamedRecording]) -> Result<LeftOut, CalibrationError> {
+/// The coefficients of all motions of the unchanged machine, and of all but each of them.
+fn left_out(
+    calibrated: &CalibratedModel,
+    unchanged: &[Vec<NamedRecording>],
+) -> Result<LeftOut, CalibrationError> {
     let (model, calibration) = (&calibrated.model, &calibrated.calibration);
-    let of = |recording: &NamedRecording| {
-        accumulate(model, std::slice::from_ref(recording), &calibration.load, &calibration.options)
-    };
+    let of =
+        |motion: &Vec<NamedRecording>| accumulate(model, motion, &calibration.load, &calibration.options);
     let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
 }

@@ -15,9 +15,6 @@ use crate::failure::Failure;
 /// Rows that are read at a time.
 const ROWS: usize = 256;
 
-/// Windows that are preprocessed together.
-const WINDOWS: f64 = 2.0;
-
 /// Length of the rows of the table, s.
 const TABLE_ROW_S: f64 = 600.0;
 
@@ -88,7 +85,7 @@ impl<'a> Running<'a> {
             remedy: "pipe rows into it, as `tail -n +1 -f log.csv` does",
             source,
         })?;
-        self.follower.begin(self.source.label.clone());
+        self.follower.begin(self.source.label.clone(), [f64::NAN; 2]);
         let joints = self.calibrated.pipeline().joints;
         let options = self.source.read_options(Some(&joints), Purpose::Calibration);
         let mut failed = None;
@@ -123,12 +120,14 @@ impl<'a> Running<'a> {
             }
             Some(pending) => append(pending, piece),
         }
-        let length_s = WINDOWS * self.follower.options.window_s;
+        // Windows that are preprocessed together.
+        let length_s = self.follower.options.longest_pause_s();
         while last >= self.done_s + length_s + self.settling_s {
             let next_s = self.first_from(self.done_s);
             if next_s >= self.done_s + length_s {
                 // Nothing lies within: time has jumped.
                 self.done_s = next_s;
+                self.follower.begin_motion();
                 continue;
             }
             self.take_until(self.done_s + length_s, said)?;

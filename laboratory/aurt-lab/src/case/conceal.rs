@@ -45,9 +45,11 @@ impl Plan {
     /// world; what making it reports.
     pub fn make(&self, world: World, seed: u64, index: usize) -> Result<Case, SimulationError> {
         let requests = self.requests(seed)?;
-        let request = requests.get(index).ok_or_else(|| SimulationError::Unreadable {
-            path: "plan".into(),
-            reason: format!("has {} cases, number {} was asked for", requests.len(), index + 1),
+        let request = requests.get(index).ok_or_else(|| {
+            SimulationError::unreadable(
+                "plan",
+                format!("has {} cases, number {} was asked for", requests.len(), index + 1),
+            )
         })?;
         again(|attempt| {
             let seed = case_seed(seed, index, attempt);

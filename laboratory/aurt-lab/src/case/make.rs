@@ -59,10 +59,10 @@ pub fn make_case(
     let later = CaseRequest::later(&kinds, &mut random);
     let robot = Robot::named(&request.robot)?.with_rotors(rotors);
     if !CaseRequest::is_possible(&robot, &kinds) {
-        return Err(SimulationError::Unreadable {
-            path: name.into(),
-            reason: format!("{} cannot have {} at once", request.robot, request.effects.join(" and ")),
-        });
+        return Err(SimulationError::unreadable(
+            name,
+            format!("{} cannot have {} at once", request.robot, request.effects.join(" and ")),
+        ));
     }
     let (robot, laboratory, slots) = match world {
         World::Clean => {
@@ -72,10 +72,10 @@ pub fn make_case(
         }
         World::Rough => rough::prepare(robot, later, seed)?,
         World::Mujoco | World::Injected => {
-            return Err(SimulationError::Unreadable {
-                path: name.into(),
-                reason: format!("cases of the world `{}` are not made by this simulator", world.name()),
-            });
+            return Err(SimulationError::unreadable(
+                name,
+                format!("cases of the world `{}` are not made by this simulator", world.name()),
+            ));
         }
     };
     let laboratory = Rc::new(laboratory);
@@ -215,10 +215,10 @@ fn choose(
     match (best, refusal) {
         (Some((_, bench, probed)), _) => Ok((bench, probed)),
         (None, Some(error)) => Err(error),
-        (None, None) => Err(SimulationError::Unreadable {
-            path: request.effects.join(" and ").into(),
-            reason: "no joints were found on which the effects do not overlap".into(),
-        }),
+        (None, None) => Err(SimulationError::unreadable(
+            request.effects.join(" and "),
+            "no joints were found on which the effects do not overlap",
+        )),
     }
 }
 

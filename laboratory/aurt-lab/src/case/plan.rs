@@ -131,8 +131,7 @@ impl Plan {
     /// [`SimulationError::Io`], and as [`Self::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
         let path = path.as_ref();
-        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
-            .map_err(|source| SimulationError::Io { path: path.into(), source })?;
+        let text = SimulationError::text_of(path)?;
         Self::parse(&text, path)
     }
 
@@ -200,13 +199,13 @@ impl Plan {
         if cases <= MOST_CASES {
             return Ok(());
         }
-        Err(SimulationError::Unreadable {
-            path: "plan".into(),
-            reason: format!(
+        Err(SimulationError::unreadable(
+            "plan",
+            format!(
                 "asks for {cases} cases, a plan has at most {MOST_CASES}; lower `trials` or `count`, or make several \
                  plans with seeds of their own"
             ),
-        })
+        ))
     }
 }
 
@@ -222,10 +221,10 @@ impl SinglePlan {
             let able: Vec<&Robot> =
                 robots.iter().filter(|robot| CaseRequest::is_possible(robot, &[kind])).collect();
             if able.is_empty() {
-                return Err(SimulationError::Unreadable {
-                    path: "plan".into(),
-                    reason: format!("none of the robots can have `{}`", kind.identifier),
-                });
+                return Err(SimulationError::unreadable(
+                    "plan",
+                    format!("none of the robots can have `{}`", kind.identifier),
+                ));
             }
             for strength in &self.strengths {
                 for _ in 0..self.trials {
@@ -278,8 +277,8 @@ fn pair(
             return Ok(request(robot, &[kinds[first], kinds[second]], strength));
         }
     }
-    Err(SimulationError::Unreadable {
-        path: "plan".into(),
-        reason: format!("no two of the effects can be on {} at once", robot.name),
-    })
+    Err(SimulationError::unreadable(
+        "plan",
+        format!("no two of the effects can be on {} at once", robot.name),
+    ))
 }

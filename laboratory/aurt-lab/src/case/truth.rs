@@ -90,10 +90,8 @@ impl Truth {
     /// # Errors
     /// [`SimulationError::Unreadable`] if a value has no JSON form.
     pub fn json(&self) -> Result<String, SimulationError> {
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| SimulationError::Unreadable {
-            path: self.case.clone().into(),
-            reason: error.to_string(),
-        })?;
+        let mut text = serde_json::to_string_pretty(self)
+            .map_err(|error| SimulationError::unreadable(self.case.clone(), error.to_string()))?;
         text.push('\n');
         Ok(text)
     }

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{DryTerm, Instant},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "acceleration_friction",
-    family: Family::F,
-    summary: "dry friction that grows with acceleration, as of a seal that swells",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<AccelerationFriction>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{DryTerm, Instant};
 
 /// Dry friction that grows with the size of the acceleration at the last step: level · |q̈| / (1 rad/s²).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -31,16 +11,18 @@ pub struct AccelerationFriction {
     pub growth_nm_s2: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    let growth = random.between(2.0, 4.0) / drive.acceleration_limit_rad_s2;
-    Box::new(AccelerationFriction { joint, growth_nm_s2: growth * drive.torque_noise_nm })
-}
+impl Physics for AccelerationFriction {
+    const IDENTIFIER: &'static str = "acceleration_friction";
+    const FAMILY: Family = Family::F;
+    const SUMMARY: &'static str = "dry friction that grows with acceleration, as of a seal that swells";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for AccelerationFriction {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        let growth = random.between(2.0, 4.0) / drive.acceleration_limit_rad_s2;
+        Self { joint, growth_nm_s2: growth * drive.torque_noise_nm }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -57,20 +39,13 @@ impl Effect for AccelerationFriction {
         self.growth_nm_s2 = (self.growth_nm_s2 * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("growth of friction in Nm s^2/rad", self.growth_nm_s2, -1e-12, 1e4);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.joints[self.joint].dry_terms.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{Instant, ShaftTorque},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "cable_drag",
-    family: Family::P,
-    summary: "a cable that pulls a joint by how two joints stand to each other",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Pair,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<CableDrag>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{Instant, ShaftTorque};
 
 /// A dress pack that runs along two links: it pulls a joint by tension · sin(q − q_a) sin(q_other − q_b).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,24 +15,26 @@ pub struct CableDrag {
     pub slack_rad: [f64; 2],
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    let other = context.joints.get(1).copied().unwrap_or(0);
-    Box::new(CableDrag {
-        joint,
-        other,
-        tension_nm: 4.0 * drive.torque_noise_nm * random.sign(),
-        slack_rad: [
-            drive.home_rad + random.between(-0.4, 0.4),
-            context.robot.drives[other].home_rad + random.between(-0.4, 0.4),
-        ],
-    })
-}
+impl Physics for CableDrag {
+    const IDENTIFIER: &'static str = "cable_drag";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "a cable that pulls a joint by how two joints stand to each other";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Pair;
 
-impl Effect for CableDrag {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        let other = context.joints.get(1).copied().unwrap_or(0);
+        Self {
+            joint,
+            other,
+            tension_nm: 4.0 * drive.torque_noise_nm * random.sign(),
+            slack_rad: [
+                drive.home_rad + random.between(-0.4, 0.4),
+                context.robot.drives[other].home_rad + random.between(-0.4, 0.4),
+            ],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -68,20 +50,14 @@ impl Effect for CableDrag {
         self.tension_nm = (self.tension_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint, self.other], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.joints(&[self.joint, self.other]);
         complaints.within("pull of the cable in Nm", self.tension_nm, -1e4, 1e4);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.shaft_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

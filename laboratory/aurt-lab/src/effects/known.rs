@@ -7,18 +7,19 @@ use aurt_simulation::{
 use serde_json::Value;
 
 use super::{
-    acceleration_friction, cable_drag, cross_drag, leaking_spring, periodic_disturbance, position_damper,
-    sticking_window,
+    acceleration_friction::AccelerationFriction, cable_drag::CableDrag, cross_drag::CrossDrag,
+    leaking_spring::LeakingSpring, periodic_disturbance::PeriodicDisturbance,
+    position_damper::PositionDamper, sticking_window::StickingWindow,
 };
 
 const UNKNOWN: &[EffectKind] = &[
-    acceleration_friction::KIND,
-    cable_drag::KIND,
-    cross_drag::KIND,
-    leaking_spring::KIND,
-    periodic_disturbance::KIND,
-    position_damper::KIND,
-    sticking_window::KIND,
+    EffectKind::of::<AccelerationFriction>(),
+    EffectKind::of::<CableDrag>(),
+    EffectKind::of::<CrossDrag>(),
+    EffectKind::of::<LeakingSpring>(),
+    EffectKind::of::<PeriodicDisturbance>(),
+    EffectKind::of::<PositionDamper>(),
+    EffectKind::of::<StickingWindow>(),
 ];
 
 /// Effects outside the vocabulary, by identifier.

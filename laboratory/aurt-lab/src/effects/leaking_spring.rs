@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{Instant, ShaftTorque},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "leaking_spring",
-    family: Family::P,
-    summary: "a gas spring that loses its pressure during the recording",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<LeakingSpring>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{Instant, ShaftTorque};
 
 /// A gas spring that leaks: stiffness · exp(−t/leak) · (q − q_0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,20 +15,22 @@ pub struct LeakingSpring {
     pub leak_s: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    Box::new(LeakingSpring {
-        joint,
-        stiffness_nm_rad: 6.0 * drive.torque_noise_nm,
-        rest_rad: drive.home_rad + random.sign() * random.between(0.5, 1.2),
-        leak_s: context.duration_s * random.between(0.25, 0.6),
-    })
-}
+impl Physics for LeakingSpring {
+    const IDENTIFIER: &'static str = "leaking_spring";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "a gas spring that loses its pressure during the recording";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for LeakingSpring {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        Self {
+            joint,
+            stiffness_nm_rad: 6.0 * drive.torque_noise_nm,
+            rest_rad: drive.home_rad + random.sign() * random.between(0.5, 1.2),
+            leak_s: context.duration_s * random.between(0.25, 0.6),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -64,21 +46,14 @@ impl Effect for LeakingSpring {
         self.stiffness_nm_rad = (self.stiffness_nm_rad * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("stiffness of the spring in Nm/rad", self.stiffness_nm_rad, -1e4, 1e4);
         complaints.positive("time in which the spring leaks in s", self.leak_s);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.shaft_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{Instant, ShaftTorque},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "periodic_disturbance",
-    family: Family::X,
-    summary: "a torque of a fixed frequency in time, whatever the joint does",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<PeriodicDisturbance>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{Instant, ShaftTorque};
 
 /// A torque of a fixed frequency in time, as of a fan or a pump on the arm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,19 +13,17 @@ pub struct PeriodicDisturbance {
     pub frequency_hz: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    Box::new(PeriodicDisturbance {
-        joint,
-        amplitude_nm: 1.5 * drive.torque_noise_nm,
-        frequency_hz: random.between(1.7, 6.0),
-    })
-}
+impl Physics for PeriodicDisturbance {
+    const IDENTIFIER: &'static str = "periodic_disturbance";
+    const FAMILY: Family = Family::X;
+    const SUMMARY: &'static str = "a torque of a fixed frequency in time, whatever the joint does";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for PeriodicDisturbance {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        Self { joint, amplitude_nm: 1.5 * drive.torque_noise_nm, frequency_hz: random.between(1.7, 6.0) }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -61,21 +39,14 @@ impl Effect for PeriodicDisturbance {
         self.amplitude_nm = (self.amplitude_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("amplitude of the disturbance in Nm", self.amplitude_nm, -1e4, 1e4);
         complaints.within("frequency of the disturbance in Hz", self.frequency_hz, 0.0, 200.0);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.shaft_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{Instant, ShaftTorque},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "position_damper",
-    family: Family::V,
-    summary: "a damper whose orifice opens with the angle",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<PositionDamper>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{Instant, ShaftTorque};
 
 /// A hydraulic damper whose orifice opens with the joint: damping · (1 + sin(q − q_0)) q̇.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,19 +13,21 @@ pub struct PositionDamper {
     pub middle_rad: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    Box::new(PositionDamper {
-        joint,
-        damping_nm_s: 4.0 * drive.torque_noise_nm,
-        middle_rad: drive.home_rad + random.between(-0.5, 0.5),
-    })
-}
+impl Physics for PositionDamper {
+    const IDENTIFIER: &'static str = "position_damper";
+    const FAMILY: Family = Family::V;
+    const SUMMARY: &'static str = "a damper whose orifice opens with the angle";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for PositionDamper {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        Self {
+            joint,
+            damping_nm_s: 4.0 * drive.torque_noise_nm,
+            middle_rad: drive.home_rad + random.between(-0.5, 0.5),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -61,20 +43,13 @@ impl Effect for PositionDamper {
         self.damping_nm_s = (self.damping_nm_s * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("damping in Nm s/rad", self.damping_nm_s, -1e-12, 1e4);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.shaft_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use aurt_simulation::{
-    Random, SimulationError,
-    effects::{Draw, Effect, EffectKind, Factor, Family, Presence, Setup, check_joints, fields, kind},
-    error::Complaints,
-    plant::{DryTerm, Instant},
-    robots::Robot,
-};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "sticking_window",
-    family: Family::P,
-    summary: "dry friction that is higher within a range of angles",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<StickingWindow>,
-};
+use aurt_simulation::effects::declaring::*;
+use aurt_simulation::plant::{DryTerm, Instant};
 
 /// A worn or dirty place: dry friction is higher by `excess_nm` between two angles, with soft edges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,20 +13,22 @@ pub struct StickingWindow {
     pub place_rad: [f64; 2],
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    let start = drive.home_rad + random.between(-0.4, 0.1);
-    Box::new(StickingWindow {
-        joint,
-        excess_nm: 3.0 * drive.torque_noise_nm,
-        place_rad: [start, start + random.between(0.15, 0.35)],
-    })
-}
+impl Physics for StickingWindow {
+    const IDENTIFIER: &'static str = "sticking_window";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "dry friction that is higher within a range of angles";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for StickingWindow {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        let start = drive.home_rad + random.between(-0.4, 0.1);
+        Self {
+            joint,
+            excess_nm: 3.0 * drive.torque_noise_nm,
+            place_rad: [start, start + random.between(0.15, 0.35)],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -62,21 +44,14 @@ impl Effect for StickingWindow {
         self.excess_nm = (self.excess_nm * factor.on(self.joint)).clamp(-most, most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("excess of friction in Nm", self.excess_nm, -1e-12, 1e4);
         complaints.positive("width of the place in rad", self.place_rad[1] - self.place_rad[0]);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.joints[self.joint].dry_terms.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        fields(self)
     }
 }
 

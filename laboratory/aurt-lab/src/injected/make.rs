@@ -31,12 +31,11 @@ impl InjectedWorld {
     /// [`SimulationError::Unreadable`] if there is no reference of that name.
     pub fn reference(&self, name: &str) -> Result<Case, SimulationError> {
         let split = self.splits().into_iter().find(|s| s.reference_name(&self.injection.real().name) == name);
-        let split = split.ok_or_else(|| SimulationError::Unreadable {
-            path: name.into(),
-            reason: format!(
-                "is no reference of these recordings; there are {}",
-                self.references().join(", ")
-            ),
+        let split = split.ok_or_else(|| {
+            SimulationError::unreadable(
+                name,
+                format!("is no reference of these recordings; there are {}", self.references().join(", ")),
+            )
         })?;
         let request = CaseRequest {
             robot: self.injection.real().name.clone(),
@@ -77,15 +76,12 @@ impl InjectedWorld {
             // What the structure absorbs in all recordings can be seen as a change.
             wished = Presence::Changed;
         }
-        Err(SimulationError::Unreadable {
-            path: name.into(),
-            reason: refusal.unwrap_or_else(|| {
+        Err(SimulationError::unreadable(name, refusal.unwrap_or_else(|| {
                 format!(
                     "{} can only be a change, which needs two recordings, and there is one; split it by `window_s`",
                     request.effects.join(" and ")
                 )
-            }),
-        })
+            })))
     }
 
     fn built(

@@ -109,7 +109,8 @@ fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<
     let building = aurt_output::StagedFolder::new(place.root())?;
     let (cases, sealed) = (building.path().join("cases"), building.path().join("sealed"));
     for folder in [&cases, &sealed] {
-        fs::create_dir_all(folder).map_err(fail(folder.clone()))?;
+        // Not the folder that they are in, which an interruption may have removed.
+        fs::create_dir(folder).map_err(fail(folder.clone()))?;
     }
     if let Err(reason) = source.write(index, &cases, &sealed) {
         return Ok(Err(reason));

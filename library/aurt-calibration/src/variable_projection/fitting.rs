@@ -131,6 +131,7 @@ pub fn calibrate_shapes_rows(
         .map(|v| (bandwidth * v).sqrt())
         .collect();
     report.widen(&model, &calibration.parameters, &white, &shift.unwrap_or_default());
+    calibration.about_physics.extend(report.bounded(unit));
     calibration.warnings.extend(report.warnings(unit));
     calibration.shape_fit = Some(report);
     Ok((model, calibration))

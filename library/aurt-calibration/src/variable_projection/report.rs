@@ -119,24 +119,30 @@ impl ShapeReport {
         }
     }
 
-    /// What a user should know of the shapes.
-    pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
-        let listed = |choose: &dyn Fn(&&FittedShape) -> bool| {
-            let names = self.shapes.iter().filter(choose).map(|s| match s.unit.as_str() {
-                "1" => format!("{} = {:.4}", s.label(), s.value),
-                of => format!("{} = {:.4} {}", s.label(), s.value, unit.express(of)),
-            });
-            names.collect::<Vec<_>>().join("; ")
-        };
-        let mut warnings = Vec::new();
-        let bounded = listed(&|s| s.at_bound);
-        if !bounded.is_empty() {
-            warnings.push(format!(
+    /// The shapes that some rule chooses, with their values; empty without any.
+    fn listed(&self, unit: MeasurementUnit, choose: impl Fn(&&FittedShape) -> bool) -> String {
+        let names = self.shapes.iter().filter(choose).map(|s| match s.unit.as_str() {
+            "1" => format!("{} = {:.4}", s.label(), s.value),
+            of => format!("{} = {:.4} {}", s.label(), s.value, unit.express(of)),
+        });
+        names.collect::<Vec<_>>().join("; ")
+    }
+
+    /// The warning of shapes at a limit of their model.
+    pub(super) fn bounded(&self, unit: MeasurementUnit) -> Option<String> {
+        let bounded = self.listed(unit, |s| s.at_bound);
+        (!bounded.is_empty()).then(|| {
+            format!(
                 "shape parameters at a bound, where the model degenerates or the recordings do not determine them: {bounded}; \
                  use the simpler model, or record motions that show the difference (`aurt explain shape_at_bound`)"
-            ));
-        }
-        let shifted = listed(&|s| s.is_shifted());
+            )
+        })
+    }
+
+    /// What a user should know of the shapes.
+    pub(super) fn warnings(&self, unit: MeasurementUnit) -> Vec<String> {
+        let mut warnings = Vec::from_iter(self.bounded(unit));
+        let shifted = self.listed(unit, |s| s.is_shifted());
         if !shifted.is_empty() {
             warnings.push(format!(
                 "position noise may have shifted shape parameters by more than all other errors together (included in \
@@ -144,7 +150,7 @@ impl ShapeReport {
                  (`aurt explain position_bias`)"
             ));
         }
-        let silent = listed(&|s| !s.at_bound && s.std_dev.is_none());
+        let silent = self.listed(unit, |s| !s.at_bound && s.std_dev.is_none());
         if !silent.is_empty() {
             warnings.push(format!("shape parameters not determined by the recordings: {silent}"));
         }

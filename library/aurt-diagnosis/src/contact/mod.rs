@@ -60,7 +60,7 @@ pub struct ContactOptions {
     pub distinction: f64,
     /// A joint rests at and below this speed, rad/s; then the sign of its friction is unknown.
     pub rest_velocity_rad_s: f64,
-    /// Rows this near to a reversal or to an end of a segment are left out, s: filters smear what happens there.
+    /// Rows this near to a reversal are left out, s: filters smear what happens there.
     pub margin_s: f64,
     /// Largest number of contacts.
     pub most: usize,
@@ -127,7 +127,7 @@ pub fn find_contacts(recordings: &[ContactRows<'_>], options: &ContactOptions) -
     found
 }
 
-/// Where a joint's residual is meaningful: it moves, has not just reversed, and no end of a segment is near.
+/// Where a joint's residual is meaningful: it moves and has not just reversed.
 fn usable_rows(recording: &ContactRows<'_>, options: &ContactOptions) -> Vec<Vec<bool>> {
     let rows = recording.rows;
     let margin = (options.margin_s * rows.rate_hz).ceil() as usize;
@@ -138,10 +138,6 @@ fn usable_rows(recording: &ContactRows<'_>, options: &ContactOptions) -> Vec<Vec
             let n = rows.rows();
             let mut usable = vec![true; n];
             let mut spoil = |from: usize, to: usize| usable[from.min(n)..to.min(n)].fill(false);
-            for pair in rows.segment_starts.windows(2) {
-                spoil(pair[0], pair[0] + margin);
-                spoil(pair[1].saturating_sub(margin), pair[1]);
-            }
             let slow = |v: &f64| v.abs() <= options.rest_velocity_rad_s;
             for (k, v) in joint.velocity_rad_s.iter().enumerate() {
                 let reversed = k > 0 && v * joint.velocity_rad_s[k - 1] < 0.0;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use aurt_plugins::Origin;
+use aurt_traits::JointStack;
 use serde_json::Value;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
@@ -81,7 +82,13 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         }
         let scope = (group.target_only() && investigation.problem.has_reference()).then(|| targets.clone());
         match &candidate.proposal.addition {
-            Addition::Term(configuration) => add_term(&mut improvement.terms, configuration, scope),
+            Addition::Term(configuration) => {
+                let mut configuration = configuration.clone();
+                if scope.is_none() {
+                    leave_out_level(&mut configuration, question.model.stacks());
+                }
+                add_term(&mut improvement.terms, &configuration, scope);
+            }
             Addition::Instrument(joint, which) => {
                 let found = value(candidate.columns[0], group.target_only());
                 if scope.is_some() {
@@ -104,6 +111,22 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
         }
     }
     improvement
+}
+
+/// Leaves the level out of Stribeck friction on a joint whose own friction has it: two columns would be the same.
+fn leave_out_level(term: &mut Value, stacks: &[JointStack]) {
+    let joint = term.pointer("/joints/0").and_then(Value::as_u64).map(|j| j as usize);
+    let Some(own) = joint.and_then(|joint| stacks.get(joint)) else { return };
+    let hysteresis = serde_json::to_value(own.hysteresis()).unwrap_or_default();
+    let is_same = term.pointer("/hysteresis/model") == hysteresis.get("model");
+    let has_level = own.coulomb().columns().iter().any(|column| column.name == "F_C0");
+    if is_same
+        && has_level
+        && let Some(Value::Object(coulomb)) = term.get_mut("coulomb")
+        && coulomb.get("model").is_some_and(|name| name == "stribeck")
+    {
+        coulomb.insert("level".into(), false.into());
+    }
 }
 
 /// Adds a term; one that differs from an earlier one in its joints alone joins it.
@@ -249,6 +272,7 @@ fn toml_value(value: &Value) -> toml_edit::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use aurt_plugins::Registry;
     use serde_json::json;
 
     #[test]
@@ -265,5 +289,27 @@ mod tests {
         assert!(text.contains("joints = [0, 2]"), "{text}");
         assert!(text.contains("recordings = [\"b.csv\"]"), "{text}");
         assert!(text.contains("gains = [1.0, 0.5]"), "{text}");
+    }
+
+    /// The level of dry friction is the joint's own; where it has none, or another law of motion, the term keeps it.
+    #[test]
+    fn stribeck_friction_beside_dry_friction_has_no_level_of_its_own() {
+        let level = |coulomb: &str, hysteresis: &str| {
+            let registry = Registry::linked().unwrap();
+            let own = JointStack::new(
+                registry.build_from_json(&json!({ "model": coulomb })).unwrap(),
+                registry.build_from_json(&json!({ "model": hysteresis })).unwrap(),
+                registry.build_from_json(&json!({ "model": "polynomial", "powers": [1] })).unwrap(),
+            );
+            let mut term = json!({
+                "model": "joint_friction", "joints": [1], "coulomb": { "model": "stribeck" }, "hysteresis": { "model": "sign" },
+            });
+            leave_out_level(&mut term, &[own.clone().unwrap(), own.unwrap()]);
+            term.pointer("/coulomb/level").cloned()
+        };
+        for coulomb in ["constant", "absolute", "square"] {
+            assert_eq!(level(coulomb, "sign"), Some(false.into()), "{coulomb}");
+        }
+        assert_eq!((level("absent", "sign"), level("constant", "tanh")), (None, None));
     }
 }

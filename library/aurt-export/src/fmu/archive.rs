@@ -4,42 +4,29 @@ use std::io::{Cursor, Write};
 
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use super::{Kind, Version};
+use super::{FMI, Kind};
 use crate::{ExportError, Source};
 
 /// The sources around the model's own, by their names.
-pub(super) fn layer(kind: Kind, version: Version) -> Vec<(String, String)> {
-    let mut files = vec![
+pub(super) fn layer(kind: Kind) -> Vec<(String, String)> {
+    let files = [
         ("component.h", include_str!("sources/component.h")),
         ("component.c", include_str!("sources/component.c")),
+        match kind {
+            Kind::Inverse => ("inverse.c", include_str!("sources/inverse.c")),
+            Kind::Forward => ("forward.c", include_str!("sources/forward.c")),
+        },
+        ("fmi2.h", include_str!("sources/fmi2.h")),
+        ("fmi2.c", include_str!("sources/fmi2.c")),
     ];
-    files.push(match kind {
-        Kind::Inverse => ("inverse.c", include_str!("sources/inverse.c")),
-        Kind::Forward => ("forward.c", include_str!("sources/forward.c")),
-    });
-    files.extend(match version {
-        Version::Two => {
-            vec![("fmi2.h", include_str!("sources/fmi2.h")), ("fmi2.c", include_str!("sources/fmi2.c"))]
-        }
-        Version::Three => vec![
-            ("fmi3.h", include_str!("sources/fmi3.h")),
-            ("fmi3.c", include_str!("sources/fmi3.c")),
-            ("fmi3_absent.c", include_str!("sources/fmi3_absent.c")),
-        ],
-    });
     files.into_iter().map(|(name, text)| (name.to_owned(), text.to_owned())).collect()
 }
 
 /// The token by which description and library know each other: a hash of the model and of all sources, in the form of a
 /// GUID.
-pub(super) fn token(
-    source: &Source<'_>,
-    kind: Kind,
-    version: Version,
-    sources: &[(String, String)],
-) -> String {
+pub(super) fn token(source: &Source<'_>, kind: Kind, sources: &[(String, String)]) -> String {
     let mut hash = blake3::Hasher::new();
-    for word in [source.provenance.blake3.as_str(), kind.name(), version.number()] {
+    for word in [source.provenance.blake3.as_str(), kind.name(), FMI] {
         hash.update(word.as_bytes());
         hash.update(&[0]);
     }

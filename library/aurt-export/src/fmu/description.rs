@@ -1,9 +1,9 @@
-//! `modelDescription.xml` of FMI 2.0 and 3.0 and `buildDescription.xml` of FMI 3.0.
+//! `modelDescription.xml` of FMI 2.0.
 
 use std::fmt::Write;
 
 use super::{
-    Kind, Version,
+    FMI, Kind,
     variables::{Role, Variable, Variables},
 };
 use crate::{Source, naming::attribute};
@@ -58,7 +58,7 @@ const fn words(role: Role) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-fn variable(version: Version, reference: usize, v: &Variable) -> String {
+fn variable(reference: usize, v: &Variable) -> String {
     let (causality, variability, initial) = words(v.role);
     let start = match v.role {
         Role::Time | Role::Output => String::new(),
@@ -71,35 +71,18 @@ fn variable(version: Version, reference: usize, v: &Variable) -> String {
         attribute(&v.description)
     );
     let unit = attribute(&v.unit);
-    match version {
-        Version::Two => {
-            format!("    <ScalarVariable {head}><Real unit=\"{unit}\"{start}/></ScalarVariable>\n")
-        }
-        Version::Three => format!("    <Float64 {head} unit=\"{unit}\"{start}/>\n"),
-    }
+    format!("    <ScalarVariable {head}><Real unit=\"{unit}\"{start}/></ScalarVariable>\n")
 }
 
 /// The outputs, once as such and once as what initialisation computes.
-fn structure(version: Version, variables: &Variables) -> String {
-    let outputs = || variables.all.iter().enumerate().filter(|(_, v)| v.role == Role::Output);
+fn structure(variables: &Variables) -> String {
     let mut text = String::from("  <ModelStructure>\n");
-    match version {
-        Version::Two => {
-            for group in ["Outputs", "InitialUnknowns"] {
-                let _ = writeln!(text, "    <{group}>");
-                for (k, _) in outputs() {
-                    let _ = writeln!(text, "      <Unknown index=\"{}\"/>", k + 1);
-                }
-                let _ = writeln!(text, "    </{group}>");
-            }
+    for group in ["Outputs", "InitialUnknowns"] {
+        let _ = writeln!(text, "    <{group}>");
+        for (k, _) in variables.all.iter().enumerate().filter(|(_, v)| v.role == Role::Output) {
+            let _ = writeln!(text, "      <Unknown index=\"{}\"/>", k + 1);
         }
-        Version::Three => {
-            for element in ["Output", "InitialUnknown"] {
-                for (k, _) in outputs() {
-                    let _ = writeln!(text, "    <{element} valueReference=\"{k}\"/>");
-                }
-            }
-        }
+        let _ = writeln!(text, "    </{group}>");
     }
     text.push_str("  </ModelStructure>\n");
     text
@@ -109,23 +92,15 @@ fn structure(version: Version, variables: &Variables) -> String {
 pub(super) fn model(
     source: &Source<'_>,
     kind: Kind,
-    version: Version,
     variables: &Variables,
     token: &str,
     sources: &[(String, String)],
 ) -> String {
     let name = source.name;
-    let (token_key, state) = match version {
-        Version::Two => ("guid", "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\""),
-        Version::Three => {
-            ("instantiationToken", "canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"")
-        }
-    };
     let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{name}\" \
-         {token_key}=\"{token}\" description=\"{} dynamics of {name}. {}\" generationTool=\"aurt {}\" \
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{FMI}\" modelName=\"{name}\" \
+         guid=\"{token}\" description=\"{} dynamics of {name}. {}\" generationTool=\"aurt {}\" \
          variableNamingConvention=\"flat\">\n",
-        version.number(),
         match kind {
             Kind::Inverse => "Inverse",
             Kind::Forward => "Forward",
@@ -133,46 +108,26 @@ pub(super) fn model(
         attribute(&source.provenance.lines().join("; ")),
         env!("CARGO_PKG_VERSION"),
     );
-    let _ = write!(
+    let _ = writeln!(
         text,
-        "  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" {state}"
+        "  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" \
+         canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\" canNotUseMemoryManagementFunctions=\"true\">"
     );
-    if version == Version::Two {
-        text.push_str(" canNotUseMemoryManagementFunctions=\"true\">\n    <SourceFiles>\n");
-        for (file, _) in sources.iter().filter(|(file, _)| file.ends_with(".c")) {
-            let _ = writeln!(text, "      <File name=\"{file}\"/>");
-        }
-        text.push_str("    </SourceFiles>\n  </CoSimulation>\n");
-    } else {
-        text.push_str("/>\n");
+    text.push_str("    <SourceFiles>\n");
+    for (file, _) in sources.iter().filter(|(file, _)| file.ends_with(".c")) {
+        let _ = writeln!(text, "      <File name=\"{file}\"/>");
     }
+    text.push_str("    </SourceFiles>\n  </CoSimulation>\n");
     text.push_str(&units(variables));
     text.push_str("  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n");
     text.push_str(
         "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"0.002\"/>\n  <ModelVariables>\n",
     );
     for (reference, v) in variables.all.iter().enumerate() {
-        text.push_str(&variable(version, reference, v));
+        text.push_str(&variable(reference, v));
     }
     text.push_str("  </ModelVariables>\n");
-    text.push_str(&structure(version, variables));
+    text.push_str(&structure(variables));
     text.push_str("</fmiModelDescription>\n");
-    text
-}
-
-/// The description of how the sources are built.
-pub(super) fn build(name: &str, sources: &[(String, String)]) -> String {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
-         <BuildConfiguration modelIdentifier=\"{name}\">\n    <SourceFileSet language=\"C99\">\n"
-    );
-    for (file, _) in sources.iter().filter(|(file, _)| file.ends_with(".c")) {
-        let _ = writeln!(text, "      <SourceFile name=\"{file}\"/>");
-    }
-    text.push_str(
-        "      <PreprocessorDefinition name=\"FMI3_FUNCTION_PREFIX\" value=\"\" optional=\"true\"/>\n    \
-         </SourceFileSet>\n    <Library name=\"m\" external=\"true\"/>\n  </BuildConfiguration>\n\
-         </fmiBuildDescription>\n",
-    );
     text
 }

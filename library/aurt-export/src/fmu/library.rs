@@ -2,24 +2,15 @@
 
 use std::process::Command;
 
-use super::Version;
-
 /// A file of the archive.
 type File = (String, Vec<u8>);
 
 /// The folder of libraries of this platform, if the standard has a name for it and libraries are made for it here.
-const fn platform(version: Version) -> Option<&'static str> {
-    let linux = cfg!(target_os = "linux");
-    match version {
-        Version::Two if linux && cfg!(target_arch = "x86_64") => Some("linux64"),
-        Version::Three if linux && cfg!(target_arch = "x86_64") => Some("x86_64-linux"),
-        Version::Three if linux && cfg!(target_arch = "aarch64") => Some("aarch64-linux"),
-        _ => None,
-    }
-}
+const PLATFORM: Option<&str> =
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) { Some("linux64") } else { None };
 
 /// The library made of `sources` for this platform, and a word about it; none where it cannot be made.
-pub(super) fn build(name: &str, version: Version, sources: &[(String, String)]) -> (Option<File>, String) {
+pub(super) fn build(name: &str, sources: &[(String, String)]) -> (Option<File>, String) {
     let without = |reason: &str| {
         (
             None,
@@ -28,8 +19,8 @@ pub(super) fn build(name: &str, version: Version, sources: &[(String, String)]) 
             ),
         )
     };
-    let Some(platform) = platform(version) else {
-        return without("libraries are made for Linux alone");
+    let Some(platform) = PLATFORM else {
+        return without("libraries are made for Linux on x86-64 alone");
     };
     let compiler = std::env::var_os("CC").filter(|c| !c.is_empty()).unwrap_or_else(|| "cc".into());
     match compiled(name, &compiler, sources) {

@@ -1,4 +1,4 @@
-//! Functional mock-up units: co-simulation by FMI 2.0 and 3.0, of inverse and of forward dynamics.
+//! Functional mock-up units: co-simulation by FMI 2.0, of inverse and of forward dynamics.
 //!
 //! The archive holds a description, the C of the model with a layer of functions of the standard, and, where there is a C
 //! compiler for Linux, the library made of them. Coefficients of friction and arm terms, the size of gravity and a point
@@ -29,15 +29,6 @@ pub enum Kind {
     Forward,
 }
 
-/// Versions of the standard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Version {
-    /// FMI 2.0.
-    Two,
-    /// FMI 3.0.
-    Three,
-}
-
 /// A unit, as an archive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fmu {
@@ -62,24 +53,18 @@ impl Kind {
     }
 }
 
-impl Version {
-    const fn number(self) -> &'static str {
-        match self {
-            Self::Two => "2.0",
-            Self::Three => "3.0",
-        }
-    }
-}
+/// Version of the standard: the one that nearly every simulator imports; 3.0 adds nothing that these units use.
+const FMI: &str = "2.0";
 
 /// Names that the sources of every unit have for themselves.
-const TAKEN: [&str; 7] = ["component", "fmi2", "fmi3", "fmi3_absent", "forward", "inverse", "model"];
+const TAKEN: [&str; 5] = ["component", "fmi2", "forward", "inverse", "model"];
 
 /// The unit of a model.
 ///
 /// # Errors
 /// Names that C cannot have; models that cannot be written, by their names; for [`Kind::Forward`] mass matrices that are not
 /// positive definite ([`ExportError::MassMatrix`]).
-pub fn export(source: &Source<'_>, kind: Kind, version: Version) -> Result<Fmu, ExportError> {
+pub fn export(source: &Source<'_>, kind: Kind) -> Result<Fmu, ExportError> {
     check_identifier(source.name)?;
     if TAKEN.contains(&source.name) {
         let reason = "is a name of the sources of every FMU";
@@ -97,19 +82,15 @@ pub fn export(source: &Source<'_>, kind: Kind, version: Version) -> Result<Fmu, 
         (format!("{name}.h"), text::header(source, chain, &program, Some(&tunable))),
         (format!("{name}.c"), text::implementation(source, &program)),
     ];
-    sources.extend(archive::layer(kind, version));
-    let token = archive::token(source, kind, version, &sources);
+    sources.extend(archive::layer(kind));
+    let token = archive::token(source, kind, &sources);
     sources.push(("model.h".into(), variables.header(name, kind, &token)));
 
     let mut files = vec![(
         "modelDescription.xml".to_owned(),
-        description::model(source, kind, version, &variables, &token, &sources).into_bytes(),
+        description::model(source, kind, &variables, &token, &sources).into_bytes(),
     )];
-    let (library, note) = library::build(name, version, &sources);
-    if version == Version::Three {
-        let text = description::build(name, &sources);
-        files.push(("sources/buildDescription.xml".into(), text.into_bytes()));
-    }
+    let (library, note) = library::build(name, &sources);
     files.extend(sources.into_iter().map(|(file, text)| (format!("sources/{file}"), text.into_bytes())));
     files.extend(library);
     let bytes = archive::zipped(&files)?;
@@ -119,8 +100,7 @@ pub fn export(source: &Source<'_>, kind: Kind, version: Version) -> Result<Fmu, 
     let mut notes: Vec<String> = operations
         .map(|o| {
             format!(
-                "FMI {} co-simulation, {} dynamics in {unit}; a step of the model takes {} multiplications, {} additions, {} calls",
-                version.number(),
+                "FMI {FMI} co-simulation, {} dynamics in {unit}; a step of the model takes {} multiplications, {} additions, {} calls",
                 kind.name(),
                 o.multiplications,
                 o.additions,

@@ -72,7 +72,12 @@ fn coulomb(tape: &mut Tape, joint: usize, stack: &JointStack, at: At) -> Result<
             if let Some(level) = load_power(tape, &growth) {
                 columns.extend([level, tape.multiply(level, decay)]);
             }
-            Ok(columns)
+            let has_level = description.get("level").and_then(Json::as_bool).unwrap_or(true);
+            Ok(columns
+                .into_iter()
+                .skip(usize::from(!has_level))
+                .step_by(if has_level { 1 } else { 2 })
+                .collect())
         }
         name => Err(unknown(place(), name, model.state_len(), "absent, none, absolute, square, stribeck")),
     }

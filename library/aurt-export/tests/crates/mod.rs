@@ -24,7 +24,7 @@ fn tested(export: &Export) -> Option<Output> {
     run.ok()
 }
 
-fn passes(name: &str, export: &Export, comparisons: usize) {
+pub fn passes(name: &str, export: &Export, comparisons: usize) {
     let Some(run) = tested(export) else { return };
     let text = String::from_utf8_lossy(&run.stdout);
     println!("{name}: {text}");

@@ -9,7 +9,7 @@ use std::{
 
 use aurt_export::{
     Check, ExportError, Source,
-    fmu::{Fmu, Kind, Version, export},
+    fmu::{Fmu, Kind, export},
 };
 use aurt_simulation::model::{ModelDrive, MovingModel};
 use aurt_traits::{MeasurementUnit, Motion};
@@ -20,7 +20,7 @@ use super::models::{
 };
 use super::{provenance, source};
 
-fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
+pub fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
     (0..archive.len())
         .map(|k| {
@@ -32,56 +32,37 @@ fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
+pub fn text(files: &BTreeMap<String, Vec<u8>>, name: &str) -> String {
     String::from_utf8(files[name].clone()).unwrap()
 }
 
 #[test]
 fn the_archive_holds_what_the_standard_asks_for_and_is_the_same_every_time() {
     let (case, provenance) = (case(gantry(), true), provenance());
-    for (version, number, platform) in
-        [(Version::Two, "2.0", "linux64"), (Version::Three, "3.0", "x86_64-linux")]
-    {
-        for kind in [Kind::Inverse, Kind::Forward] {
-            let fmu = export(&source(&case, &provenance), kind, version).unwrap();
-            assert_eq!(fmu, export(&source(&case, &provenance), kind, version).unwrap());
-            assert_eq!(fmu.file, "machine.fmu");
-            let files = files(&fmu);
-            let xml = text(&files, "modelDescription.xml");
-            let document = roxmltree::Document::parse(&xml).unwrap();
-            let root = document.root_element();
-            assert_eq!(root.attribute("fmiVersion"), Some(number));
-            let token =
-                root.attribute(if version == Version::Two { "guid" } else { "instantiationToken" }).unwrap();
-            assert!(text(&files, "sources/model.h").contains(&format!("#define MODEL_TOKEN \"{token}\"")));
-            assert!(root.attribute("description").unwrap().contains("rd_\"calibrated\".json (schema 1"));
-            let listed: Vec<String> = if version == Version::Two {
-                let named = document.descendants().filter(|n| n.has_tag_name("File"));
-                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
-            } else {
-                let build = text(&files, "sources/buildDescription.xml");
-                let build = roxmltree::Document::parse(&build).unwrap();
-                let named = build.descendants().filter(|n| n.has_tag_name("SourceFile"));
-                named.map(|n| n.attribute("name").unwrap().to_owned()).collect()
-            };
-            let in_archive: Vec<String> = files
-                .keys()
-                .filter_map(|f| f.strip_prefix("sources/").filter(|f| f.ends_with(".c")).map(str::to_owned))
-                .collect();
-            let mut sorted = listed;
-            sorted.sort();
-            assert_eq!(sorted, in_archive);
-            let made =
-                fmu.notes.iter().any(|n| n.contains(&format!("binaries/{platform}/machine.so was made")));
-            assert_eq!(
-                made,
-                files.contains_key(&format!("binaries/{platform}/machine.so")),
-                "{:?}",
-                fmu.notes
-            );
-            compiles_strictly(&files);
-            assert!(made || fmu.notes.iter().any(|n| n.contains("holds sources only")), "{:?}", fmu.notes);
-        }
+    for kind in [Kind::Inverse, Kind::Forward] {
+        let fmu = export(&source(&case, &provenance), kind).unwrap();
+        assert_eq!(fmu, export(&source(&case, &provenance), kind).unwrap());
+        assert_eq!(fmu.file, "machine.fmu");
+        let files = files(&fmu);
+        let xml = text(&files, "modelDescription.xml");
+        let document = roxmltree::Document::parse(&xml).unwrap();
+        let root = document.root_element();
+        assert_eq!(root.attribute("fmiVersion"), Some("2.0"));
+        let token = root.attribute("guid").unwrap();
+        assert!(text(&files, "sources/model.h").contains(&format!("#define MODEL_TOKEN \"{token}\"")));
+        assert!(root.attribute("description").unwrap().contains("rd_\"calibrated\".json (schema 1"));
+        let named = document.descendants().filter(|n| n.has_tag_name("File"));
+        let mut listed: Vec<String> = named.map(|n| n.attribute("name").unwrap().to_owned()).collect();
+        listed.sort();
+        let in_archive: Vec<String> = files
+            .keys()
+            .filter_map(|f| f.strip_prefix("sources/").filter(|f| f.ends_with(".c")).map(str::to_owned))
+            .collect();
+        assert_eq!(listed, in_archive);
+        let made = fmu.notes.iter().any(|n| n.contains("binaries/linux64/machine.so was made"));
+        assert_eq!(made, files.contains_key("binaries/linux64/machine.so"), "{:?}", fmu.notes);
+        compiles_strictly(&files);
+        assert!(made || fmu.notes.iter().any(|n| n.contains("holds sources only")), "{:?}", fmu.notes);
     }
 }
 
@@ -107,28 +88,28 @@ fn compiles_strictly(files: &BTreeMap<String, Vec<u8>>) {
 #[test]
 fn variables_have_names_units_and_start_values() {
     let (case, provenance) = (case(gantry(), true), provenance());
-    let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Three).unwrap();
+    let fmu = export(&source(&case, &provenance), Kind::Forward).unwrap();
     let xml = text(&files(&fmu), "modelDescription.xml");
     let document = roxmltree::Document::parse(&xml).unwrap();
-    let find = |name: &str| {
-        document
-            .descendants()
-            .find(|n| n.has_tag_name("Float64") && n.attribute("name") == Some(name))
-            .unwrap()
+    let find = |name: &str, key: &str| {
+        let mut named = document.descendants().filter(|n| n.has_tag_name("ScalarVariable"));
+        let variable = named.find(|n| n.attribute("name") == Some(name)).unwrap();
+        variable.attribute(key).or_else(|| variable.first_element_child()?.attribute(key)).map(str::to_owned)
     };
-    assert_eq!(find("q[0]").attribute("unit"), Some("m"), "the first joint slides");
-    assert_eq!(find("q[1]").attribute("unit"), Some("rad"));
-    assert_eq!(find("tau[1]").attribute("causality"), Some("input"));
-    assert_eq!(find("gravity_m_s2").attribute("start"), Some("9.81"));
-    assert_eq!(find("q_start[3]").attribute("variability"), Some("fixed"));
-    assert_eq!(find("payload_mass_kg").attribute("variability"), Some("tunable"));
+    assert_eq!(find("q[0]", "unit").as_deref(), Some("m"), "the first joint slides");
+    assert_eq!(find("q[1]", "unit").as_deref(), Some("rad"));
+    assert_eq!(find("tau[1]", "causality").as_deref(), Some("input"));
+    assert_eq!(find("gravity_m_s2", "start").as_deref(), Some("9.81"));
+    assert_eq!(find("q_start[3]", "variability").as_deref(), Some("fixed"));
+    assert_eq!(find("payload_mass_kg", "variability").as_deref(), Some("tunable"));
     for (parameter, value) in
         case.model.parameters().iter().zip(&case.coefficients).skip(case.model.base().len())
     {
-        let start: f64 = find(&parameter.name).attribute("start").unwrap().parse().unwrap();
+        let start: f64 = find(&parameter.name, "start").unwrap().parse().unwrap();
         assert_eq!(start, *value, "{}", parameter.name);
     }
-    let outputs = document.descendants().filter(|n| n.has_tag_name("Output")).count();
+    let outputs = document.descendants().find(|n| n.has_tag_name("Outputs")).unwrap();
+    let outputs = outputs.children().filter(|n| n.has_tag_name("Unknown")).count();
     assert_eq!(outputs, 3 * case.model.joints());
 }
 
@@ -136,7 +117,7 @@ fn variables_have_names_units_and_start_values() {
 fn what_cannot_be_a_unit_is_refused_by_name() {
     let (case, provenance) = (case(gantry(), true), provenance());
     let good = source(&case, &provenance);
-    let refusal = |source: &Source<'_>, kind| export(source, kind, Version::Two).unwrap_err();
+    let refusal = |source: &Source<'_>, kind| export(source, kind).unwrap_err();
     for name in ["my robot", "component", "double"] {
         assert!(
             matches!(refusal(&Source { name, ..good }, Kind::Inverse), ExportError::Name { .. }),
@@ -151,10 +132,10 @@ fn what_cannot_be_a_unit_is_refused_by_name() {
     let error = refusal(&impossible, Kind::Forward);
     assert!(matches!(error, ExportError::MassMatrix { .. }), "{error}");
     assert!(error.to_string().contains("not positive definite at q = "), "{error}");
-    assert!(export(&impossible, Kind::Inverse, Version::Two).is_ok(), "a torque it has all the same");
+    assert!(export(&impossible, Kind::Inverse).is_ok(), "a torque it has all the same");
     // Currents need no constants: what goes in and comes out is what was measured.
     let amperes = Source { unit: MeasurementUnit::Ampere, ..good };
-    let xml = text(&files(&export(&amperes, Kind::Inverse, Version::Two).unwrap()), "modelDescription.xml");
+    let xml = text(&files(&export(&amperes, Kind::Inverse).unwrap()), "modelDescription.xml");
     assert!(xml.contains("name=\"current[0]\"") && !xml.contains("payload_mass_kg"), "{xml}");
 }
 
@@ -221,7 +202,7 @@ fn an_inverse_unit_gives_the_torques_of_the_model() {
     let provenance = provenance();
     for (case, name) in [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")] {
         let stored = checks_along_a_path(&case, 300);
-        let fmu = export(&source(&case, &provenance), Kind::Inverse, Version::Two).unwrap();
+        let fmu = export(&source(&case, &provenance), Kind::Inverse).unwrap();
         let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
         let Some(run) = driven(&fmu, &["0.01".into()], &lines) else { return };
         let found = rows(&run);
@@ -250,7 +231,7 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
     let mut coefficient = case(arm(), true);
     let place = coefficient.model.base().len() + 2;
     let name = coefficient.model.parameters()[place].name.clone();
-    let unit = export(&source(&coefficient, &provenance), Kind::Inverse, Version::Two).unwrap();
+    let unit = export(&source(&coefficient, &provenance), Kind::Inverse).unwrap();
     let changed = set(&unit, &name, 7.5);
     coefficient.coefficients[place] = 7.5;
     let [x, y, z] = loaded.at_m;
@@ -259,9 +240,8 @@ fn gravity_and_a_load_that_are_changed_act_as_in_a_model_that_has_them() {
             .map(|(name, value)| set(unit, name, value))
             .to_vec()
     };
-    let heavy = export(&source(&case(arm(), true), &provenance), Kind::Inverse, Version::Two).unwrap();
-    let empty =
-        export(&source(&case_with_load(arm(), nothing), &provenance), Kind::Inverse, Version::Two).unwrap();
+    let heavy = export(&source(&case(arm(), true), &provenance), Kind::Inverse).unwrap();
+    let empty = export(&source(&case_with_load(arm(), nothing), &provenance), Kind::Inverse).unwrap();
     let half = set(&heavy, "gravity_m_s2", 0.5 * (9.81_f64.powi(2) + 0.09).sqrt());
     for (what, unit, arguments, other) in [
         ("a coefficient", &unit, vec![changed], coefficient),
@@ -297,7 +277,7 @@ fn distance(case: &Case, stored: &[Check], step_s: f64) -> Option<[f64; 2]> {
     let moved = moved.unwrap_or_else(|error| panic!("{error}"));
     println!("{} evaluations of the model in {} s", moved.evaluations, moved.time_s[moved.time_s.len() - 1]);
 
-    let fmu = export(&source(case, &provenance), Kind::Forward, Version::Two).unwrap();
+    let fmu = export(&source(case, &provenance), Kind::Forward).unwrap();
     let lines: String = stored
         .windows(2)
         .map(|pair| {
@@ -365,7 +345,7 @@ fn an_arm_that_is_let_go_falls_and_one_whose_friction_bears_its_weight_rests() {
                 *value *= share;
             }
         }
-        let fmu = export(&source(&case, &provenance), Kind::Forward, Version::Two).unwrap();
+        let fmu = export(&source(&case, &provenance), Kind::Forward).unwrap();
         let joints = case.model.joints();
         let lines = line(&[&vec![0.0; 2 * joints]]).repeat(60);
         let Some(run) = driven(&fmu, &["0.005".into()], &lines) else { return };

@@ -10,8 +10,8 @@
 //! # Linear only around known bodies
 //! Angle times inertial parameter is no linear term. The inertial values π_p are therefore configuration: those of
 //! a fit, as standard-parameter indices and values (base parameters at the indices of their kept columns serve as
-//! well as standard ones; torques are the same). [`BaseTilt::around`] and [`ArmTerm::linearise_at`] take them from a
-//! fit. Without them both columns are zero, and a calibration reports roll and pitch as not excited.
+//! well as standard ones; torques are the same). [`BaseTilt::around`] takes them from a fit.
+//! Without them both columns are zero, and a calibration reports roll and pitch as not excited.
 //!
 //! Base parameters found under a gravity along the first axis lack the first moments about that axis, which a tilt
 //! makes visible on joint 0; `first_axis` adds them as two free columns.
@@ -42,8 +42,8 @@
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, BaseParameters, Columns, Invariant, Invariants, ModelError, Motion, Parameter,
-    RegressorTile, RigidBodyRegressor, register_model,
+    ArmSeries, ArmTerm, BaseParameters, Columns, ModelError, Motion, Parameter, RegressorTile, Result,
+    RigidBodyRegressor, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -114,12 +114,9 @@ register_model! {
 
 #[typetag::serde(name = "base_tilt")]
 impl ArmTerm for BaseTilt {
-    fn name(&self) -> &str {
-        "base_tilt"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
+    declares_term! {
+        "base_tilt",
+        invariants: [EvenInLoad, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
@@ -138,39 +135,22 @@ impl ArmTerm for BaseTilt {
         column < 2 || joint == 0
     }
 
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
     fn is_load(&self) -> bool {
         true
-    }
-
-    fn linearise_at(&mut self, base: &BaseParameters, values: &[f64]) {
-        *self = Self::around(base, values, self.first_axis);
     }
 
     /// How many parameters the rigid bodies have, is not known before they are evaluated: joints that follow others add links.
     fn validate(&self, _robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         if self.inertial_values.len() != self.inertial_columns.len() {
-            complaints.push(ModelError::Count {
-                what: "inertial_values of `base_tilt` (one for each of inertial_columns)".into(),
-                expected: self.inertial_columns.len(),
-                found: self.inertial_values.len(),
-            });
+            complaints.push(ModelError::count(
+                "inertial_values of `base_tilt` (one for each of inertial_columns)",
+                self.inertial_columns.len(),
+                self.inertial_values.len(),
+            ));
         }
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "base_tilt".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("base_tilt", parameter, reason));
         };
         for (k, index) in self.inertial_columns.iter().enumerate() {
             if *index >= MOST_STANDARD {
@@ -195,22 +175,17 @@ impl ArmTerm for BaseTilt {
         vec![first.rigid_body.standard_parameters().len() as f64]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, standard) = (series.motion, state[0] as usize);
         let (joints, samples) = (motion.joints(), motion.samples());
         let per_joint = self.columns(joints).len();
         if let Some(index) = self.inertial_columns.iter().find(|index| **index >= standard) {
-            return Err(ModelError::Evaluation {
-                model: "base_tilt".into(),
-                reason: format!(
+            return Err(ModelError::evaluation(
+                "base_tilt",
+                format!(
                     "`inertial_columns` contain {index}, but the rigid body has {standard} inertial parameters"
                 ),
-            });
+            ));
         }
         for column in 0..out.columns() {
             out.column_mut(column).fill(0.0);

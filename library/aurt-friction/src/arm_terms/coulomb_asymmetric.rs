@@ -30,9 +30,7 @@
 //! Even in load, bounded by one, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 //! Not odd.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -65,40 +63,17 @@ register_model! {
 
 #[typetag::serde(name = "coulomb_asymmetric")]
 impl ArmTerm for CoulombAsymmetric {
-    fn name(&self) -> &str {
-        "coulomb_asymmetric"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("F_C_pos", "Nm"), ("F_C_neg", "Nm")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
+    declares_term! { "coulomb_asymmetric", per joint: ["F_C_pos" in "Nm", "F_C_neg" in "Nm"] }
 
     fn invariants(&self) -> Invariants {
-        const ALWAYS: [Invariant; 5] = [
+        Invariants::of(&[
             Invariant::EvenInLoad,
             Invariant::BoundedByOne,
             Invariant::SignOfVelocity,
             Invariant::Passive,
             Invariant::Memoryless,
-        ];
-        let rate = if self.rest_velocity_rad_s == 0.0 {
-            Invariants::of(&[Invariant::RateIndependent])
-        } else {
-            Invariants::NONE
-        };
-        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | rate.bits())
+        ])
+        .with(Invariant::RateIndependent, self.rest_velocity_rad_s == 0.0)
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
@@ -107,12 +82,7 @@ impl ArmTerm for CoulombAsymmetric {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (n, v) in motion.velocity_rad_s(joint).iter().enumerate() {

@@ -33,7 +33,7 @@
 use std::f64::consts::PI;
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, ShapeParameter, register_model,
+    ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -67,12 +67,9 @@ register_model! {
 
 #[typetag::serde(name = "counterbalance")]
 impl ArmTerm for Counterbalance {
-    fn name(&self) -> &str {
-        "counterbalance"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
+    declares_term! {
+        "counterbalance",
+        invariants: [EvenInLoad, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
     fn joints(&self, _robot_joints: usize) -> Vec<usize> {
@@ -82,15 +79,6 @@ impl ArmTerm for Counterbalance {
     fn columns(&self, _robot_joints: usize) -> Vec<Parameter> {
         let j = self.joint;
         vec![Parameter::new(format!("k_{j}"), "Nm/m^2"), Parameter::new(format!("k_l0_{j}"), "Nm/m")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
     }
 
     fn is_load(&self) -> bool {
@@ -111,11 +99,7 @@ impl ArmTerm for Counterbalance {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = out_of_bounds("counterbalance", &self.shape_parameters());
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "counterbalance".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("counterbalance", parameter, reason));
         };
         if self.joint >= robot_joints {
             let last = robot_joints.saturating_sub(1);
@@ -138,12 +122,7 @@ impl ArmTerm for Counterbalance {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (a, b) = (self.crank_m, self.anchor_m);
         for (n, q) in series.motion.position_rad(self.joint).iter().enumerate() {
             let (sin, cos) = libm::sincos(q - self.dead_centre_rad);

@@ -34,7 +34,7 @@
 //! Even in load, memoryless; without `inertia` odd and passive as well.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
+    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -113,13 +113,7 @@ register_model! {
 
 #[typetag::serde(name = "coupling")]
 impl ArmTerm for Coupling {
-    fn name(&self) -> &str {
-        "coupling"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "coupling" }
 
     fn joints(&self, _robot_joints: usize) -> Vec<usize> {
         vec![self.joint.min(self.partner), self.joint.max(self.partner)]
@@ -152,11 +146,7 @@ impl ArmTerm for Coupling {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "coupling".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("coupling", parameter, reason));
         };
         let last = robot_joints.saturating_sub(1);
         for (key, joint) in [("joint", self.joint), ("partner", self.partner)] {
@@ -177,12 +167,7 @@ impl ArmTerm for Coupling {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, parts) = (series.motion, self.parts());
         let samples = motion.samples();
         let (data, stride) = out.raw_mut();

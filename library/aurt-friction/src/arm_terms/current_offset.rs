@@ -23,9 +23,7 @@
 //! # Invariants
 //! Even in load, bounded by one, rate-independent, memoryless.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -51,46 +49,17 @@ register_model! {
 
 #[typetag::serde(name = "current_offset")]
 impl ArmTerm for CurrentOffset {
-    fn name(&self) -> &str {
-        "current_offset"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("offset", "Nm")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 1, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::BoundedByOne,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
+    declares_term! {
+        "current_offset",
+        per joint: ["offset" in "Nm"],
+        invariants: [EvenInLoad, BoundedByOne, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         verdict(self.joints.complaints("current_offset", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         self.joints.write_own_rows(series.motion.joints(), 1, out, |_, _, own| own.column_mut(0).fill(1.0));
         Ok(())
     }

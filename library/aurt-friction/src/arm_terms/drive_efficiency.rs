@@ -32,9 +32,7 @@
 //! # Invariants
 //! Of the sign of velocity, passive, rate-independent, memoryless. Not even in load: reversing it swaps the two.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, hysteresis::sign::sign_beyond, shape::verdict};
@@ -61,45 +59,17 @@ register_model! {
 
 #[typetag::serde(name = "drive_efficiency")]
 impl ArmTerm for DriveEfficiency {
-    fn name(&self) -> &str {
-        "drive_efficiency"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("driving", "1"), ("driven", "1")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
+    declares_term! {
+        "drive_efficiency",
+        per joint: ["driving" in "1", "driven" in "1"],
+        invariants: [SignOfVelocity, Passive, RateIndependent, Memoryless]
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         verdict(self.joints.complaints("drive_efficiency", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             let loads = series.load_torque(joint);

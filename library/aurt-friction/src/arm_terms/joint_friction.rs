@@ -28,7 +28,7 @@
 
 use aurt_traits::{
     ArmSeries, ArmTerm, Columns, CoulombModel, HysteresisModel, InnerModels, Invariants, JointSeries,
-    JointStack, ModelError, Parameter, ViscousBasis, register_model,
+    JointStack, ModelError, Parameter, Result, ViscousBasis, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -85,10 +85,7 @@ impl JointFriction {
     /// The stack, where validation has let it pass.
     fn evaluable(&self) -> Result<JointStack, ModelError> {
         self.stack().map_err(|mut errors| {
-            errors.pop().unwrap_or(ModelError::Evaluation {
-                model: "joint_friction".into(),
-                reason: "the stack is not valid".into(),
-            })
+            errors.pop().unwrap_or(ModelError::evaluation("joint_friction", "the stack is not valid"))
         })
     }
 
@@ -109,13 +106,7 @@ fn joint_series<'a>(series: &ArmSeries<'a>, joint: usize) -> JointSeries<'a> {
 
 #[typetag::serde(name = "joint_friction")]
 impl ArmTerm for JointFriction {
-    fn name(&self) -> &str {
-        "joint_friction"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "joint_friction" }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
         self.joints.resolve(robot_joints)
@@ -182,12 +173,7 @@ impl ArmTerm for JointFriction {
             .collect()
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let stack = self.evaluable()?;
         let joints = self.joints.resolve(series.motion.joints());
         let own_state = state.len() / joints.len().max(1);

@@ -40,8 +40,7 @@ impl JointSelection {
     /// Every complaint about the list, in the name of `model`.
     pub(crate) fn complaints(&self, model: &str, robot_joints: usize) -> Vec<ModelError> {
         let Some(list) = &self.0 else { return Vec::new() };
-        let complaint =
-            |reason| ModelError::InvalidParameter { model: model.into(), parameter: "joints".into(), reason };
+        let complaint = |reason| ModelError::parameter(model, "joints", reason);
         if list.is_empty() {
             return vec![complaint("must not be empty; leave the key out for all joints".into())];
         }

@@ -35,8 +35,7 @@
 //! Even in load, odd. Passivity is not declared: it depends on σ_1 (Barabanov and Ortega 2000).
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, JointModel, ModelError, Parameter, ShapeParameter,
-    register_model,
+    ArmSeries, ArmTerm, Columns, JointModel, ModelError, Result, ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -95,28 +94,10 @@ register_model! {
 
 #[typetag::serde(name = "lugre_damped")]
 impl ArmTerm for LuGreDamped {
-    fn name(&self) -> &str {
-        "lugre_damped"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("F_S", "Nm"), ("sigma1", "Nm s/rad")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[Invariant::EvenInLoad, Invariant::OddInVelocity])
+    declares_term! {
+        "lugre_damped",
+        per joint: ["F_S" in "Nm", "sigma1" in "Nm s/rad"],
+        invariants: [EvenInLoad, OddInVelocity]
     }
 
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
@@ -151,12 +132,7 @@ impl ArmTerm for LuGreDamped {
             .collect()
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, bristles) = (series.motion, self.bristles());
         let (curve, time) = (bristles.curve(), motion.time_s());
         let states = state.as_chunks_mut::<{ LuGre::STATE_LEN }>().0;

@@ -30,7 +30,7 @@
 //! Even in load, continuous in velocity, memoryless. The term is a load.
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, RegressorTile, register_model,
+    ArmSeries, ArmTerm, Columns, ModelError, Parameter, RegressorTile, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -108,13 +108,7 @@ register_model! {
 
 #[typetag::serde(name = "payload")]
 impl ArmTerm for Payload {
-    fn name(&self) -> &str {
-        "payload"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "payload", invariants: [EvenInLoad, ContinuousInVelocity, Memoryless] }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
         (0..robot_joints.min(self.link(robot_joints) + 1)).collect()
@@ -123,10 +117,6 @@ impl ArmTerm for Payload {
     fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
         let link = self.link(robot_joints);
         self.parameters().iter().map(|p| Parameter::new(format!("{}_{link}", p.symbol()), p.unit())).collect()
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[Invariant::EvenInLoad, Invariant::ContinuousInVelocity, Invariant::Memoryless])
     }
 
     fn is_load(&self) -> bool {
@@ -140,11 +130,7 @@ impl ArmTerm for Payload {
     fn validate_on(&self, _robot_joints: usize, links: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "payload".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("payload", parameter, reason));
         };
         if let Some(link) = self.link.filter(|link| *link >= links) {
             let last = links.saturating_sub(1);
@@ -171,26 +157,21 @@ impl ArmTerm for Payload {
         vec![first.rigid_body.standard_parameters().len() as f64]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let joints = series.motion.joints();
         let (standard, each) = (state[0] as usize, Inertial::ALL.len());
         let links = standard / each;
         // Where joints follow others there are more links than joints that move on their own: the last is still the last.
         let link = self.link.unwrap_or_else(|| links.saturating_sub(1));
         if standard != each * links || link >= links {
-            return Err(ModelError::Evaluation {
-                model: "payload".into(),
-                reason: format!(
+            return Err(ModelError::evaluation(
+                "payload",
+                format!(
                     "it needs a rigid body with {each} inertial parameters per link, {} in all, but this one has \
                      {standard}, and no link {link}",
                     each * joints
                 ),
-            });
+            ));
         }
         let parameters = self.parameters();
         let mut destination = vec![RegressorTile::UNWANTED; joints * standard];

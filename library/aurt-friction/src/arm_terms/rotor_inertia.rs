@@ -24,9 +24,7 @@
 //! # Invariants
 //! Memoryless. The term is no load: the rotor sits before the gear.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -52,40 +50,13 @@ register_model! {
 
 #[typetag::serde(name = "rotor_inertia")]
 impl ArmTerm for RotorInertia {
-    fn name(&self) -> &str {
-        "rotor_inertia"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("I_a", "kg m^2")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 1, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[Invariant::Memoryless])
-    }
+    declares_term! { "rotor_inertia", per joint: ["I_a" in "kg m^2"], invariants: [Memoryless] }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         verdict(self.joints.complaints("rotor_inertia", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 1, out, |_, joint, own| {
             own.column_mut(0).copy_from_slice(motion.acceleration_rad_s2(joint));

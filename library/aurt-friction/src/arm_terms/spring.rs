@@ -26,9 +26,7 @@
 //! # Invariants
 //! Even in load, continuous in velocity, rate-independent, memoryless. The term is a load: it acts behind the gear.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -63,13 +61,7 @@ register_model! {
 
 #[typetag::serde(name = "spring")]
 impl ArmTerm for Spring {
-    fn name(&self) -> &str {
-        "spring"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
+    declares_term! { "spring", invariants: [EvenInLoad, ContinuousInVelocity, RateIndependent, Memoryless] }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
         self.joints.resolve(robot_joints)
@@ -83,15 +75,6 @@ impl ArmTerm for Spring {
         self.joints.owns(robot_joints, self.per_joint(), column, joint)
     }
 
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
     fn is_load(&self) -> bool {
         true
     }
@@ -99,21 +82,16 @@ impl ArmTerm for Spring {
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("spring", robot_joints);
         if let Some(rest) = self.rest_rad.filter(|rest| !rest.is_finite()) {
-            complaints.push(ModelError::InvalidParameter {
-                model: "spring".into(),
-                parameter: "rest_rad".into(),
-                reason: format!("must be an angle, is {rest}"),
-            });
+            complaints.push(ModelError::parameter(
+                "spring",
+                "rest_rad",
+                format!("must be an angle, is {rest}"),
+            ));
         }
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, rest) = (series.motion, self.rest_rad.unwrap_or(0.0));
         self.joints.write_own_rows(motion.joints(), self.per_joint(), out, |_, joint, own| {
             for (o, q) in own.column_mut(0).iter_mut().zip(motion.position_rad(joint)) {

@@ -25,7 +25,7 @@
 //! # Invariants
 //! None: the term depends on time itself.
 
-use aurt_traits::{ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, register_model};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -58,38 +58,16 @@ register_model! {
 
 #[typetag::serde(name = "temperature")]
 impl ArmTerm for Temperature {
-    fn name(&self) -> &str {
-        "temperature"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("F_T", "Nm"), ("F_Tv", "Nm s/rad")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::NONE
-    }
+    declares_term! { "temperature", per joint: ["F_T" in "Nm", "F_Tv" in "Nm s/rad"], invariants: [] }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("temperature", robot_joints);
         if !(self.warming_time_s.is_finite() && self.warming_time_s > 0.0) {
-            complaints.push(ModelError::InvalidParameter {
-                model: "temperature".into(),
-                parameter: "warming_time_s".into(),
-                reason: format!("must be positive, is {}", self.warming_time_s),
-            });
+            complaints.push(ModelError::parameter(
+                "temperature",
+                "warming_time_s",
+                format!("must be positive, is {}", self.warming_time_s),
+            ));
         }
         verdict(complaints)
     }
@@ -103,12 +81,7 @@ impl ArmTerm for Temperature {
         vec![first.motion.time_s().first().copied().unwrap_or(0.0)]
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (motion, start) = (series.motion, state[0]);
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (k, (t, v)) in motion.time_s().iter().zip(motion.velocity_rad_s(joint)).enumerate() {

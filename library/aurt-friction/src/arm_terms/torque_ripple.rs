@@ -30,9 +30,7 @@
 //! # Invariants
 //! Even in load, bounded by one, continuous in velocity, rate-independent, memoryless.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -67,12 +65,9 @@ register_model! {
 
 #[typetag::serde(name = "torque_ripple")]
 impl ArmTerm for TorqueRipple {
-    fn name(&self) -> &str {
-        "torque_ripple"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
+    declares_term! {
+        "torque_ripple",
+        invariants: [EvenInLoad, BoundedByOne, ContinuousInVelocity, RateIndependent, Memoryless]
     }
 
     fn joints(&self, robot_joints: usize) -> Vec<usize> {
@@ -90,24 +85,10 @@ impl ArmTerm for TorqueRipple {
         self.joints.owns(robot_joints, 2 * self.orders.len(), column, joint)
     }
 
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::BoundedByOne,
-            Invariant::ContinuousInVelocity,
-            Invariant::RateIndependent,
-            Invariant::Memoryless,
-        ])
-    }
-
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         let mut complaints = self.joints.complaints("torque_ripple", robot_joints);
         let mut complain = |parameter: &str, reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: "torque_ripple".into(),
-                parameter: parameter.into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter("torque_ripple", parameter, reason));
         };
         let cycles = self.cycles_per_revolution;
         if !(cycles.is_finite() && cycles > 0.0) {
@@ -127,12 +108,7 @@ impl ArmTerm for TorqueRipple {
         verdict(complaints)
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2 * self.orders.len(), out, |_, joint, own| {
             for (i, order) in self.orders.iter().enumerate() {

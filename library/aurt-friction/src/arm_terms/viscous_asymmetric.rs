@@ -27,9 +27,7 @@
 //! # Invariants
 //! Even in load, continuous, of the sign of velocity, passive, memoryless. Not odd.
 
-use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariant, Invariants, ModelError, Parameter, register_model,
-};
+use aurt_traits::{ArmSeries, ArmTerm, Columns, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{arm_terms::joint_selection::JointSelection, shape::verdict};
@@ -55,46 +53,17 @@ register_model! {
 
 #[typetag::serde(name = "viscous_asymmetric")]
 impl ArmTerm for ViscousAsymmetric {
-    fn name(&self) -> &str {
-        "viscous_asymmetric"
-    }
-
-    fn boxed_clone(&self) -> Box<dyn ArmTerm> {
-        Box::new(self.clone())
-    }
-
-    fn joints(&self, robot_joints: usize) -> Vec<usize> {
-        self.joints.resolve(robot_joints)
-    }
-
-    fn columns(&self, robot_joints: usize) -> Vec<Parameter> {
-        self.joints.columns(robot_joints, &[("F_v_pos", "Nm s/rad"), ("F_v_neg", "Nm s/rad")])
-    }
-
-    fn acts_on(&self, column: usize, joint: usize, robot_joints: usize) -> bool {
-        self.joints.owns(robot_joints, 2, column, joint)
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::EvenInLoad,
-            Invariant::ContinuousInVelocity,
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::Memoryless,
-        ])
+    declares_term! {
+        "viscous_asymmetric",
+        per joint: ["F_v_pos" in "Nm s/rad", "F_v_neg" in "Nm s/rad"],
+        invariants: [EvenInLoad, ContinuousInVelocity, SignOfVelocity, Passive, Memoryless]
     }
 
     fn validate(&self, robot_joints: usize) -> Result<(), Vec<ModelError>> {
         verdict(self.joints.complaints("viscous_asymmetric", robot_joints))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let motion = series.motion;
         self.joints.write_own_rows(motion.joints(), 2, out, |_, joint, own| {
             for (n, v) in motion.velocity_rad_s(joint).iter().enumerate() {

@@ -3,15 +3,14 @@
 use aurt_traits::{ArmTerm, Columns, Invariant, RigidBodyRegressor};
 
 use super::{
-    AGREEMENT, Violation, first_difference,
-    joint::{largest_jump, not_shrinking, step_at_rest, work},
+    AGREEMENT, Violation, check_splits, first_difference, in_pieces,
+    joint::work,
+    of_motion,
     recording::{Draw, Recording},
 };
 
 /// Samples of the random recordings.
 const SAMPLES: usize = 400;
-/// Distance between columns, larger than a series so that writing beyond its end is seen.
-const PADDING: usize = 3;
 
 /// Runs every check on random recordings of `seed` with the robot `body`: columns as announced and finite,
 /// independence of how the series is split, the declared invariants.
@@ -22,15 +21,7 @@ pub fn check(term: &dyn ArmTerm, body: &dyn RigidBodyRegressor, seed: u64) -> Re
     let recording = Recording::random(seed, body.joints(), SAMPLES);
     let whole = evaluate(term, body, &recording, &[])?;
     check_columns(term, body, &whole)?;
-    let mut draw = Draw::new(!seed);
-    let some_cuts: Vec<usize> = (0..6).map(|_| draw.below(SAMPLES)).collect();
-    let every_sample: Vec<usize> = (1..SAMPLES).collect();
-    for cuts in [some_cuts, every_sample] {
-        let split = evaluate(term, body, &recording, &cuts)?;
-        if let Some(place) = first_difference(&whole, &split, AGREEMENT) {
-            return Err(broken(term, format!("depends on how the series is split, {place}")));
-        }
-    }
+    check_splits(term.name(), seed, SAMPLES, &whole, |cuts| evaluate(term, body, &recording, cuts))?;
     for invariant in term.invariants().iter() {
         check_invariant(term, body, invariant, seed, &recording, &whole)?;
     }
@@ -48,40 +39,18 @@ pub fn evaluate(
     recording: &Recording,
     cuts: &[usize],
 ) -> Result<Vec<Vec<f64>>, Violation> {
-    const UNTOUCHED: f64 = 1.25e77;
     let joints = recording.joints();
     let count = term.joints(joints).len() * term.columns(joints).len();
     let motion = recording.motion();
-    let mut columns = vec![Vec::with_capacity(recording.samples()); count];
     let mut state = term.initial_state(&recording.arm(motion.view().slice(0..1), 0, body));
     if state.len() != term.state_len(joints) {
         let (announced, found) = (term.state_len(joints), state.len());
         return Err(broken(term, format!("announces {announced} state variables, has {found}")));
     }
-    let mut ends = cuts.to_vec();
-    ends.push(recording.samples());
-    ends.sort_unstable();
-    let mut first = 0;
-    for end in ends {
-        let samples = end - first;
-        let stride = samples + PADDING;
-        let mut data = vec![UNTOUCHED; count * stride];
-        let series = recording.arm(motion.view().slice(first..end), first, body);
-        term.evaluate(&series, &mut state, &mut Columns::new(&mut data, count, samples, stride))
-            .map_err(|source| Violation::Failed { during: "evaluation", source })?;
-        for (k, column) in columns.iter_mut().enumerate() {
-            let (values, beyond) = data[k * stride..(k + 1) * stride].split_at(samples);
-            if beyond.iter().any(|x| *x != UNTOUCHED) {
-                return Err(broken(term, format!("writes beyond the end of column {k}")));
-            }
-            if let Some(n) = values.iter().position(|x| *x == UNTOUCHED) {
-                return Err(broken(term, format!("does not write column {k}, sample {}", first + n)));
-            }
-            column.extend_from_slice(values);
-        }
-        first = end;
-    }
-    Ok(columns)
+    in_pieces(term.name(), count, recording.samples(), cuts, |piece, out| {
+        let series = recording.arm(motion.view().slice(piece.clone()), piece.start, body);
+        term.evaluate(&series, &mut state, out)
+    })
 }
 
 /// Checks the shape parameters of a term.
@@ -157,33 +126,9 @@ fn check_invariant(
         })
     };
     let detail = match invariant {
-        Invariant::EvenInLoad => {
-            first_difference(whole, &over(&recording.clone().with_reversed_load())?, AGREEMENT)
-        }
         Invariant::Positive => any(&|_, _, x| x < 0.0),
         Invariant::BoundedByOne => any(&|_, _, x| x.abs() > 1.0),
-        Invariant::OddInVelocity => {
-            let reversed = if term.invariants().contains(Invariant::Memoryless) {
-                recording.clone().with_reversed_velocity()
-            } else {
-                recording.clone().mirrored()
-            };
-            let mut other = over(&reversed)?;
-            other.iter_mut().flatten().for_each(|x| *x = -*x);
-            first_difference(whole, &other, AGREEMENT)
-        }
         Invariant::SignOfVelocity => any(&|joint, n, x| x * recording.joint(joint).velocity_rad_s[n] < 0.0),
-        Invariant::ContinuousInVelocity if term.invariants().contains(Invariant::Memoryless) => {
-            let beside_rest = |v| over(&recording.clone().with_velocity(v));
-            step_at_rest(whole, &beside_rest(-1e-12)?, &beside_rest(1e-12)?)
-        }
-        Invariant::ContinuousInVelocity => {
-            let jump = |samples| {
-                let fine = Recording::closed(seed, joints, samples, 1, 0.3, 2.0);
-                over(&fine).map(|columns| columns.iter().map(|c| largest_jump(c)).collect::<Vec<f64>>())
-            };
-            not_shrinking(&jump(2_000)?, &jump(100_000)?)
-        }
         Invariant::Passive => {
             let mut found = None;
             for amplitude in [1e-4, 1e-2, 1.0] {
@@ -203,9 +148,6 @@ fn check_invariant(
             }
             found
         }
-        Invariant::RateIndependent => {
-            first_difference(whole, &over(&recording.clone().slowed(3.0))?, AGREEMENT)
-        }
         Invariant::Memoryless => {
             let motion = recording.motion();
             let mut draw = Draw::new(seed);
@@ -223,7 +165,7 @@ fn check_invariant(
             }
             found
         }
-        _ => None,
+        other => of_motion(other, term.invariants(), seed, recording, whole, &over)?,
     };
     match detail {
         Some(detail) => Err(Violation::Invariant { model: term.name().into(), invariant, detail }),

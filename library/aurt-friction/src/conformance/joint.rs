@@ -1,16 +1,14 @@
 //! Checks of a [`JointModel`] by itself, whatever slot it is for.
 
-use aurt_traits::{Columns, CoulombModel, HysteresisModel, Invariant, JointModel, JointSeries, ViscousBasis};
+use aurt_traits::{CoulombModel, HysteresisModel, Invariant, JointModel, JointSeries, ViscousBasis};
 
 use super::{
-    AGREEMENT, Violation, first_difference,
+    AGREEMENT, Violation, check_splits, first_difference, in_pieces, of_motion,
     recording::{Draw, Recording},
 };
 
 /// Samples of the random recordings.
 const SAMPLES: usize = 600;
-/// Distance between columns, larger than a series so that writing beyond its end is seen.
-const PADDING: usize = 3;
 
 /// Runs every check on random recordings of `seed`: columns as announced and finite, independence of how the
 /// series is split, the declared invariants.
@@ -21,15 +19,7 @@ pub fn check(model: &dyn JointModel, seed: u64) -> Result<(), Violation> {
     let recording = Recording::random(seed, 1, SAMPLES);
     let whole = evaluate(model, &recording.joint(0), &[])?;
     check_columns(model, &whole)?;
-    let mut draw = Draw::new(!seed);
-    let some_cuts: Vec<usize> = (0..6).map(|_| draw.below(SAMPLES)).collect();
-    let every_sample: Vec<usize> = (1..SAMPLES).collect();
-    for cuts in [some_cuts, every_sample] {
-        let split = evaluate(model, &recording.joint(0), &cuts)?;
-        if let Some(place) = first_difference(&whole, &split, AGREEMENT) {
-            return Err(broken(model, format!("depends on how the series is split, {place}")));
-        }
-    }
+    check_splits(model.name(), seed, SAMPLES, &whole, |cuts| evaluate(model, &recording.joint(0), cuts))?;
     if !model.reads_load() {
         let other = evaluate(model, &recording.clone().with_reversed_load().joint(0), &[])?;
         let none = evaluate(model, &JointSeries { load_torque: &[0.0; SAMPLES], ..recording.joint(0) }, &[])?;
@@ -55,9 +45,7 @@ pub fn evaluate(
     series: &JointSeries<'_>,
     cuts: &[usize],
 ) -> Result<Vec<Vec<f64>>, Violation> {
-    const UNTOUCHED: f64 = 1.25e77;
     let count = model.columns().len();
-    let mut columns = vec![Vec::with_capacity(series.samples()); count];
     let mut state = model.initial_state(&series.slice(0..1));
     if state.len() != model.state_len() {
         return Err(broken(
@@ -65,31 +53,9 @@ pub fn evaluate(
             format!("announces {} state variables, has {}", model.state_len(), state.len()),
         ));
     }
-    let mut ends = cuts.to_vec();
-    ends.push(series.samples());
-    ends.sort_unstable();
-    let mut first = 0;
-    for end in ends {
-        let samples = end - first;
-        let stride = samples + PADDING;
-        let mut data = vec![UNTOUCHED; count * stride];
-        let mut out = Columns::new(&mut data, count, samples, stride);
-        model
-            .evaluate(&series.slice(first..end), &mut state, &mut out)
-            .map_err(|source| Violation::Failed { during: "evaluation", source })?;
-        for (k, column) in columns.iter_mut().enumerate() {
-            let (values, beyond) = data[k * stride..(k + 1) * stride].split_at(samples);
-            if beyond.iter().any(|x| *x != UNTOUCHED) {
-                return Err(broken(model, format!("writes beyond the end of column {k}")));
-            }
-            if let Some(n) = values.iter().position(|x| *x == UNTOUCHED) {
-                return Err(broken(model, format!("does not write column {k}, sample {}", first + n)));
-            }
-            column.extend_from_slice(values);
-        }
-        first = end;
-    }
-    Ok(columns)
+    in_pieces(model.name(), count, series.samples(), cuts, |piece, out| {
+        model.evaluate(&series.slice(piece), &mut state, out)
+    })
 }
 
 /// A boxed model of any slot, as a [`JointModel`] that can be copied.
@@ -161,38 +127,14 @@ fn check_invariant(
 ) -> Result<(), Violation> {
     let over = |recording: &Recording| evaluate(model, &recording.joint(0), &[]);
     let detail = match invariant {
-        Invariant::EvenInLoad => {
-            first_difference(whole, &over(&recording.clone().with_reversed_load())?, AGREEMENT)
-        }
         Invariant::Positive => not_positive(whole),
         Invariant::BoundedByOne => {
             first_sample(whole, |_, x| x.abs() > 1.0).map(|(k, n, x)| format!("column {k}, sample {n}: {x}"))
-        }
-        Invariant::OddInVelocity => {
-            let reversed = if model.invariants().contains(Invariant::Memoryless) {
-                recording.clone().with_reversed_velocity()
-            } else {
-                recording.clone().mirrored()
-            };
-            let mut other = over(&reversed)?;
-            other.iter_mut().flatten().for_each(|x| *x = -*x);
-            first_difference(whole, &other, AGREEMENT)
         }
         Invariant::SignOfVelocity => {
             let velocity = recording.joint(0).velocity_rad_s;
             first_sample(whole, |n, x| x * velocity[n] < 0.0 || (velocity[n] == 0.0 && x != 0.0))
                 .map(|(k, n, x)| format!("column {k}, sample {n}: {x} at {} rad/s", velocity[n]))
-        }
-        Invariant::ContinuousInVelocity if model.invariants().contains(Invariant::Memoryless) => {
-            let beside_rest = |v| over(&recording.clone().with_velocity(v));
-            step_at_rest(whole, &beside_rest(-1e-12)?, &beside_rest(1e-12)?)
-        }
-        Invariant::ContinuousInVelocity => {
-            let jump = |samples| {
-                let fine = Recording::closed(seed, 1, samples, 1, 0.3, 2.0);
-                over(&fine).map(|columns| columns.iter().map(|c| largest_jump(c)).collect::<Vec<f64>>())
-            };
-            not_shrinking(&jump(2_000)?, &jump(100_000)?)
         }
         Invariant::Passive => {
             let mut found = None;
@@ -211,9 +153,6 @@ fn check_invariant(
             }
             found
         }
-        Invariant::RateIndependent => {
-            first_difference(whole, &over(&recording.clone().slowed(3.0))?, AGREEMENT)
-        }
         Invariant::Memoryless => {
             let series = recording.joint(0);
             let mut draw = Draw::new(seed);
@@ -226,7 +165,7 @@ fn check_invariant(
             }
             found
         }
-        _ => None,
+        other => of_motion(other, model.invariants(), seed, recording, whole, &over)?,
     };
     match detail {
         Some(detail) => Err(Violation::Invariant { model: model.name().into(), invariant, detail }),
@@ -247,27 +186,6 @@ fn first_sample(columns: &[Vec<f64>], is: impl Fn(usize, f64) -> bool) -> Option
         .iter()
         .enumerate()
         .find_map(|(k, column)| column.iter().enumerate().find(|(n, x)| is(*n, **x)).map(|(n, x)| (k, n, *x)))
-}
-
-/// The largest difference between neighbouring samples.
-pub(crate) fn largest_jump(column: &[f64]) -> f64 {
-    column.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max)
-}
-
-/// A column that differs on the two sides of rest by more than 10⁻⁶ of its size (or of 10⁻³, if it is smaller).
-pub(crate) fn step_at_rest(whole: &[Vec<f64>], before: &[Vec<f64>], after: &[Vec<f64>]) -> Option<String> {
-    let size = |column: &[f64]| column.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    whole.iter().zip(before.iter().zip(after)).enumerate().find_map(|(k, (all, (b, a)))| {
-        let step = b.iter().zip(a).map(|(b, a)| (a - b).abs()).fold(0.0, f64::max);
-        (step > 1e-6 * size(all).max(1e-3)).then(|| format!("column {k} steps by {step} at rest"))
-    })
-}
-
-/// A column whose largest jump does not shrink with the distance between samples has a step.
-pub(crate) fn not_shrinking(coarse: &[f64], fine: &[f64]) -> Option<String> {
-    coarse.iter().zip(fine).enumerate().find_map(|(k, (c, f))| {
-        (*f > 0.2 * c).then(|| format!("column {k} steps by {f} however finely it is sampled"))
-    })
 }
 
 /// ∫ column dq by the trapezoidal rule, and the same of the magnitudes.

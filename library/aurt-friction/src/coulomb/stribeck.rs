@@ -10,6 +10,7 @@
 //! | `stribeck_velocity_rad_s` | rad/s | v_S, shape, 0.001–1, searched in logarithms; 0.05 unless given |
 //! | `stribeck_exponent` | 1 | δ, shape, 0.5–3; 2 (Gaussian) unless given |
 //! | `load` | – | `"none"` (default), `"absolute"` or `"square"` |
+//! | `level` | – | `false`: without F_C,l, beside friction that has them; `true` unless given |
 //!
 //! # Columns
 //! | name | unit | column |
@@ -32,15 +33,11 @@
 //! Even in load, strictly positive, continuous in velocity, memoryless; bounded by one without `load`.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, Parameter, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    shape::{accepted, out_of_bounds, verdict},
-    stribeck_curve::{Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY},
-};
+use crate::stribeck_curve::{Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY};
 
 /// How a Stribeck level grows with the load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -65,11 +62,19 @@ pub struct Stribeck {
     pub stribeck_exponent: f64,
     /// Load dependence of both levels.
     pub load: LoadDependence,
+    /// Whether it has the levels F_C,l; without them it is the excess alone, beside friction that has them.
+    #[serde(skip_serializing_if = "is_true")]
+    pub level: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+const fn is_true(level: &bool) -> bool {
+    *level
 }
 
 impl Default for Stribeck {
     fn default() -> Self {
-        Self { stribeck_velocity_rad_s: 0.05, stribeck_exponent: 2.0, load: LoadDependence::None }
+        Self { stribeck_velocity_rad_s: 0.05, stribeck_exponent: 2.0, load: LoadDependence::None, level: true }
     }
 }
 
@@ -85,60 +90,41 @@ register_model! {
 }
 
 impl JointModel for Stribeck {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        shape: [stribeck_velocity_rad_s in STRIBECK_VELOCITY, stribeck_exponent in STRIBECK_EXPONENT],
+        validate: within_bounds,
     }
 
     fn columns(&self) -> Vec<Parameter> {
         let mut columns = vec![Parameter::new("F_C0", "Nm"), Parameter::new("dF_S0", "Nm")];
         let unit = match self.load {
-            LoadDependence::None => return columns,
-            LoadDependence::Absolute => "1",
-            LoadDependence::Square => "1/Nm",
+            LoadDependence::None => None,
+            LoadDependence::Absolute => Some("1"),
+            LoadDependence::Square => Some("1/Nm"),
         };
-        columns.extend([Parameter::new("F_C1", unit), Parameter::new("dF_S1", unit)]);
+        columns.extend(unit.into_iter().flat_map(|unit| ["F_C1", "dF_S1"].map(|n| Parameter::new(n, unit))));
+        columns.retain(|column| self.level || column.name.starts_with('d'));
         columns
     }
 
     fn invariants(&self) -> Invariants {
-        const ALWAYS: [Invariant; 4] = [
+        Invariants::of(&[
             Invariant::EvenInLoad,
             Invariant::Positive,
             Invariant::ContinuousInVelocity,
             Invariant::Memoryless,
-        ];
-        let bounded = match self.load {
-            LoadDependence::None => Invariants::of(&[Invariant::BoundedByOne]),
-            LoadDependence::Absolute | LoadDependence::Square => Invariants::NONE,
-        };
-        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | bounded.bits())
+        ])
+        .with(Invariant::BoundedByOne, self.load == LoadDependence::None)
     }
 
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s), STRIBECK_EXPONENT.at(self.stribeck_exponent)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity, exponent] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.stribeck_velocity_rad_s = velocity;
-            self.stribeck_exponent = exponent;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let decay = Decay { velocity_rad_s: self.stribeck_velocity_rad_s, exponent: self.stribeck_exponent };
-        out.column_mut(0).fill(1.0);
-        for (o, v) in out.column_mut(1).iter_mut().zip(series.velocity_rad_s) {
+        // Of a level and its excess, the place of the excess.
+        let excess = usize::from(self.level);
+        if self.level {
+            out.column_mut(0).fill(1.0);
+        }
+        for (o, v) in out.column_mut(excess).iter_mut().zip(series.velocity_rad_s) {
             *o = decay.at(*v);
         }
         let growth = match self.load {
@@ -147,11 +133,11 @@ impl JointModel for Stribeck {
             LoadDependence::Square => |load: f64| load * load,
         };
         let (samples, (data, stride)) = (out.samples(), out.raw_mut());
-        let (near, far) = data.split_at_mut(2 * stride);
-        let (level, excess) = far.split_at_mut(stride);
+        let (near, far) = data.split_at_mut((excess + 1) * stride);
         for n in 0..samples {
-            level[n] = growth(series.load_torque[n]);
-            excess[n] = level[n] * near[stride + n];
+            let level = growth(series.load_torque[n]);
+            far[n] = level;
+            far[excess * stride + n] = level * near[excess * stride + n];
         }
         Ok(())
     }

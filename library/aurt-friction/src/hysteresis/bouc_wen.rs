@@ -32,16 +32,10 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    hysteresis::dahl::PRESLIDING,
-    shape::{Shape, accepted, out_of_bounds, verdict},
-};
+use crate::{hysteresis::dahl::PRESLIDING, shape::Shape};
 
 const EXPONENT: Shape = Shape::linear("exponent", "1", 1.0, 4.0);
 const BETA: Shape = Shape::linear("beta", "1", 0.5, 1.0);
@@ -128,43 +122,12 @@ register_model! {
 }
 
 impl JointModel for BoucWen {
-    fn name(&self) -> &str {
-        Self::NAME
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("bouc_wen", "1")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![PRESLIDING.at(self.presliding_rad), EXPONENT.at(self.exponent), BETA.at(self.beta)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance, exponent, beta] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.presliding_rad = distance;
-            self.exponent = exponent;
-            self.beta = beta;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
+    declares! {
+        columns: ["bouc_wen" in "1"],
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, Passive, RateIndependent],
+        reads_load: false,
+        shape: [presliding_rad in PRESLIDING, exponent in EXPONENT, beta in BETA],
+        validate: within_bounds,
     }
 
     fn state_len(&self) -> usize {
@@ -175,12 +138,7 @@ impl JointModel for BoucWen {
         vec![0.0, first.position_rad[0]]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (mut h, mut position) = (state[0], state[1]);
         for (o, q) in out.column_mut(0).iter_mut().zip(series.position_rad) {
             let dq = q - position;

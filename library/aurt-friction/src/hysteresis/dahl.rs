@@ -25,13 +25,10 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::shape::{Shape, accepted, out_of_bounds, verdict};
+use crate::shape::Shape;
 
 /// Presliding distance, the level divided by the stiffness at rest.
 pub(crate) const PRESLIDING: Shape = Shape::logarithmic("presliding_rad", "rad", 1e-5, 0.5);
@@ -62,41 +59,12 @@ register_model! {
 }
 
 impl JointModel for Dahl {
-    fn name(&self) -> &str {
-        Self::NAME
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("dahl", "1")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![PRESLIDING.at(self.presliding_rad)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.presliding_rad = distance;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
+    declares! {
+        columns: ["dahl" in "1"],
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, Passive, RateIndependent],
+        reads_load: false,
+        shape: [presliding_rad in PRESLIDING],
+        validate: within_bounds,
     }
 
     fn state_len(&self) -> usize {
@@ -107,12 +75,7 @@ impl JointModel for Dahl {
         vec![0.0, first.position_rad[0]]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let (mut h, mut position) = (state[0], state[1]);
         for (o, q) in out.column_mut(0).iter_mut().zip(series.position_rad) {
             h = relax(h, q - position, self.presliding_rad, 1.0);

@@ -48,15 +48,12 @@
 //! Bounded by one, odd, continuous. Passivity is not declared: an element that slips into rest gains force
 //! without a displacement that would pay for it.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
     path_step::PathStep,
-    shape::{Shape, accepted, out_of_bounds, verdict},
+    shape::{Shape, out_of_bounds, verdict},
     stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
     thresholds::Thresholds,
 };
@@ -166,37 +163,14 @@ register_model! {
 }
 
 impl JointModel for Gms {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity],
+        reads_load: false,
+        shape: [stribeck_velocity_rad_s in STRIBECK_VELOCITY, coulomb_ratio in COULOMB_RATIO, attraction_per_s in ATTRACTION],
     }
 
     fn columns(&self) -> Vec<Parameter> {
         (0..self.thresholds().len()).map(|i| Parameter::new(format!("m{i}"), "1")).collect()
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[Invariant::BoundedByOne, Invariant::OddInVelocity, Invariant::ContinuousInVelocity])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![
-            STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s),
-            COULOMB_RATIO.at(self.coulomb_ratio),
-            ATTRACTION.at(self.attraction_per_s),
-        ]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity, ratio, attraction] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.stribeck_velocity_rad_s = velocity;
-            self.coulomb_ratio = ratio;
-            self.attraction_per_s = attraction;
-        }
-        Ok(())
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
@@ -218,12 +192,7 @@ impl JointModel for Gms {
         state
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let thresholds = self.thresholds().values();
         let curve = self.curve();
         let (mut time, mut position) = (state[0], state[1]);

@@ -33,16 +33,13 @@
 //! # Invariants
 //! Bounded by one, odd, continuous; passive, for H q̇ − d/dt (p H²/2) = |q̇| H²/g ≥ 0.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 use crate::{
     hysteresis::dahl::{PRESLIDING, relax},
     path_step::PathStep,
-    shape::{accepted, out_of_bounds, verdict},
+    shape::{out_of_bounds, verdict},
     stribeck_curve::{COULOMB_RATIO, Decay, STRIBECK_EXPONENT, STRIBECK_VELOCITY, StribeckCurve},
 };
 
@@ -113,42 +110,11 @@ register_model! {
 }
 
 impl JointModel for LuGre {
-    fn name(&self) -> &str {
-        Self::NAME
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("lugre", "1")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::Passive,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![
-            PRESLIDING.at(self.presliding_rad),
-            STRIBECK_VELOCITY.at(self.stribeck_velocity_rad_s),
-            COULOMB_RATIO.at(self.coulomb_ratio),
-        ]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [distance, velocity, ratio] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.presliding_rad = distance;
-            self.stribeck_velocity_rad_s = velocity;
-            self.coulomb_ratio = ratio;
-        }
-        Ok(())
+    declares! {
+        columns: ["lugre" in "1"],
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, Passive],
+        reads_load: false,
+        shape: [presliding_rad in PRESLIDING, stribeck_velocity_rad_s in STRIBECK_VELOCITY, coulomb_ratio in COULOMB_RATIO],
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
@@ -163,12 +129,7 @@ impl JointModel for LuGre {
         vec![0.0, first.time_s[0], first.position_rad[0]]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let mut now = [state[0], state[1], state[2]];
         for (n, o) in out.column_mut(0).iter_mut().enumerate() {
             let sample = (series.time_s[n], series.position_rad[n], series.velocity_rad_s[n]);

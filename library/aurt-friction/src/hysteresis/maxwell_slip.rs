@@ -41,8 +41,7 @@
 //! Bounded by one, odd, continuous, passive, rate-independent.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
+    Columns, JointModel, JointSeries, ModelError, Parameter, Result, ShapeParameter, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -94,26 +93,13 @@ register_model! {
 }
 
 impl JointModel for MaxwellSlip {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, Passive, RateIndependent],
+        reads_load: false,
     }
 
     fn columns(&self) -> Vec<Parameter> {
         (0..self.thresholds().len()).map(|i| Parameter::new(format!("m{i}"), "1")).collect()
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::Passive,
-            Invariant::RateIndependent,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
     }
 
     fn shape_parameters(&self) -> Vec<ShapeParameter> {
@@ -140,12 +126,7 @@ impl JointModel for MaxwellSlip {
         vec![first.position_rad[0]; self.state_len()]
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (i, (threshold, anchor)) in self.thresholds().values().into_iter().zip(state).enumerate() {
             let mut a = *anchor;
             for (o, q) in out.column_mut(i).iter_mut().zip(series.position_rad) {

@@ -22,7 +22,7 @@
 //! Bounded by one, odd, of the sign of velocity, passive, memoryless; rate-independent if v_0 = 0.
 
 use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
+    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Result, register_model,
 };
 use serde::{Deserialize, Serialize};
 
@@ -49,44 +49,24 @@ register_model! {
 }
 
 impl JointModel for Sign {
-    fn name(&self) -> &str {
-        Self::NAME
-    }
-
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("sgn", "1")]
-    }
+    declares! { columns: ["sgn" in "1"], reads_load: false }
 
     fn invariants(&self) -> Invariants {
-        const ALWAYS: [Invariant; 5] = [
+        Invariants::of(&[
             Invariant::BoundedByOne,
             Invariant::OddInVelocity,
             Invariant::SignOfVelocity,
             Invariant::Passive,
             Invariant::Memoryless,
-        ];
-        let rate = if self.rest_velocity_rad_s == 0.0 {
-            Invariants::of(&[Invariant::RateIndependent])
-        } else {
-            Invariants::NONE
-        };
-        Invariants::from_bits(Invariants::of(&ALWAYS).bits() | rate.bits())
-    }
-
-    fn reads_load(&self) -> bool {
-        false
+        ])
+        .with(Invariant::RateIndependent, self.rest_velocity_rad_s == 0.0)
     }
 
     fn validate(&self) -> Result<(), Vec<ModelError>> {
         verdict(rest_complaint(Self::NAME, self.rest_velocity_rad_s).into_iter().collect())
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = sign_beyond(*v, self.rest_velocity_rad_s);
         }
@@ -103,10 +83,12 @@ pub(crate) fn sign_beyond(v: f64, rest: f64) -> f64 {
 /// The complaint about a rest velocity that is none, in the name of `model`.
 pub(crate) fn rest_complaint(model: &str, rest_velocity_rad_s: f64) -> Option<ModelError> {
     let sensible = rest_velocity_rad_s.is_finite() && rest_velocity_rad_s >= 0.0;
-    (!sensible).then(|| ModelError::InvalidParameter {
-        model: model.into(),
-        parameter: "rest_velocity_rad_s".into(),
-        reason: format!("must be zero or positive, is {rest_velocity_rad_s}"),
+    (!sensible).then(|| {
+        ModelError::parameter(
+            model,
+            "rest_velocity_rad_s",
+            format!("must be zero or positive, is {rest_velocity_rad_s}"),
+        )
     })
 }
 

@@ -19,13 +19,10 @@
 //! # Invariants
 //! Bounded by one, odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::shape::{Shape, accepted, out_of_bounds, verdict};
+use crate::shape::Shape;
 
 const VELOCITY: Shape = Shape::logarithmic("velocity_rad_s", "rad/s", 1e-4, 1.0);
 
@@ -55,50 +52,15 @@ register_model! {
 }
 
 impl JointModel for Tanh {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        columns: ["tanh" in "1"],
+        invariants: [BoundedByOne, OddInVelocity, ContinuousInVelocity, SignOfVelocity, Passive, Memoryless],
+        reads_load: false,
+        shape: [velocity_rad_s in VELOCITY],
+        validate: within_bounds,
     }
 
-    fn columns(&self) -> Vec<Parameter> {
-        vec![Parameter::new("tanh", "1")]
-    }
-
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::BoundedByOne,
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![VELOCITY.at(self.velocity_rad_s)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.velocity_rad_s = velocity;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = libm::tanh(v / self.velocity_rad_s);
         }

@@ -25,9 +25,7 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, ModelError, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
 /// Viscous friction as a sum of odd powers of velocity.
@@ -54,8 +52,9 @@ register_model! {
 }
 
 impl JointModel for Polynomial {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        invariants: [OddInVelocity, ContinuousInVelocity, SignOfVelocity, Passive, Memoryless],
+        reads_load: false,
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -63,28 +62,10 @@ impl JointModel for Polynomial {
         self.powers.iter().map(|i| Parameter::new(format!("F_v{i}"), unit(*i))).collect()
     }
 
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
     fn validate(&self) -> Result<(), Vec<ModelError>> {
         let mut complaints = Vec::new();
         let mut complain = |reason: String| {
-            complaints.push(ModelError::InvalidParameter {
-                model: Self::NAME.into(),
-                parameter: "powers".into(),
-                reason,
-            });
+            complaints.push(ModelError::parameter(Self::NAME, "powers", reason));
         };
         for (k, power) in self.powers.iter().enumerate() {
             if *power == 0 {
@@ -100,12 +81,7 @@ impl JointModel for Polynomial {
         if complaints.is_empty() { Ok(()) } else { Err(complaints) }
     }
 
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (k, power) in self.powers.iter().enumerate() {
             let column = out.column_mut(k);
             match power {

@@ -29,13 +29,10 @@
 //! # Invariants
 //! Odd, continuous, of the sign of velocity, passive, memoryless.
 
-use aurt_traits::{
-    Columns, Invariant, Invariants, JointModel, JointSeries, ModelError, Parameter, ShapeParameter,
-    register_model,
-};
+use aurt_traits::{Columns, JointModel, JointSeries, Parameter, Result, register_model};
 use serde::{Deserialize, Serialize};
 
-use crate::shape::{Shape, accepted, out_of_bounds, verdict};
+use crate::shape::Shape;
 
 const SATURATION_VELOCITY: Shape = Shape::logarithmic("saturation_velocity_rad_s", "rad/s", 0.05, 20.0);
 
@@ -67,8 +64,11 @@ register_model! {
 }
 
 impl JointModel for Saturating {
-    fn name(&self) -> &str {
-        Self::NAME
+    declares! {
+        invariants: [OddInVelocity, ContinuousInVelocity, SignOfVelocity, Passive, Memoryless],
+        reads_load: false,
+        shape: [saturation_velocity_rad_s in SATURATION_VELOCITY],
+        validate: within_bounds,
     }
 
     fn columns(&self) -> Vec<Parameter> {
@@ -79,41 +79,7 @@ impl JointModel for Saturating {
         columns
     }
 
-    fn invariants(&self) -> Invariants {
-        Invariants::of(&[
-            Invariant::OddInVelocity,
-            Invariant::ContinuousInVelocity,
-            Invariant::SignOfVelocity,
-            Invariant::Passive,
-            Invariant::Memoryless,
-        ])
-    }
-
-    fn reads_load(&self) -> bool {
-        false
-    }
-
-    fn shape_parameters(&self) -> Vec<ShapeParameter> {
-        vec![SATURATION_VELOCITY.at(self.saturation_velocity_rad_s)]
-    }
-
-    fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let [velocity] = accepted(Self::NAME, &self.shape_parameters(), values)?[..] {
-            self.saturation_velocity_rad_s = velocity;
-        }
-        Ok(())
-    }
-
-    fn validate(&self) -> Result<(), Vec<ModelError>> {
-        verdict(out_of_bounds(Self::NAME, &self.shape_parameters()))
-    }
-
-    fn evaluate(
-        &self,
-        series: &JointSeries<'_>,
-        _state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &JointSeries<'_>, _state: &mut [f64], out: &mut Columns<'_>) -> Result {
         for (o, v) in out.column_mut(0).iter_mut().zip(series.velocity_rad_s) {
             *o = libm::tanh(v / self.saturation_velocity_rad_s);
         }

@@ -1,10 +1,11 @@
 //! Coefficients come back from the torque that they made, for every registered model in its place.
 
 use aurt_friction::conformance::{
-    arm, least_squares,
+    arm,
     recording::{Draw, Recording},
 };
 use aurt_traits::{Columns, JointStack};
+use nalgebra::{DMatrix, DVector};
 
 use crate::{
     invariants::in_its_slot,
@@ -26,8 +27,14 @@ fn assert_recovered(what: &str, columns: &[Vec<f64>], seed: u64) {
     let truth: Vec<f64> = columns.iter().map(|_| draw.between(0.5, 2.0)).collect();
     let torque: Vec<f64> =
         (0..columns[0].len()).map(|n| columns.iter().zip(&truth).map(|(c, x)| x * c[n]).sum()).collect();
-    let found = least_squares::solve(columns, &torque)
-        .unwrap_or_else(|| panic!("{what}: the columns depend on each other"));
+    // Columns of unit length, so that their dependence shows in the triangle.
+    let lengths: Vec<f64> = columns.iter().map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let scaled = DMatrix::from_fn(torque.len(), columns.len(), |n, k| columns[k][n] / lengths[k]);
+    let (orthogonal, triangle) = scaled.qr().unpack();
+    let independent = triangle.diagonal().iter().all(|d| d.abs() > 1e-9);
+    assert!(independent, "{what}: the columns depend on each other");
+    let found = triangle.solve_upper_triangular(&orthogonal.tr_mul(&DVector::from_vec(torque))).unwrap();
+    let found: Vec<f64> = found.iter().zip(&lengths).map(|(x, length)| x / length).collect();
     for (k, (x, expected)) in found.iter().zip(&truth).enumerate() {
         assert!((x - expected).abs() < 1e-6 * expected, "{what}, coefficient {k}: {x} for {expected}");
     }

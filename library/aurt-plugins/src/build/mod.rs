@@ -12,7 +12,7 @@ use self::inner::{Form, Inner};
 use crate::{
     Node, Registry,
     configuration::NodeKind,
-    dynamic::{Fault, LibraryArmTerm, LibraryJointModel, LibraryModel, PLUGIN_KEY},
+    dynamic::{Fault, LibraryModel, LibraryTerm, PLUGIN_KEY},
     error::BuildError,
     listing::{LibraryListing, Origin},
     place::{self, Place, Tracked},
@@ -56,7 +56,7 @@ pub trait SlotModel: sealed::Construct {
 }
 
 macro_rules! slot_model {
-    ($model:ty, $slot:ident, $adapter:ident, $inner:expr, $complaints:expr) => {
+    ($model:ty, $slot:ident, $inner:expr, $complaints:expr) => {
         impl SlotModel for $model {
             const SLOT: Slot = Slot::$slot;
         }
@@ -70,7 +70,7 @@ macro_rules! slot_model {
                 model: Arc<LibraryModel>,
                 config: Map<String, Value>,
             ) -> Result<Box<Self>, Fault> {
-                Ok(Box::new($adapter::create(model, config)?))
+                Ok(Box::new(LibraryTerm::create(model, config)?))
             }
 
             fn inner_models(&mut self) -> Option<InnerModels<'_>> {
@@ -86,17 +86,16 @@ macro_rules! slot_model {
     };
 }
 
-slot_model!(dyn CoulombModel, Coulomb, LibraryJointModel, |_| None, |m| JointModel::validate(m)
-    .err()
-    .unwrap_or_default());
-slot_model!(dyn HysteresisModel, Hysteresis, LibraryJointModel, |_| None, |m| JointModel::validate(m)
-    .err()
-    .unwrap_or_default());
-slot_model!(dyn ViscousBasis, Viscous, LibraryJointModel, |_| None, |m| JointModel::validate(m)
-    .err()
-    .unwrap_or_default());
+/// What a joint model says of its configuration.
+fn joint_complaints(model: &(impl JointModel + ?Sized)) -> Vec<ModelError> {
+    model.validate().err().unwrap_or_default()
+}
+
+slot_model!(dyn CoulombModel, Coulomb, |_| None, joint_complaints);
+slot_model!(dyn HysteresisModel, Hysteresis, |_| None, joint_complaints);
+slot_model!(dyn ViscousBasis, Viscous, |_| None, joint_complaints);
 // Whether an arm term fits depends on the robot; that is asked when the number of joints is known.
-slot_model!(dyn ArmTerm, ArmTerm, LibraryArmTerm, |m| m.inner_models(), |_| Vec::new());
+slot_model!(dyn ArmTerm, ArmTerm, |m| m.inner_models(), |_| Vec::new());
 
 /// Models by their former names, which old files have.
 const RENAMED: [(Slot, &str, &str); 1] = [(Slot::Coulomb, "none", "constant")];

@@ -1,52 +1,19 @@
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use aurt_traits::{
-    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, ShapeParameter,
-    abi::{NO_ROBOT, Series},
-};
-use serde::{Serialize, Serializer};
-use serde_json::{Map, Value};
-
-use super::{
-    description::Described,
-    instance::{Fault, Instance},
-    joint_model::{evaluate, initial_state, with_shape},
-    library::LibraryModel,
+    ArmSeries, ArmTerm, Columns, Invariants, ModelError, Parameter, Result, ShapeParameter, abi::Series,
 };
 
-/// An arm term of a library.
-#[derive(Debug, Clone)]
-pub(crate) struct LibraryArmTerm {
-    instance: Arc<Instance>,
-    /// What does not depend on the robot: shape parameters, invariants, whether it is a load.
-    described: Arc<Described>,
-    /// Why the last initial state could not be had; evaluation then reports it.
-    failure: Arc<Mutex<Option<String>>>,
-}
+use super::{description::Described, instance::Fault, model::LibraryTerm};
 
-impl LibraryArmTerm {
-    pub(crate) fn create(model: Arc<LibraryModel>, config: Map<String, Value>) -> Result<Self, Fault> {
-        Self::of(Instance::create(model, config)?)
-    }
-
-    fn of(instance: Instance) -> Result<Self, Fault> {
-        let described = instance.describe(NO_ROBOT)?;
-        Ok(Self { instance: Arc::new(instance), described, failure: Arc::default() })
-    }
-
+impl LibraryTerm {
     /// The description for a robot; none if the term does not fit it, which `validate` reports.
     fn on(&self, robot_joints: usize) -> Option<Arc<Described>> {
         self.instance.describe(robot_joints).ok()
     }
 }
 
-impl Serialize for LibraryArmTerm {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.instance.saved(&self.described.shapes).serialize(serializer)
-    }
-}
-
-impl ArmTerm for LibraryArmTerm {
+impl ArmTerm for LibraryTerm {
     // As for joint models: the name is the library's, so `typetag`'s attribute cannot be used.
     fn typetag_name(&self) -> &'static str {
         self.instance.model.name
@@ -91,7 +58,7 @@ impl ArmTerm for LibraryArmTerm {
         let name = self.instance.model.name;
         let described = self.instance.describe(robot_joints).map_err(|fault| {
             let complaint = |(key, reason): (Option<String>, String)| match key {
-                Some(parameter) => ModelError::InvalidParameter { model: name.to_owned(), parameter, reason },
+                Some(parameter) => ModelError::parameter(name, parameter, reason),
                 None => self.instance.failed(reason),
             };
             fault.complaints(&self.instance.config).into_iter().map(complaint).collect::<Vec<_>>()
@@ -109,10 +76,7 @@ impl ArmTerm for LibraryArmTerm {
     }
 
     fn set_shape(&mut self, values: &[f64]) -> Result<(), ModelError> {
-        if let Some(other) = with_shape(&self.instance, &self.described, values)? {
-            *self = Self::of(other).map_err(|Fault(reason)| self.instance.failed(reason))?;
-        }
-        Ok(())
+        self.reshape(values)
     }
 
     fn state_len(&self, robot_joints: usize) -> usize {
@@ -121,15 +85,10 @@ impl ArmTerm for LibraryArmTerm {
 
     fn initial_state(&self, first: &ArmSeries<'_>) -> Vec<f64> {
         let Some(described) = self.on(first.motion.joints()) else { return Vec::new() };
-        initial_state(&self.instance, &described, &Series::of_arm(first), &self.failure)
+        self.first_state(&described, &Series::of_arm(first))
     }
 
-    fn evaluate(
-        &self,
-        series: &ArmSeries<'_>,
-        state: &mut [f64],
-        out: &mut Columns<'_>,
-    ) -> Result<(), ModelError> {
+    fn evaluate(&self, series: &ArmSeries<'_>, state: &mut [f64], out: &mut Columns<'_>) -> Result {
         let described = self
             .instance
             .describe(series.motion.joints())
@@ -137,6 +96,6 @@ impl ArmTerm for LibraryArmTerm {
         let columns = described.joints.len() * described.columns.len();
         let guarded = self.instance.is_new();
         let series = Series::of_arm(series);
-        evaluate(&self.instance, &described, columns, &series, state, out, &self.failure, guarded)
+        self.checked(&described, columns, &series, state, out, guarded)
     }
 }

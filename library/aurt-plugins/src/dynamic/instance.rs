@@ -217,10 +217,7 @@ impl Instance {
 
     pub(crate) fn failed(&self, reason: impl Into<String>) -> ModelError {
         let LibraryModel { name, library, .. } = &*self.model;
-        ModelError::Evaluation {
-            model: (*name).to_owned(),
-            reason: format!("{} ({})", reason.into(), library.name),
-        }
+        ModelError::evaluation(*name, format!("{} ({})", reason.into(), library.name))
     }
 }
 

@@ -11,11 +11,11 @@ mod guarded;
 mod instance;
 mod joint_model;
 mod library;
+mod model;
 
 pub use self::calls::{Told, longest_call, time_limit, watch_calls};
 pub(crate) use self::{
-    arm_term::LibraryArmTerm,
     instance::{Fault, PLUGIN_KEY},
-    joint_model::LibraryJointModel,
     library::{LibraryModel, load},
+    model::LibraryTerm,
 };

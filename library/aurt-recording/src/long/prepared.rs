@@ -317,11 +317,7 @@ impl LongPrepared {
         }
         let [position, speed, acceleration] = motion;
         let motion = Motion::new(joints, time[0][own.clone()].to_vec(), position, speed, acceleration)
-            .map_err(|_| RecordingError::Count {
-                what: "values of the motion".into(),
-                expected: joints * own.len(),
-                found: 0,
-            })?;
+            .map_err(|_| RecordingError::count("values of the motion", joints * own.len(), 0))?;
         let corrected: Vec<Vec<f64>> = measurements
             .iter()
             .enumerate()

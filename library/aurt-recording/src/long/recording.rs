@@ -77,11 +77,11 @@ impl LongRecording {
     pub fn push(&mut self, piece: &Recording) -> Result<(), RecordingError> {
         piece.validate()?;
         if piece.joints() != self.joints || piece.measurement.is_some() != self.measured {
-            return Err(RecordingError::Count {
-                what: format!("{}: joints of a piece", self.file.display()),
-                expected: self.joints,
-                found: piece.joints(),
-            });
+            return Err(RecordingError::count(
+                format!("{}: joints of a piece", self.file.display()),
+                self.joints,
+                piece.joints(),
+            ));
         }
         let Some([first, last]) = piece.time_s.first().zip(piece.time_s.last()).map(|(a, b)| [*a, *b]) else {
             return Ok(());
@@ -123,12 +123,6 @@ impl LongRecording {
     #[must_use]
     pub const fn first_stamp_s(&self) -> Option<f64> {
         self.first_s
-    }
-
-    /// Whether something was measured.
-    #[must_use]
-    pub const fn is_measured(&self) -> bool {
-        self.measured
     }
 
     /// What was found while the file was read; nothing of samples that were pushed.

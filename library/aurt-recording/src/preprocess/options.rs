@@ -125,11 +125,11 @@ impl PreprocessOptions {
         for (option, values) in per_joint {
             let Some(values) = values else { continue };
             if values.len() != joints {
-                return Err(RecordingError::Count {
-                    what: format!("`{option}`, one for each joint"),
-                    expected: joints,
-                    found: values.len(),
-                });
+                return Err(RecordingError::count(
+                    format!("`{option}`, one for each joint"),
+                    joints,
+                    values.len(),
+                ));
             }
             if let Some(value) = values.iter().copied().find(|v| !v.is_finite()) {
                 let remedy = "it must be a finite number for every joint";

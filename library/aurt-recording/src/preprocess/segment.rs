@@ -180,13 +180,8 @@ impl Plan<'_> {
             acceleration.extend(inner_acceleration(&q[kept.start..kept.end + 2], period_s));
         }
         let time_s = data.time_s[on_motion.clone()].to_vec();
-        let motion = Motion::new(filtered.len(), time_s, position, speed, acceleration).map_err(|_| {
-            RecordingError::Count {
-                what: "values of the motion".into(),
-                expected: filtered.len() * kept.len(),
-                found: 0,
-            }
-        })?;
+        let motion = Motion::new(filtered.len(), time_s, position, speed, acceleration)
+            .map_err(|_| RecordingError::count("values of the motion", filtered.len() * kept.len(), 0))?;
 
         let measurement = match &data.measurement {
             Some(series) => Some(

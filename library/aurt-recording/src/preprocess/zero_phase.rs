@@ -126,11 +126,11 @@ impl ZeroPhase {
     pub fn filter_all<S: AsRef<[f64]>>(&self, series: &[S]) -> Result<Vec<Vec<f64>>, RecordingError> {
         let samples = series.first().map_or(0, |s| s.as_ref().len());
         if let Some(other) = series.iter().find(|s| s.as_ref().len() != samples) {
-            return Err(RecordingError::Count {
-                what: "samples of a series to filter".into(),
-                expected: samples,
-                found: other.as_ref().len(),
-            });
+            return Err(RecordingError::count(
+                "samples of a series to filter",
+                samples,
+                other.as_ref().len(),
+            ));
         }
         let padding = self.padding();
         if !series.is_empty() && samples <= padding {

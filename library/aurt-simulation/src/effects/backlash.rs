@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints};
+use super::declaring::*;
 use super::joint_elasticity::{check_rotors, gear_damping_nm_s, heavy_link, make_compliant};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::{Robot, Rotors};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "backlash",
-    family: Family::P,
-    summary: "play in a gear",
-    presence: Presence::Either,
-    rotors: Some(Rotors::Geared),
-    takes: kind::Takes::One,
-    suits: heavy_link,
-    draw,
-    read: kind::read::<Backlash>,
-};
 
 /// Play in a gear whose flanks are stiff and damped; the encoder sits on the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,21 +15,28 @@ pub struct Backlash {
     pub damping_nm_s: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    let stiffness = drive.gear_stiffness_nm_rad;
-    Box::new(Backlash {
-        joint,
-        gap_rad: random.between(0.0015, 0.003),
-        stiffness_nm_rad: stiffness,
-        damping_nm_s: gear_damping_nm_s(context.robot, joint, stiffness, random.between(0.1, 0.3)),
-    })
-}
+impl Physics for Backlash {
+    const IDENTIFIER: &'static str = "backlash";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "play in a gear";
+    const PRESENCE: Presence = Presence::Either;
+    const ROTORS: Option<Rotors> = Some(Rotors::Geared);
+    const TAKES: Takes = Takes::One;
 
-impl Effect for Backlash {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        heavy_link(robot, joint)
+    }
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        let stiffness = drive.gear_stiffness_nm_rad;
+        Self {
+            joint,
+            gap_rad: random.between(0.0015, 0.003),
+            stiffness_nm_rad: stiffness,
+            damping_nm_s: gear_damping_nm_s(context.robot, joint, stiffness, random.between(0.1, 0.3)),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -64,22 +51,15 @@ impl Effect for Backlash {
         self.gap_rad = (self.gap_rad * factor.on(self.joint)).clamp(5e-5, 0.03);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
-        check_rotors(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
+        check_rotors(complaints, Self::IDENTIFIER, &[self.joint]);
         complaints.within("play of the gear in rad", self.gap_rad, 0.0, 0.5);
         complaints.within("stiffness of the flanks in Nm/rad", self.stiffness_nm_rad, 1.0, 1e7);
         complaints.within("damping of the flanks in Nm s/rad", self.damping_nm_s, 0.0, 1e4);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         let Self { joint, gap_rad, stiffness_nm_rad, damping_nm_s } = *self;
-        make_compliant(setup, KIND.identifier, joint, stiffness_nm_rad, damping_nm_s, gap_rad)
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
+        make_compliant(setup, Self::IDENTIFIER, joint, stiffness_nm_rad, damping_nm_s, gap_rad)
     }
 }

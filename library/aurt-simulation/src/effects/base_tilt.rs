@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "base_tilt",
-    family: Family::I,
-    summary: "a base that is not mounted as the experiment says",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::All,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<BaseTilt>,
-};
+use super::declaring::*;
 
 /// The base turned about its x axis by roll and then about its own y axis by pitch: in the base frame gravity
 /// is (R_x(roll) R_y(pitch))ᵀ g.
@@ -34,12 +14,6 @@ pub struct BaseTilt {
 /// Largest tilt, rad.
 const LARGEST_RAD: f64 = 0.6;
 
-fn draw(_context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let size = random.between(0.03, 0.07);
-    let direction = random.between(0.0, std::f64::consts::TAU);
-    Box::new(BaseTilt { roll_rad: size * libm::cos(direction), pitch_rad: size * libm::sin(direction) })
-}
-
 impl BaseTilt {
     /// What gravity becomes in the base frame.
     #[must_use]
@@ -51,13 +25,17 @@ impl BaseTilt {
     }
 }
 
-impl Effect for BaseTilt {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
-    }
+impl Physics for BaseTilt {
+    const IDENTIFIER: &'static str = "base_tilt";
+    const FAMILY: Family = Family::I;
+    const SUMMARY: &'static str = "a base that is not mounted as the experiment says";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::All;
 
-    fn joints(&self) -> Vec<usize> {
-        Vec::new()
+    fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
+        let size = random.between(0.03, 0.07);
+        let direction = random.between(0.0, std::f64::consts::TAU);
+        Self { roll_rad: size * libm::cos(direction), pitch_rad: size * libm::sin(direction) }
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
@@ -71,20 +49,14 @@ impl Effect for BaseTilt {
         self.pitch_rad *= factor;
     }
 
-    fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("roll of the base in rad", self.roll_rad, -3.2, 3.2);
         complaints.within("pitch of the base in rad", self.pitch_rad, -3.2, 3.2);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         let robot = &mut setup.machine.robot;
         robot.gravity_m_s2 = self.tilted(robot.gravity_m_s2);
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

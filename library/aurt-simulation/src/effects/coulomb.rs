@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Hidden, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "coulomb",
-    family: Family::F,
-    summary: "dry friction that the experiment leaves out",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: constant_level,
-    draw,
-    read: kind::read::<Coulomb>,
-};
+use super::declaring::*;
 
 /// Coulomb friction of its own level; the experiment has none on these joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,18 +10,19 @@ pub struct Coulomb {
     pub coulomb_nm: Vec<f64>,
 }
 
-/// Whether a joint's friction does not depend on the load by itself.
-fn constant_level(robot: &Robot, joint: usize) -> bool {
-    robot.drives[joint].load_coefficient == 0.0
-}
+impl Physics for Coulomb {
+    const IDENTIFIER: &'static str = "coulomb";
+    const FAMILY: Family = Family::F;
+    const SUMMARY: &'static str = "dry friction that the experiment leaves out";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
 
-fn draw(context: &Draw<'_>, _random: &mut Random) -> Box<dyn Effect> {
-    Box::new(Coulomb { joints: context.joints.to_vec(), coulomb_nm: context.noises(1.2) })
-}
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        constant_level(robot, joint)
+    }
 
-impl Effect for Coulomb {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
+        Self { joints: context.joints.to_vec(), coulomb_nm: context.noises(1.2) }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -62,18 +43,8 @@ impl Effect for Coulomb {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "coulomb_nm",
-            &self.joints,
-            &self.coulomb_nm,
-            (0.0, 1e4),
-        );
-        complaints.finish()
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.values("coulomb_nm", &self.coulomb_nm, (0.0, 1e4));
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -82,9 +53,5 @@ impl Effect for Coulomb {
             setup.machine.nominal.drives[*joint].coulomb_nm = *level;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "coulomb_asymmetry",
-    family: Family::F,
-    summary: "dry friction of two levels, one for each direction",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<CoulombAsymmetry>,
-};
+use super::declaring::*;
 
 /// Dry friction that is higher in one direction by as much as it is lower in the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,17 +12,19 @@ pub struct CoulombAsymmetry {
     pub mean_nm: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    Box::new(CoulombAsymmetry {
-        joints: context.joints.to_vec(),
-        half_difference_nm: context.noises(random.sign()),
-        mean_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
-    })
-}
+impl Physics for CoulombAsymmetry {
+    const IDENTIFIER: &'static str = "coulomb_asymmetry";
+    const FAMILY: Family = Family::F;
+    const SUMMARY: &'static str = "dry friction of two levels, one for each direction";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for CoulombAsymmetry {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        Self {
+            joints: context.joints.to_vec(),
+            half_difference_nm: context.noises(random.sign()),
+            mean_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -62,12 +44,10 @@ impl Effect for CoulombAsymmetry {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
-        check_values(&mut complaints, KIND.identifier, "mean_nm", &self.joints, &self.mean_nm, (0.0, 1e4));
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.values("mean_nm", &self.mean_nm, (0.0, 1e4));
         let (half, bounds) = (&self.half_difference_nm, (-1e4, 1e4));
-        check_values(&mut complaints, KIND.identifier, "half_difference_nm", &self.joints, half, bounds);
+        complaints.values("half_difference_nm", half, bounds);
         for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm) {
             if half.abs() > *mean {
                 let what = format!("half_difference_nm of joint {joint}");
@@ -75,7 +55,6 @@ impl Effect for CoulombAsymmetry {
                 complaints.0.push(SimulationError::value(what, *half, reason));
             }
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -83,9 +62,5 @@ impl Effect for CoulombAsymmetry {
             setup.machine.joints[*joint].coulomb_nm = [mean + half, mean - half];
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

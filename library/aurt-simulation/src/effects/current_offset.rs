@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "current_offset",
-    family: Family::D,
-    summary: "a constant in the measured torque",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<CurrentOffset>,
-};
+use super::declaring::*;
 
 /// A constant that the measured torque has too much.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,13 +10,15 @@ pub struct CurrentOffset {
     pub offset_nm: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    Box::new(CurrentOffset { joints: context.joints.to_vec(), offset_nm: context.noises(random.sign()) })
-}
+impl Physics for CurrentOffset {
+    const IDENTIFIER: &'static str = "current_offset";
+    const FAMILY: Family = Family::D;
+    const SUMMARY: &'static str = "a constant in the measured torque";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for CurrentOffset {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        Self { joints: context.joints.to_vec(), offset_nm: context.noises(random.sign()) }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -54,12 +36,9 @@ impl Effect for CurrentOffset {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let bounds = (-1e4, 1e4);
-        check_values(&mut complaints, KIND.identifier, "offset_nm", &self.joints, &self.offset_nm, bounds);
-        complaints.finish()
+        complaints.values("offset_nm", &self.offset_nm, bounds);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -67,9 +46,5 @@ impl Effect for CurrentOffset {
             setup.instrument.channels[*joint].offset_nm += offset;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

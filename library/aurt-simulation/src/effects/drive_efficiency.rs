@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "drive_efficiency",
-    family: Family::L,
-    summary: "gear losses that differ between driving and being driven",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: constant_level,
-    draw,
-    read: kind::read::<DriveEfficiency>,
-};
+use super::declaring::*;
 
 /// Gear losses in proportion to the transmitted torque, of two sizes: while the motor drives the load, and
 /// while the load drives the motor.
@@ -33,25 +13,22 @@ pub struct DriveEfficiency {
     pub driven: Vec<f64>,
 }
 
-/// Whether a joint's friction does not depend on the load by itself.
-fn constant_level(robot: &Robot, joint: usize) -> bool {
-    robot.drives[joint].load_coefficient == 0.0
-}
+impl Physics for DriveEfficiency {
+    const IDENTIFIER: &'static str = "drive_efficiency";
+    const FAMILY: Family = Family::L;
+    const SUMMARY: &'static str = "gear losses that differ between driving and being driven";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let (large, small) = (random.between(0.1, 0.2), random.between(0.01, 0.05));
-    let (driving, driven) = if random.chance(0.5) { (large, small) } else { (small, large) };
-    let joints = context.joints.len();
-    Box::new(DriveEfficiency {
-        joints: context.joints.to_vec(),
-        driving: vec![driving; joints],
-        driven: vec![driven; joints],
-    })
-}
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        constant_level(robot, joint)
+    }
 
-impl Effect for DriveEfficiency {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let (large, small) = (random.between(0.1, 0.2), random.between(0.01, 0.05));
+        let (driving, driven) = if random.chance(0.5) { (large, small) } else { (small, large) };
+        let joints = context.joints.len();
+        Self { joints: context.joints.to_vec(), driving: vec![driving; joints], driven: vec![driven; joints] }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -69,13 +46,10 @@ impl Effect for DriveEfficiency {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         for (name, values) in [("driving", &self.driving), ("driven", &self.driven)] {
-            check_values(&mut complaints, KIND.identifier, name, &self.joints, values, (0.0, 0.9));
+            complaints.values(name, values, (0.0, 0.9));
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -83,9 +57,5 @@ impl Effect for DriveEfficiency {
             setup.machine.joints[*joint].load_coefficient = [*driving, *driven];
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

@@ -1,24 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
+use super::declaring::*;
 use crate::sensors::{ClockFaults, CorruptRows};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "dropped_samples",
-    family: Family::Q,
-    summary: "missing, repeated, held or corrupt rows",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::All,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<DroppedSamples>,
-};
 
 /// A logger that loses, repeats, holds or corrupts rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -28,25 +9,23 @@ pub struct DroppedSamples {
     pub faults: ClockFaults,
 }
 
-fn draw(_context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let share = random.between(0.01, 0.03);
-    let mut faults = ClockFaults::default();
-    match random.index(4) {
-        0 => faults.missing_share = share,
-        1 => faults.repeated_share = share,
-        2 => faults.held_share = share,
-        _ => faults.corrupt = CorruptRows { share: 0.1 * share },
-    }
-    Box::new(DroppedSamples { faults })
-}
+impl Physics for DroppedSamples {
+    const IDENTIFIER: &'static str = "dropped_samples";
+    const FAMILY: Family = Family::Q;
+    const SUMMARY: &'static str = "missing, repeated, held or corrupt rows";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::All;
 
-impl Effect for DroppedSamples {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        Vec::new()
+    fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
+        let share = random.between(0.01, 0.03);
+        let mut faults = ClockFaults::default();
+        match random.index(4) {
+            0 => faults.missing_share = share,
+            1 => faults.repeated_share = share,
+            2 => faults.held_share = share,
+            _ => faults.corrupt = CorruptRows { share: 0.1 * share },
+        }
+        Self { faults }
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
@@ -62,16 +41,12 @@ impl Effect for DroppedSamples {
         f.corrupt.share = (f.corrupt.share * factor.on(0)).clamp(0.0, 0.008);
     }
 
-    fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {
-        self.faults.check()
+    fn check(&self, complaints: &mut Checks<'_>) {
+        self.faults.validate(complaints);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.faults = self.faults;
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

@@ -2,11 +2,9 @@
 
 use std::fmt::Debug;
 
-use serde::Serialize;
 use serde_json::Value;
 
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use crate::error::{Complaints, SimulationError};
 use crate::plant::Machine;
 use crate::robots::Robot;
 use crate::sensors::{ClockFaults, Instrument};
@@ -92,12 +90,6 @@ pub enum Hidden {
     Coulomb,
     /// Viscous friction.
     Viscous,
-}
-
-/// The fields of an effect as JSON.
-#[must_use]
-pub fn fields(effect: &impl Serialize) -> Value {
-    serde_json::to_value(effect).unwrap_or(Value::Null)
 }
 
 /// Complains about joints that the robot does not have, none at all, or one named twice.

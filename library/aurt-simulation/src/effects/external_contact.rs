@@ -1,26 +1,6 @@
-use aurt_rbd::{LinkFrame, SerialChain};
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::{Instant, LinkTorque};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "external_contact",
-    family: Family::X,
-    summary: "somebody or something that pushes a link for a while",
-    presence: Presence::Later,
-    rotors: None,
-    takes: kind::Takes::All,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<ExternalContact>,
-};
+use aurt_rbd::{LinkFrame, SerialChain};
 
 /// A force on a point of a link, constant in the base frame but for its rise and fall: Jᵀ F on the joints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,24 +21,26 @@ const EDGE_S: f64 = 0.08;
 /// Largest force, N.
 const LARGEST_N: f64 = 400.0;
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let last = context.robot.joints() - 1;
-    let link = last - random.index(2.min(last));
-    let length_s = random.between(0.06, 0.15) * context.duration_s;
-    let start_s = random.between(0.15, 0.75) * context.duration_s;
-    let direction = [random.normal(), random.normal(), random.normal()];
-    let size = direction.iter().map(|d| d * d).sum::<f64>().sqrt().max(1e-6);
-    Box::new(ExternalContact {
-        link,
-        point_m: [random.between(-0.05, 0.05), random.between(-0.05, 0.05), random.between(0.0, 0.1)],
-        force_n: direction.map(|d| 20.0 * d / size),
-        window_s: [start_s, start_s + length_s],
-    })
-}
+impl Physics for ExternalContact {
+    const IDENTIFIER: &'static str = "external_contact";
+    const FAMILY: Family = Family::X;
+    const SUMMARY: &'static str = "somebody or something that pushes a link for a while";
+    const PRESENCE: Presence = Presence::Later;
+    const TAKES: Takes = Takes::All;
 
-impl Effect for ExternalContact {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let last = context.robot.joints() - 1;
+        let link = last - random.index(2.min(last));
+        let length_s = random.between(0.06, 0.15) * context.duration_s;
+        let start_s = random.between(0.15, 0.75) * context.duration_s;
+        let direction = [random.normal(), random.normal(), random.normal()];
+        let size = direction.iter().map(|d| d * d).sum::<f64>().sqrt().max(1e-6);
+        Self {
+            link,
+            point_m: [random.between(-0.05, 0.05), random.between(-0.05, 0.05), random.between(0.0, 0.1)],
+            force_n: direction.map(|d| 20.0 * d / size),
+            window_s: [start_s, start_s + length_s],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -79,16 +61,14 @@ impl Effect for ExternalContact {
         self.force_n = self.force_n.map(|f| f * factor);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        complaints.link("`external_contact`", self.link, &robot.name, robot.joints());
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.link(self.link);
         for force in self.force_n {
             complaints.within("force of the contact in N", force, -1e5, 1e5);
         }
         let [start, end] = self.window_s;
         complaints.not_negative("start of the contact in s", start);
         complaints.positive("duration of the contact in s", end - start);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -101,10 +81,6 @@ impl Effect for ExternalContact {
             jacobian: vec![0.0; 6 * joints],
         }));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

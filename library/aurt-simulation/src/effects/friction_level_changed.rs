@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::ViscousLaw;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "friction_level_changed",
-    family: Family::F,
-    summary: "the same friction with other coefficients than at calibration",
-    presence: Presence::Later,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<FrictionLevelChanged>,
-};
 
 /// Dry and viscous friction multiplied by 1 + change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,29 +13,27 @@ pub struct FrictionLevelChanged {
     pub viscous_change: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let change = |random: &mut Random| random.between(0.08, 0.25);
-    let sign = random.sign();
-    let (dry, viscous) = (sign * change(random), sign * change(random));
-    let joints = context.joints.len();
-    Box::new(FrictionLevelChanged {
-        joints: context.joints.to_vec(),
-        coulomb_change: vec![dry; joints],
-        viscous_change: vec![viscous; joints],
-    })
-}
+impl Physics for FrictionLevelChanged {
+    const IDENTIFIER: &'static str = "friction_level_changed";
+    const FAMILY: Family = Family::F;
+    const SUMMARY: &'static str = "the same friction with other coefficients than at calibration";
+    const PRESENCE: Presence = Presence::Later;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for FrictionLevelChanged {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let change = |random: &mut Random| random.between(0.08, 0.25);
+        let sign = random.sign();
+        let (dry, viscous) = (sign * change(random), sign * change(random));
+        let joints = context.joints.len();
+        Self {
+            joints: context.joints.to_vec(),
+            coulomb_change: vec![dry; joints],
+            viscous_change: vec![viscous; joints],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
         self.joints.clone()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
@@ -65,15 +43,12 @@ impl Effect for FrictionLevelChanged {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         for (name, values) in
             [("coulomb_change", &self.coulomb_change), ("viscous_change", &self.viscous_change)]
         {
-            check_values(&mut complaints, KIND.identifier, name, &self.joints, values, (-1.0, 10.0));
+            complaints.values(name, values, (-1.0, 10.0));
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -86,10 +61,6 @@ impl Effect for FrictionLevelChanged {
             physics.viscous = Box::new(Scaled { law: before, factor: 1.0 + viscous });
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, conflict};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::{CoupledRotor, Gear};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "joint_coupling_friction",
-    family: Family::C,
-    summary: "a motor that turns with the motion of two joints",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Pair,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<JointCouplingFriction>,
-};
 
 /// A rotor that turns with q̇_joint + ratio · q̇_partner, with inertia and friction of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,35 +19,37 @@ pub struct JointCouplingFriction {
     pub coulomb_nm: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    // A neighbour is the usual partner.
-    let last = context.robot.joints() - 1;
-    let neighbour =
-        if joint == last || (joint > 0 && random.chance(0.5)) { joint.max(1) - 1 } else { joint + 1 };
-    let partner =
-        if random.chance(0.75) { neighbour } else { context.joints.get(1).copied().unwrap_or(neighbour) };
-    let noise =
-        context.robot.drives[joint].torque_noise_nm.min(context.robot.drives[partner].torque_noise_nm);
-    let ratio = if context.continuous() {
-        random.sign() * random.between(0.2, 3.0)
-    } else {
-        let ratios = [1.0, 1.0, -1.0, 0.5, -0.5];
-        ratios[random.index(ratios.len())]
-    };
-    Box::new(JointCouplingFriction {
-        joint,
-        partner,
-        ratio,
-        inertia_kg_m2: 0.03 * noise * random.between(0.3, 1.0),
-        viscous_nm_s: 0.6 * noise * random.between(0.6, 1.2),
-        coulomb_nm: 1.2 * noise * random.between(0.7, 1.2),
-    })
-}
+impl Physics for JointCouplingFriction {
+    const IDENTIFIER: &'static str = "joint_coupling_friction";
+    const FAMILY: Family = Family::C;
+    const SUMMARY: &'static str = "a motor that turns with the motion of two joints";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Pair;
 
-impl Effect for JointCouplingFriction {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        // A neighbour is the usual partner.
+        let last = context.robot.joints() - 1;
+        let neighbour =
+            if joint == last || (joint > 0 && random.chance(0.5)) { joint.max(1) - 1 } else { joint + 1 };
+        let partner =
+            if random.chance(0.75) { neighbour } else { context.joints.get(1).copied().unwrap_or(neighbour) };
+        let noise =
+            context.robot.drives[joint].torque_noise_nm.min(context.robot.drives[partner].torque_noise_nm);
+        let ratio = if context.continuous() {
+            random.sign() * random.between(0.2, 3.0)
+        } else {
+            let ratios = [1.0, 1.0, -1.0, 0.5, -0.5];
+            ratios[random.index(ratios.len())]
+        };
+        Self {
+            joint,
+            partner,
+            ratio,
+            inertia_kg_m2: 0.03 * noise * random.between(0.3, 1.0),
+            viscous_nm_s: 0.6 * noise * random.between(0.6, 1.2),
+            coulomb_nm: 1.2 * noise * random.between(0.7, 1.2),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -94,21 +76,19 @@ impl Effect for JointCouplingFriction {
         self.coulomb_nm *= factor;
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint, self.partner], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.joints(&[self.joint, self.partner]);
         complaints.within("ratio of the coupling", self.ratio, -100.0, 100.0);
         complaints.not_negative("inertia of the coupled rotor", self.inertia_kg_m2);
         complaints.not_negative("viscous friction of the coupled rotor", self.viscous_nm_s);
         complaints.not_negative("Coulomb friction of the coupled rotor", self.coulomb_nm);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         for joint in self.joints() {
             if setup.machine.joints[joint].gear != Gear::Rigid {
                 let reason = "a coupled rotor needs rigid gears";
-                return Err(conflict(KIND.identifier, "a compliant gear", joint, reason));
+                return Err(conflict(Self::IDENTIFIER, "a compliant gear", joint, reason));
             }
         }
         setup.machine.couplings.push(CoupledRotor {
@@ -118,9 +98,5 @@ impl Effect for JointCouplingFriction {
             coulomb_nm: self.coulomb_nm,
         });
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

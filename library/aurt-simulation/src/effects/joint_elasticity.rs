@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values, conflict};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::Gear;
-use crate::random::Random;
-use crate::robots::{Robot, Rotors};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "joint_elasticity",
-    family: Family::P,
-    summary: "a gear that gives way like a spring",
-    presence: Presence::Structural,
-    rotors: Some(Rotors::Geared),
-    takes: kind::Takes::Few,
-    suits: heavy_link,
-    draw,
-    read: kind::read::<JointElasticity>,
-};
 
 /// A gear of spring and damper between motor and link; the encoder sits on the motor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -54,25 +34,32 @@ pub(super) fn gear_damping_nm_s(robot: &Robot, joint: usize, stiffness_nm_rad: f
     2.0 * ratio * (stiffness_nm_rad * rotor * link / (rotor + link).max(1e-12)).sqrt()
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
-    let softer = random.between(3.0, 6.0);
-    let damping = random.between(0.02, 0.06);
-    Box::new(JointElasticity {
-        joints: context.joints.to_vec(),
-        stiffness_nm_rad: drives().map(|d| d.gear_stiffness_nm_rad / softer).collect(),
-        damping_nm_s: context
-            .joints
-            .iter()
-            .zip(drives())
-            .map(|(j, d)| gear_damping_nm_s(context.robot, *j, d.gear_stiffness_nm_rad / softer, damping))
-            .collect(),
-    })
-}
+impl Physics for JointElasticity {
+    const IDENTIFIER: &'static str = "joint_elasticity";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "a gear that gives way like a spring";
+    const PRESENCE: Presence = Presence::Structural;
+    const ROTORS: Option<Rotors> = Some(Rotors::Geared);
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for JointElasticity {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        heavy_link(robot, joint)
+    }
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
+        let softer = random.between(3.0, 6.0);
+        let damping = random.between(0.02, 0.06);
+        Self {
+            joints: context.joints.to_vec(),
+            stiffness_nm_rad: drives().map(|d| d.gear_stiffness_nm_rad / softer).collect(),
+            damping_nm_s: context
+                .joints
+                .iter()
+                .zip(drives())
+                .map(|(j, d)| gear_damping_nm_s(context.robot, *j, d.gear_stiffness_nm_rad / softer, damping))
+                .collect(),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -94,39 +81,26 @@ impl Effect for JointElasticity {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let (stiffness, damping) = (&self.stiffness_nm_rad, &self.damping_nm_s);
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "stiffness_nm_rad",
-            &self.joints,
-            stiffness,
-            (1.0, 1e7),
-        );
-        check_values(&mut complaints, KIND.identifier, "damping_nm_s", &self.joints, damping, (0.0, 1e4));
-        check_rotors(&mut complaints, KIND.identifier, &self.joints, robot);
-        complaints.finish()
+        complaints.values("stiffness_nm_rad", stiffness, (1.0, 1e7));
+        complaints.values("damping_nm_s", damping, (0.0, 1e4));
+        check_rotors(complaints, Self::IDENTIFIER, &self.joints);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         for ((joint, stiffness), damping) in
             self.joints.iter().zip(&self.stiffness_nm_rad).zip(&self.damping_nm_s)
         {
-            make_compliant(setup, KIND.identifier, *joint, *stiffness, *damping, 0.0)?;
+            make_compliant(setup, Self::IDENTIFIER, *joint, *stiffness, *damping, 0.0)?;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 
 /// Complains about joints without a rotor of their own.
-pub(super) fn check_rotors(complaints: &mut Complaints, effect: &str, joints: &[usize], robot: &Robot) {
+pub(super) fn check_rotors(complaints: &mut Checks<'_>, effect: &str, joints: &[usize]) {
+    let robot = complaints.robot;
     for joint in joints.iter().filter(|j| **j < robot.joints()) {
         let inertia = robot.drives[*joint].rotor_inertia_kg_m2;
         if inertia <= 0.0 {

@@ -167,9 +167,8 @@ impl EffectKind {
     /// # Errors
     /// [`SimulationError::Unreadable`]: what is wrong with the fields.
     pub fn effect(&self, fields: Value) -> Result<Box<dyn Effect>, SimulationError> {
-        (self.read)(fields).map_err(|error| SimulationError::Unreadable {
-            path: format!("effect `{}`", self.identifier).into(),
-            reason: error.to_string(),
+        (self.read)(fields).map_err(|error| {
+            SimulationError::unreadable(format!("effect `{}`", self.identifier), error.to_string())
         })
     }
 
@@ -185,14 +184,8 @@ impl EffectKind {
     }
 }
 
-/// Any joint will do.
-pub fn any_joint(_robot: &Robot, _joint: usize) -> bool {
-    true
-}
-
-/// Reads the fields of an effect type.
-pub fn read<E: Effect + for<'d> Deserialize<'d> + 'static>(
-    fields: Value,
-) -> Result<Box<dyn Effect>, serde_json::Error> {
-    Ok(Box::new(serde_json::from_value::<E>(fields)?))
+/// Whether a joint's friction does not depend on the load by itself.
+#[must_use]
+pub fn constant_level(robot: &Robot, joint: usize) -> bool {
+    robot.drives[joint].load_coefficient == 0.0
 }

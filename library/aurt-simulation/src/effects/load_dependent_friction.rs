@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "load_dependent_friction",
-    family: Family::L,
-    summary: "dry friction that grows with the torque that the gear transmits",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: constant_level,
-    draw,
-    read: kind::read::<LoadDependentFriction>,
-};
+use super::declaring::*;
 
 /// Dry friction in proportion to the transmitted torque, beside the constant level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,22 +10,20 @@ pub struct LoadDependentFriction {
     pub load_coefficient: Vec<f64>,
 }
 
-/// Whether a joint's friction does not depend on the load by itself.
-fn constant_level(robot: &Robot, joint: usize) -> bool {
-    robot.drives[joint].load_coefficient == 0.0
-}
+impl Physics for LoadDependentFriction {
+    const IDENTIFIER: &'static str = "load_dependent_friction";
+    const FAMILY: Family = Family::L;
+    const SUMMARY: &'static str = "dry friction that grows with the torque that the gear transmits";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let coefficient = random.between(0.06, 0.15);
-    Box::new(LoadDependentFriction {
-        joints: context.joints.to_vec(),
-        load_coefficient: vec![coefficient; context.joints.len()],
-    })
-}
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        constant_level(robot, joint)
+    }
 
-impl Effect for LoadDependentFriction {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let coefficient = random.between(0.06, 0.15);
+        Self { joints: context.joints.to_vec(), load_coefficient: vec![coefficient; context.joints.len()] }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -62,12 +40,9 @@ impl Effect for LoadDependentFriction {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let (values, bounds) = (&self.load_coefficient, (0.0, 0.9));
-        check_values(&mut complaints, KIND.identifier, "load_coefficient", &self.joints, values, bounds);
-        complaints.finish()
+        complaints.values("load_coefficient", values, bounds);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -75,9 +50,5 @@ impl Effect for LoadDependentFriction {
             setup.machine.joints[*joint].load_coefficient = [*coefficient; 2];
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

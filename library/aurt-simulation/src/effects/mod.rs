@@ -17,9 +17,10 @@ mod external_contact;
 mod friction_level_changed;
 mod joint_coupling_friction;
 mod joint_elasticity;
-pub mod kind;
+mod kind;
 mod load_dependent_friction;
 mod payload;
+mod physics;
 mod presliding_hysteresis;
 mod rotor_inertia;
 mod saturation;
@@ -33,31 +34,60 @@ mod viscous;
 mod viscous_asymmetry;
 mod viscous_nonlinear;
 
-pub use backlash::Backlash;
-pub use base_tilt::BaseTilt;
 pub use catalogue::{catalogue, kind, kind_among, read_effect};
-pub use coulomb::Coulomb;
-pub use coulomb_asymmetry::CoulombAsymmetry;
-pub use current_offset::CurrentOffset;
-pub use drive_efficiency::DriveEfficiency;
-pub use dropped_samples::DroppedSamples;
-pub use effect::{Effect, Factor, Hidden, Setup, check_joints, check_values, conflict, fields};
-pub use external_contact::ExternalContact;
-pub use friction_level_changed::FrictionLevelChanged;
-pub use joint_coupling_friction::JointCouplingFriction;
-pub use joint_elasticity::JointElasticity;
-pub use kind::{Draw, EffectKind, Family, Presence, Shapes};
-pub use load_dependent_friction::LoadDependentFriction;
-pub use payload::Payload;
-pub use presliding_hysteresis::{BristleModel, PreslidingHysteresis};
-pub use rotor_inertia::RotorInertia;
-pub use saturation::Saturation;
-pub use spring::Spring;
-pub use stribeck::{Curve, Stribeck};
-pub use temperature_dependent_friction::TemperatureDependentFriction;
-pub use time_delay::TimeDelay;
-pub use torque_constant::TorqueConstant;
-pub use torque_ripple::TorqueRipple;
-pub use viscous::Viscous;
-pub use viscous_asymmetry::ViscousAsymmetry;
-pub use viscous_nonlinear::ViscousNonlinear;
+pub use effect::{Effect, Factor, Hidden, Setup, check_joints, check_values, conflict};
+pub use kind::{Draw, EffectKind, Family, Presence, Shapes, Takes};
+pub use physics::{Checks, Physics};
+pub use presliding_hysteresis::BristleModel;
+pub use stribeck::Curve;
+
+/// The names that the file of an effect needs.
+pub mod declaring {
+    pub use serde::{Deserialize, Serialize};
+
+    pub use super::{
+        Checks, Draw, Factor, Family, Hidden, Physics, Presence, Setup, Takes, conflict, kind::constant_level,
+    };
+    pub use crate::{
+        error::SimulationError,
+        random::Random,
+        robots::{Robot, Rotors},
+    };
+}
+
+/// The types of the effects, and the catalogue of their kinds.
+macro_rules! effects {
+    ($($file:ident::$effect:ident,)+) => {
+        $(pub use $file::$effect;)+
+
+        const CATALOGUE: &[EffectKind] = &[$(EffectKind::of::<$effect>()),+];
+    };
+}
+
+effects! {
+    backlash::Backlash,
+    base_tilt::BaseTilt,
+    coulomb::Coulomb,
+    coulomb_asymmetry::CoulombAsymmetry,
+    current_offset::CurrentOffset,
+    drive_efficiency::DriveEfficiency,
+    dropped_samples::DroppedSamples,
+    external_contact::ExternalContact,
+    friction_level_changed::FrictionLevelChanged,
+    joint_coupling_friction::JointCouplingFriction,
+    joint_elasticity::JointElasticity,
+    load_dependent_friction::LoadDependentFriction,
+    payload::Payload,
+    presliding_hysteresis::PreslidingHysteresis,
+    rotor_inertia::RotorInertia,
+    saturation::Saturation,
+    spring::Spring,
+    stribeck::Stribeck,
+    temperature_dependent_friction::TemperatureDependentFriction,
+    time_delay::TimeDelay,
+    torque_constant::TorqueConstant,
+    torque_ripple::TorqueRipple,
+    viscous::Viscous,
+    viscous_asymmetry::ViscousAsymmetry,
+    viscous_nonlinear::ViscousNonlinear,
+}

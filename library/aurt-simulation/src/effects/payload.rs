@@ -1,25 +1,5 @@
+use super::declaring::*;
 use aurt_rbd::LinkBody;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "payload",
-    family: Family::I,
-    summary: "a body fixed to a link",
-    presence: Presence::Later,
-    rotors: None,
-    takes: kind::Takes::All,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<Payload>,
-};
 
 /// A box-shaped body fixed to a link, mostly the last.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,18 +13,6 @@ pub struct Payload {
     pub com_m: [f64; 3],
     /// Edges of the box, along the link frame's axes, m.
     pub edges_m: [f64; 3],
-}
-
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let last = context.robot.joints() - 1;
-    let link = if random.chance(0.8) { last } else { last.saturating_sub(1 + random.index(3)) };
-    let side = |random: &mut Random| random.between(-0.06, 0.06);
-    Box::new(Payload {
-        link,
-        mass_kg: random.between(0.5, 1.5),
-        com_m: [side(random), side(random), random.between(0.02, 0.14)],
-        edges_m: [random.between(0.04, 0.15), random.between(0.04, 0.15), random.between(0.04, 0.15)],
-    })
 }
 
 impl Payload {
@@ -61,9 +29,23 @@ impl Payload {
     }
 }
 
-impl Effect for Payload {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+impl Physics for Payload {
+    const IDENTIFIER: &'static str = "payload";
+    const FAMILY: Family = Family::I;
+    const SUMMARY: &'static str = "a body fixed to a link";
+    const PRESENCE: Presence = Presence::Later;
+    const TAKES: Takes = Takes::All;
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let last = context.robot.joints() - 1;
+        let link = if random.chance(0.8) { last } else { last.saturating_sub(1 + random.index(3)) };
+        let side = |random: &mut Random| random.between(-0.06, 0.06);
+        Self {
+            link,
+            mass_kg: random.between(0.5, 1.5),
+            com_m: [side(random), side(random), random.between(0.02, 0.14)],
+            edges_m: [random.between(0.04, 0.15), random.between(0.04, 0.15), random.between(0.04, 0.15)],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -78,9 +60,8 @@ impl Effect for Payload {
         self.mass_kg = (self.mass_kg * factor.on(self.link)).clamp(0.01, 12.0);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        complaints.link("`payload`", self.link, &robot.name, robot.joints());
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.link(self.link);
         complaints.positive("mass of the payload in kg", self.mass_kg);
         for x in self.com_m {
             complaints.within("centre of mass of the payload in m", x, -2.0, 2.0);
@@ -88,7 +69,6 @@ impl Effect for Payload {
         for x in self.edges_m {
             complaints.positive("edge of the payload in m", x);
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -106,9 +86,5 @@ impl Effect for Payload {
         };
         *carrier = both;
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

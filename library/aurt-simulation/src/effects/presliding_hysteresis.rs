@@ -1,26 +1,6 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values, conflict};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::Bristle;
 use crate::plant::bristles::{Gms, LuGre, Masing};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "presliding_hysteresis",
-    family: Family::H,
-    summary: "dry friction that builds up along the way after a reversal",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<PreslidingHysteresis>,
-};
 
 /// Which model moves the bristles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,23 +31,6 @@ pub struct PreslidingHysteresis {
 /// Shortest and longest distance, rad.
 const DISTANCES_RAD: (f64, f64) = (1e-4, 0.12);
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let model = match random.index(3) {
-        0 => BristleModel::Lugre,
-        1 => BristleModel::Gms,
-        _ => BristleModel::Masing,
-    };
-    let distance =
-        if context.continuous() { random.between_logs(0.003, 0.05) } else { random.between(0.006, 0.012) };
-    let damping = if context.continuous() { 0.8 } else { 0.3 };
-    Box::new(PreslidingHysteresis {
-        joints: context.joints.to_vec(),
-        distance_rad: vec![distance; context.joints.len()],
-        model,
-        damping_share: random.between(0.0, damping),
-    })
-}
-
 impl PreslidingHysteresis {
     /// The bristle of a joint whose dry friction has a level.
     #[must_use]
@@ -94,17 +57,35 @@ impl PreslidingHysteresis {
     }
 }
 
-impl Effect for PreslidingHysteresis {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+impl Physics for PreslidingHysteresis {
+    const IDENTIFIER: &'static str = "presliding_hysteresis";
+    const FAMILY: Family = Family::H;
+    const SUMMARY: &'static str = "dry friction that builds up along the way after a reversal";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let model = match random.index(3) {
+            0 => BristleModel::Lugre,
+            1 => BristleModel::Gms,
+            _ => BristleModel::Masing,
+        };
+        let distance = if context.continuous() {
+            random.between_logs(0.003, 0.05)
+        } else {
+            random.between(0.006, 0.012)
+        };
+        let damping = if context.continuous() { 0.8 } else { 0.3 };
+        Self {
+            joints: context.joints.to_vec(),
+            distance_rad: vec![distance; context.joints.len()],
+            model,
+            damping_share: random.between(0.0, damping),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
         self.joints.clone()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
@@ -113,13 +94,10 @@ impl Effect for PreslidingHysteresis {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let distances = &self.distance_rad;
-        check_values(&mut complaints, KIND.identifier, "distance_rad", &self.joints, distances, (1e-5, 1.0));
+        complaints.values("distance_rad", distances, (1e-5, 1.0));
         complaints.within("damping of the bristles", self.damping_share, 0.0, 1.0);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -128,19 +106,15 @@ impl Effect for PreslidingHysteresis {
             let physics = &mut setup.machine.joints[*joint];
             if physics.bristle.is_some() {
                 let reason = "friction has one memory";
-                return Err(conflict(KIND.identifier, KIND.identifier, *joint, reason));
+                return Err(conflict(Self::IDENTIFIER, Self::IDENTIFIER, *joint, reason));
             }
             let level = 0.5 * (physics.coulomb_nm[0] + physics.coulomb_nm[1]);
             if level <= 0.0 {
                 let reason = "there is no dry friction that could build up";
-                return Err(conflict(KIND.identifier, "absent Coulomb friction", *joint, reason));
+                return Err(conflict(Self::IDENTIFIER, "absent Coulomb friction", *joint, reason));
             }
             physics.bristle = Some(self.bristle(*distance, level, viscous));
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::{Robot, Rotors};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "rotor_inertia",
-    family: Family::I,
-    summary: "inertia of a geared rotor",
-    presence: Presence::Structural,
-    rotors: Some(Rotors::InLinks),
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<RotorInertia>,
-};
+use super::declaring::*;
 
 /// A rotor behind the gear, beside those that the robot has.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,13 +10,16 @@ pub struct RotorInertia {
     pub inertia_kg_m2: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, _random: &mut Random) -> Box<dyn Effect> {
-    Box::new(RotorInertia { joints: context.joints.to_vec(), inertia_kg_m2: context.noises(0.7) })
-}
+impl Physics for RotorInertia {
+    const IDENTIFIER: &'static str = "rotor_inertia";
+    const FAMILY: Family = Family::I;
+    const SUMMARY: &'static str = "inertia of a geared rotor";
+    const PRESENCE: Presence = Presence::Structural;
+    const ROTORS: Option<Rotors> = Some(Rotors::InLinks);
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for RotorInertia {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
+        Self { joints: context.joints.to_vec(), inertia_kg_m2: context.noises(0.7) }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -53,12 +36,9 @@ impl Effect for RotorInertia {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let (values, bounds) = (&self.inertia_kg_m2, (0.0, 1e3));
-        check_values(&mut complaints, KIND.identifier, "inertia_kg_m2", &self.joints, values, bounds);
-        complaints.finish()
+        complaints.values("inertia_kg_m2", values, bounds);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -67,9 +47,5 @@ impl Effect for RotorInertia {
             setup.machine.nominal.drives[*joint].rotor_inertia_kg_m2 += inertia;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::{Instant, LinkTorque};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "spring",
-    family: Family::P,
-    summary: "a spring across a joint",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<Spring>,
-};
 
 /// A spring between a link and the one before it, in parallel to the gear: −stiffness (q − rest) on the joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,19 +13,21 @@ pub struct Spring {
     pub rest_rad: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    Box::new(Spring {
-        joint,
-        stiffness_nm_rad: 4.0 * drive.torque_noise_nm,
-        rest_rad: drive.home_rad + random.between(-0.5, 0.5),
-    })
-}
+impl Physics for Spring {
+    const IDENTIFIER: &'static str = "spring";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "a spring across a joint";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::One;
 
-impl Effect for Spring {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        Self {
+            joint,
+            stiffness_nm_rad: 4.0 * drive.torque_noise_nm,
+            rest_rad: drive.home_rad + random.between(-0.5, 0.5),
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -61,21 +43,14 @@ impl Effect for Spring {
         self.stiffness_nm_rad = (self.stiffness_nm_rad * factor.on(self.joint)).min(most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.not_negative("stiffness of the spring in Nm/rad", self.stiffness_nm_rad);
         complaints.within("rest angle of the spring in rad", self.rest_rad, -20.0, 20.0);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.link_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::{DryTerm, Instant};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "stribeck",
-    family: Family::F,
-    summary: "static friction above Coulomb's, which falls as the joint gets going",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<Stribeck>,
-};
 
 /// Dry friction that falls with speed from F_C + excess at rest: excess / (1 + (|q̇|/v_S)^δ).
 ///
@@ -39,26 +19,28 @@ pub struct Stribeck {
     pub exponent: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let (stribeck_velocity_rad_s, exponent) = if context.continuous() {
-        (random.between_logs(0.01, 0.15), random.between(0.5, 2.0))
-    } else {
-        (random.between(0.03, 0.1), random.between(1.3, 2.2))
-    };
-    let mut effect = Stribeck {
-        joints: context.joints.to_vec(),
-        excess_nm: context.noises(3.0),
-        coulomb_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
-        stribeck_velocity_rad_s,
-        exponent,
-    };
-    effect.scale(Factor::Uniform(1.0), context.robot);
-    Box::new(effect)
-}
+impl Physics for Stribeck {
+    const IDENTIFIER: &'static str = "stribeck";
+    const FAMILY: Family = Family::F;
+    const SUMMARY: &'static str = "static friction above Coulomb's, which falls as the joint gets going";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for Stribeck {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let (stribeck_velocity_rad_s, exponent) = if context.continuous() {
+            (random.between_logs(0.01, 0.15), random.between(0.5, 2.0))
+        } else {
+            (random.between(0.03, 0.1), random.between(1.3, 2.2))
+        };
+        let mut effect = Self {
+            joints: context.joints.to_vec(),
+            excess_nm: context.noises(3.0),
+            coulomb_nm: context.joints.iter().map(|j| context.robot.drives[*j].coulomb_nm).collect(),
+            stribeck_velocity_rad_s,
+            exponent,
+        };
+        effect.scale(Factor::Uniform(1.0), context.robot);
+        effect
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -79,28 +61,11 @@ impl Effect for Stribeck {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "excess_nm",
-            &self.joints,
-            &self.excess_nm,
-            (0.0, 1e4),
-        );
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "coulomb_nm",
-            &self.joints,
-            &self.coulomb_nm,
-            (0.0, 1e4),
-        );
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.values("excess_nm", &self.excess_nm, (0.0, 1e4));
+        complaints.values("coulomb_nm", &self.coulomb_nm, (0.0, 1e4));
         complaints.within("Stribeck velocity in rad/s", self.stribeck_velocity_rad_s, 1e-3, 2.0);
         complaints.within("exponent of the Stribeck curve", self.exponent, 0.3, 4.0);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -114,10 +79,6 @@ impl Effect for Stribeck {
             }));
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

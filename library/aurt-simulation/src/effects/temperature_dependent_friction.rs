@@ -1,25 +1,6 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::Warmth;
-use crate::random::Random;
-use crate::robots::{Drive, Robot};
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "temperature_dependent_friction",
-    family: Family::V,
-    summary: "friction that falls as the joint warms up",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<TemperatureDependentFriction>,
-};
+use crate::robots::Drive;
 
 /// Friction heats the lubricant, and warm lubricant has less friction. Every recording begins cold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,18 +19,6 @@ pub struct TemperatureDependentFriction {
 /// What friction at half the largest speed heats the lubricant to if no heat left it, K per quick time constant.
 const WARMING_K: f64 = 15.0;
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let (least, most) = if context.continuous() { (0.1, 2.0) } else { (0.25, 0.7) };
-    let quick = context.duration_s * random.between(least, most);
-    let fall = random.between(0.015, 0.03);
-    Box::new(TemperatureDependentFriction {
-        joints: context.joints.to_vec(),
-        fall_per_k: vec![fall; context.joints.len()],
-        dry_share: random.between(if context.continuous() { 0.0 } else { 0.4 }, 1.0),
-        time_constants_s: [quick, if context.continuous() { random.between(2.0, 15.0) } else { 8.0 } * quick],
-    })
-}
-
 impl TemperatureDependentFriction {
     /// How the friction of a drive falls as it warms up.
     #[must_use]
@@ -65,17 +34,30 @@ impl TemperatureDependentFriction {
     }
 }
 
-impl Effect for TemperatureDependentFriction {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+impl Physics for TemperatureDependentFriction {
+    const IDENTIFIER: &'static str = "temperature_dependent_friction";
+    const FAMILY: Family = Family::V;
+    const SUMMARY: &'static str = "friction that falls as the joint warms up";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let (least, most) = if context.continuous() { (0.1, 2.0) } else { (0.25, 0.7) };
+        let quick = context.duration_s * random.between(least, most);
+        let fall = random.between(0.015, 0.03);
+        Self {
+            joints: context.joints.to_vec(),
+            fall_per_k: vec![fall; context.joints.len()],
+            dry_share: random.between(if context.continuous() { 0.0 } else { 0.4 }, 1.0),
+            time_constants_s: [
+                quick,
+                if context.continuous() { random.between(2.0, 15.0) } else { 8.0 } * quick,
+            ],
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
         self.joints.clone()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
@@ -84,16 +66,13 @@ impl Effect for TemperatureDependentFriction {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let bounds = (0.0, 0.5);
-        check_values(&mut complaints, KIND.identifier, "fall_per_k", &self.joints, &self.fall_per_k, bounds);
+        complaints.values("fall_per_k", &self.fall_per_k, bounds);
         complaints.within("share of dry friction in warming", self.dry_share, 0.0, 2.0);
         for constant in self.time_constants_s {
             complaints.within("time constant of warming in s", constant, 0.1, 1e6);
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -102,9 +81,5 @@ impl Effect for TemperatureDependentFriction {
             setup.machine.joints[*joint].warmth = Some(self.warmth(drive, *fall));
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

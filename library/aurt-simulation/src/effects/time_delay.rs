@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "time_delay",
-    family: Family::D,
-    summary: "measured torques that lag behind the positions",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::All,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<TimeDelay>,
-};
+use super::declaring::*;
 
 /// The torque in a row is older than its position.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -28,17 +8,15 @@ pub struct TimeDelay {
     pub delay_s: f64,
 }
 
-fn draw(_context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    Box::new(TimeDelay { delay_s: random.between(0.004, 0.008) })
-}
+impl Physics for TimeDelay {
+    const IDENTIFIER: &'static str = "time_delay";
+    const FAMILY: Family = Family::D;
+    const SUMMARY: &'static str = "measured torques that lag behind the positions";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::All;
 
-impl Effect for TimeDelay {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
-    }
-
-    fn joints(&self) -> Vec<usize> {
-        Vec::new()
+    fn draw(_context: &Draw<'_>, random: &mut Random) -> Self {
+        Self { delay_s: random.between(0.004, 0.008) }
     }
 
     fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
@@ -49,18 +27,12 @@ impl Effect for TimeDelay {
         self.delay_s = (self.delay_s * factor.on(0)).clamp(2e-4, 0.08);
     }
 
-    fn validate(&self, _robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("delay of the torque in s", self.delay_s, -0.5, 0.5);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.instrument.torque_delay_s += self.delay_s;
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

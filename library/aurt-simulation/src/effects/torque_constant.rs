@@ -1,24 +1,4 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "torque_constant",
-    family: Family::D,
-    summary: "a torque constant that is not what the experiment says",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<TorqueConstant>,
-};
+use super::declaring::*;
 
 /// The drive's torque constant is (1 + e) times the stated one: measured torques are too small by 1/(1 + e).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,14 +10,16 @@ pub struct TorqueConstant {
     pub gain_error: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let gain_error = context.joints.iter().map(|_| random.sign() * random.between(0.05, 0.12)).collect();
-    Box::new(TorqueConstant { joints: context.joints.to_vec(), gain_error })
-}
+impl Physics for TorqueConstant {
+    const IDENTIFIER: &'static str = "torque_constant";
+    const FAMILY: Family = Family::D;
+    const SUMMARY: &'static str = "a torque constant that is not what the experiment says";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for TorqueConstant {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let gain_error = context.joints.iter().map(|_| random.sign() * random.between(0.05, 0.12)).collect();
+        Self { joints: context.joints.to_vec(), gain_error }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -54,12 +36,9 @@ impl Effect for TorqueConstant {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let bounds = (-0.9, 9.0);
-        check_values(&mut complaints, KIND.identifier, "gain_error", &self.joints, &self.gain_error, bounds);
-        complaints.finish()
+        complaints.values("gain_error", &self.gain_error, bounds);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -67,9 +46,5 @@ impl Effect for TorqueConstant {
             setup.instrument.channels[*joint].gain_error = *error;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

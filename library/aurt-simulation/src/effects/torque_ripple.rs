@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::{Instant, ShaftTorque};
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "torque_ripple",
-    family: Family::P,
-    summary: "torque that repeats with the angle of the shaft",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::One,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<TorqueRipple>,
-};
 
 /// Ripple of gear or motor: amplitude · (sin(N q + φ) + ½ · overtone · sin(2 N q + 2.3 φ)) against the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -37,34 +17,36 @@ pub struct TorqueRipple {
     pub overtone: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let joint = context.joint();
-    let drive = &context.robot.drives[joint];
-    // The motor's revolution, the gear's two waves of it, and slower ones of bearings.
-    if context.continuous() {
-        // Teeth and poles make whole orders; belts, rollers and wave generators with slip make broken ones.
-        let order = random.between_logs(3.0, 2.2 * drive.gear_ratio.clamp(10.0, 110.0));
-        return Box::new(TorqueRipple {
+impl Physics for TorqueRipple {
+    const IDENTIFIER: &'static str = "torque_ripple";
+    const FAMILY: Family = Family::P;
+    const SUMMARY: &'static str = "torque that repeats with the angle of the shaft";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::One;
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let joint = context.joint();
+        let drive = &context.robot.drives[joint];
+        // The motor's revolution, the gear's two waves of it, and slower ones of bearings.
+        if context.continuous() {
+            // Teeth and poles make whole orders; belts, rollers and wave generators with slip make broken ones.
+            let order = random.between_logs(3.0, 2.2 * drive.gear_ratio.clamp(10.0, 110.0));
+            return Self {
+                joint,
+                order: if random.chance(0.5) { order.round() } else { order },
+                amplitude_nm: 1.5 * drive.torque_noise_nm,
+                phase_rad: random.between(0.0, std::f64::consts::TAU),
+                overtone: random.between(0.0, 0.6),
+            };
+        }
+        let orders = [12.0, 20.0, 36.0, drive.gear_ratio, 2.0 * drive.gear_ratio];
+        Self {
             joint,
-            order: if random.chance(0.5) { order.round() } else { order },
+            order: orders[random.index(orders.len())],
             amplitude_nm: 1.5 * drive.torque_noise_nm,
             phase_rad: random.between(0.0, std::f64::consts::TAU),
-            overtone: random.between(0.0, 0.6),
-        });
-    }
-    let orders = [12.0, 20.0, 36.0, drive.gear_ratio, 2.0 * drive.gear_ratio];
-    Box::new(TorqueRipple {
-        joint,
-        order: orders[random.index(orders.len())],
-        amplitude_nm: 1.5 * drive.torque_noise_nm,
-        phase_rad: random.between(0.0, std::f64::consts::TAU),
-        overtone: if random.chance(0.5) { random.between(0.0, 0.5) } else { 0.0 },
-    })
-}
-
-impl Effect for TorqueRipple {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+            overtone: if random.chance(0.5) { random.between(0.0, 0.5) } else { 0.0 },
+        }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -80,22 +62,15 @@ impl Effect for TorqueRipple {
         self.amplitude_nm = (self.amplitude_nm * factor.on(self.joint)).min(most);
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &[self.joint], robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         complaints.within("order of the ripple", self.order, 0.5, 2000.0);
         complaints.not_negative("amplitude of the ripple in Nm", self.amplitude_nm);
         complaints.within("overtone of the ripple", self.overtone, 0.0, 2.0);
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
         setup.machine.shaft_torques.push(Box::new(*self));
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Hidden, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::LinearViscous;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "viscous",
-    family: Family::V,
-    summary: "viscous friction that the experiment leaves out",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<Viscous>,
-};
 
 /// Viscous friction of its own slope; the experiment has none on these joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,13 +11,15 @@ pub struct Viscous {
     pub viscous_nm_s: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, _random: &mut Random) -> Box<dyn Effect> {
-    Box::new(Viscous { joints: context.joints.to_vec(), viscous_nm_s: context.noises(2.0) })
-}
+impl Physics for Viscous {
+    const IDENTIFIER: &'static str = "viscous";
+    const FAMILY: Family = Family::V;
+    const SUMMARY: &'static str = "viscous friction that the experiment leaves out";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for Viscous {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, _random: &mut Random) -> Self {
+        Self { joints: context.joints.to_vec(), viscous_nm_s: context.noises(2.0) }
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -59,19 +41,9 @@ impl Effect for Viscous {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
+    fn check(&self, complaints: &mut Checks<'_>) {
         let bounds = (0.0, 1e4);
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "viscous_nm_s",
-            &self.joints,
-            &self.viscous_nm_s,
-            bounds,
-        );
-        complaints.finish()
+        complaints.values("viscous_nm_s", &self.viscous_nm_s, bounds);
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -80,9 +52,5 @@ impl Effect for Viscous {
             setup.machine.nominal.drives[*joint].viscous_nm_s = *slope;
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }

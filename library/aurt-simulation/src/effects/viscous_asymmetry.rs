@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::ViscousLaw;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "viscous_asymmetry",
-    family: Family::V,
-    summary: "viscous friction of two slopes, one for each direction",
-    presence: Presence::Either,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<ViscousAsymmetry>,
-};
 
 /// Viscous friction that is steeper in one direction by as much as it is flatter in the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,19 +13,21 @@ pub struct ViscousAsymmetry {
     pub mean_nm_s: Vec<f64>,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let mut effect = ViscousAsymmetry {
-        joints: context.joints.to_vec(),
-        half_difference_nm_s: context.noises(2.0 * random.sign()),
-        mean_nm_s: context.joints.iter().map(|j| context.robot.drives[*j].viscous_nm_s).collect(),
-    };
-    effect.scale(Factor::Uniform(1.0), context.robot);
-    Box::new(effect)
-}
+impl Physics for ViscousAsymmetry {
+    const IDENTIFIER: &'static str = "viscous_asymmetry";
+    const FAMILY: Family = Family::V;
+    const SUMMARY: &'static str = "viscous friction of two slopes, one for each direction";
+    const PRESENCE: Presence = Presence::Either;
+    const TAKES: Takes = Takes::Few;
 
-impl Effect for ViscousAsymmetry {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let mut effect = Self {
+            joints: context.joints.to_vec(),
+            half_difference_nm_s: context.noises(2.0 * random.sign()),
+            mean_nm_s: context.joints.iter().map(|j| context.robot.drives[*j].viscous_nm_s).collect(),
+        };
+        effect.scale(Factor::Uniform(1.0), context.robot);
+        effect
     }
 
     fn joints(&self) -> Vec<usize> {
@@ -71,19 +53,10 @@ impl Effect for ViscousAsymmetry {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        check_joints(&mut complaints, KIND.identifier, &self.joints, robot);
-        check_values(
-            &mut complaints,
-            KIND.identifier,
-            "mean_nm_s",
-            &self.joints,
-            &self.mean_nm_s,
-            (0.0, 1e4),
-        );
+    fn check(&self, complaints: &mut Checks<'_>) {
+        complaints.values("mean_nm_s", &self.mean_nm_s, (0.0, 1e4));
         let (half, bounds) = (&self.half_difference_nm_s, (-1e4, 1e4));
-        check_values(&mut complaints, KIND.identifier, "half_difference_nm_s", &self.joints, half, bounds);
+        complaints.values("half_difference_nm_s", half, bounds);
         for ((joint, half), mean) in self.joints.iter().zip(half).zip(&self.mean_nm_s) {
             if half.abs() > *mean {
                 let what = format!("half_difference_nm_s of joint {joint}");
@@ -91,7 +64,6 @@ impl Effect for ViscousAsymmetry {
                 complaints.0.push(SimulationError::value(what, *half, reason));
             }
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -100,10 +72,6 @@ impl Effect for ViscousAsymmetry {
             setup.machine.joints[*joint].viscous = Box::new(law);
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

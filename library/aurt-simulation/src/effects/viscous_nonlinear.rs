@@ -1,25 +1,5 @@
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::effect::{Effect, Factor, Setup, check_joints, check_values};
-use super::kind::{self, Draw, EffectKind, Family, Presence};
-use crate::error::Complaints;
-use crate::error::SimulationError;
+use super::declaring::*;
 use crate::plant::ViscousLaw;
-use crate::random::Random;
-use crate::robots::Robot;
-
-pub(super) const KIND: EffectKind = EffectKind {
-    identifier: "viscous_nonlinear",
-    family: Family::V,
-    summary: "viscous friction that bends off with speed, as of shear-thinning lubricant",
-    presence: Presence::Structural,
-    rotors: None,
-    takes: kind::Takes::Few,
-    suits: kind::any_joint,
-    draw,
-    read: kind::read::<ViscousNonlinear>,
-};
 
 /// Viscous friction of a lubricant that follows Eyring's law (1936): stress ∝ asinh(shear rate).
 ///
@@ -40,19 +20,6 @@ pub struct ViscousNonlinear {
     pub onset: f64,
 }
 
-fn draw(context: &Draw<'_>, random: &mut Random) -> Box<dyn Effect> {
-    let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
-    let mut effect = ViscousNonlinear {
-        joints: context.joints.to_vec(),
-        bend_nm: context.noises(3.0),
-        slope_nm_s: drives().map(|d| d.viscous_nm_s).collect(),
-        reference_rad_s: drives().map(|d| 0.5 * d.velocity_limit_rad_s).collect(),
-        onset: if context.continuous() { random.between(0.03, 0.6) } else { random.between(0.08, 0.25) },
-    };
-    effect.scale(Factor::Uniform(1.0), context.robot);
-    Box::new(effect)
-}
-
 impl ViscousNonlinear {
     fn law(&self, i: usize) -> Eyring {
         let (reference, bend) = (self.reference_rad_s[i], self.bend_nm[i]);
@@ -70,17 +37,29 @@ impl ViscousNonlinear {
     }
 }
 
-impl Effect for ViscousNonlinear {
-    fn identifier(&self) -> &'static str {
-        KIND.identifier
+impl Physics for ViscousNonlinear {
+    const IDENTIFIER: &'static str = "viscous_nonlinear";
+    const FAMILY: Family = Family::V;
+    const SUMMARY: &'static str =
+        "viscous friction that bends off with speed, as of shear-thinning lubricant";
+    const PRESENCE: Presence = Presence::Structural;
+    const TAKES: Takes = Takes::Few;
+
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self {
+        let drives = || context.joints.iter().map(|j| &context.robot.drives[*j]);
+        let mut effect = Self {
+            joints: context.joints.to_vec(),
+            bend_nm: context.noises(3.0),
+            slope_nm_s: drives().map(|d| d.viscous_nm_s).collect(),
+            reference_rad_s: drives().map(|d| 0.5 * d.velocity_limit_rad_s).collect(),
+            onset: if context.continuous() { random.between(0.03, 0.6) } else { random.between(0.08, 0.25) },
+        };
+        effect.scale(Factor::Uniform(1.0), context.robot);
+        effect
     }
 
     fn joints(&self) -> Vec<usize> {
         self.joints.clone()
-    }
-
-    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
-        Vec::new()
     }
 
     fn scale(&mut self, factor: Factor<'_>, _robot: &Robot) {
@@ -90,21 +69,19 @@ impl Effect for ViscousNonlinear {
         }
     }
 
-    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        let (name, joints) = (KIND.identifier, &self.joints);
-        check_joints(&mut complaints, name, joints, robot);
-        check_values(&mut complaints, name, "bend_nm", joints, &self.bend_nm, (0.0, 1e4));
-        check_values(&mut complaints, name, "slope_nm_s", joints, &self.slope_nm_s, (0.0, 1e4));
-        check_values(&mut complaints, name, "reference_rad_s", joints, &self.reference_rad_s, (1e-3, 1e3));
+    fn check(&self, complaints: &mut Checks<'_>) {
+        let (name, joints) = (Self::IDENTIFIER, &self.joints);
+        complaints.values("bend_nm", &self.bend_nm, (0.0, 1e4));
+        complaints.values("slope_nm_s", &self.slope_nm_s, (0.0, 1e4));
+        complaints.values("reference_rad_s", &self.reference_rad_s, (1e-3, 1e3));
         complaints.within("onset of the bend", self.onset, 1e-3, 10.0);
-        complaints.finish()?;
-        let mut complaints = Complaints::default();
+        if !complaints.0.is_empty() {
+            return;
+        }
         for (i, joint) in joints.iter().enumerate() {
             let most = self.largest_bend_nm(i);
             complaints.within(format!("`bend_nm` of `{name}` on joint {joint}"), self.bend_nm[i], 0.0, most);
         }
-        complaints.finish()
     }
 
     fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
@@ -112,10 +89,6 @@ impl Effect for ViscousNonlinear {
             setup.machine.joints[*joint].viscous = Box::new(self.law(i));
         }
         Ok(())
-    }
-
-    fn fields(&self) -> Value {
-        super::effect::fields(self)
     }
 }
 

@@ -61,16 +61,10 @@ impl Added {
     /// [`Added::size`] in the unit of [`Self::size_name`].
     #[must_use]
     pub fn size_shown(&self) -> f64 {
-        match &self.law {
-            Law::LoadDependentFriction
-            | Law::DriveEfficiency { .. }
-            | Law::TemperatureDependentFriction { .. }
-            | Law::FrictionLevelChanged { .. }
-            | Law::TorqueConstant
-            | Law::Saturation { .. }
-            | Law::DroppedSamples { .. } => 100.0 * self.size,
-            Law::BaseTilt { .. } => self.size.to_degrees(),
-            Law::JointElasticity { .. } | Law::TimeDelay => 1e3 * self.size,
+        match self.size_name(MeasurementUnit::NewtonMetre).unit {
+            "%" => 100.0 * self.size,
+            "°" => self.size.to_degrees(),
+            "ms" | "mrad/Nm" => 1e3 * self.size,
             _ => self.size,
         }
     }

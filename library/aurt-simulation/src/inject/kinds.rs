@@ -23,32 +23,36 @@ pub struct Kind {
 }
 
 /// Effects of the vocabulary. Backlash is not among them: what it does is done to the motion.
-const KNOWN: [(&str, bool, bool); 24] = [
-    ("coulomb", false, false),
-    ("coulomb_asymmetry", false, false),
-    ("stribeck", false, false),
-    ("viscous", false, false),
-    ("viscous_nonlinear", false, false),
-    ("viscous_asymmetry", false, false),
-    ("presliding_hysteresis", false, false),
-    ("load_dependent_friction", false, false),
-    ("drive_efficiency", false, false),
-    ("temperature_dependent_friction", false, false),
-    ("friction_level_changed", false, false),
-    ("joint_coupling_friction", false, true),
-    ("rotor_inertia", false, false),
-    ("payload", true, true),
-    ("base_tilt", true, true),
-    ("spring", false, false),
-    ("torque_ripple", false, false),
-    ("joint_elasticity", false, true),
-    ("torque_constant", false, false),
-    ("current_offset", false, false),
-    ("time_delay", true, false),
-    ("saturation", false, false),
-    ("external_contact", true, true),
-    ("dropped_samples", true, false),
+const KNOWN: [&str; 24] = [
+    "coulomb",
+    "coulomb_asymmetry",
+    "stribeck",
+    "viscous",
+    "viscous_nonlinear",
+    "viscous_asymmetry",
+    "presliding_hysteresis",
+    "load_dependent_friction",
+    "drive_efficiency",
+    "temperature_dependent_friction",
+    "friction_level_changed",
+    "joint_coupling_friction",
+    "rotor_inertia",
+    "payload",
+    "base_tilt",
+    "spring",
+    "torque_ripple",
+    "joint_elasticity",
+    "torque_constant",
+    "current_offset",
+    "time_delay",
+    "saturation",
+    "external_contact",
+    "dropped_samples",
 ];
+
+/// Those whose laws join torques of several joints.
+const OF_SEVERAL_JOINTS: [&str; 5] =
+    ["joint_coupling_friction", "payload", "base_tilt", "joint_elasticity", "external_contact"];
 
 /// Effects outside the vocabulary.
 const UNKNOWN: [(&str, Family); 4] = [
@@ -64,15 +68,15 @@ impl Kind {
     /// # Errors
     /// [`SimulationError::UnknownEffect`] with what can be added.
     pub fn named(identifier: &str) -> Result<Self, SimulationError> {
-        if let Some((name, whole_arm, needs_torque)) = KNOWN.iter().find(|(name, ..)| *name == identifier) {
+        if let Some(name) = KNOWN.into_iter().find(|name| *name == identifier) {
             let known = kind(name)?;
             return Ok(Self {
                 identifier: name,
                 family: known.family,
                 presence: known.presence,
                 in_vocabulary: true,
-                whole_arm: *whole_arm,
-                needs_torque: *needs_torque,
+                whole_arm: known.whole_arm(),
+                needs_torque: OF_SEVERAL_JOINTS.contains(&name),
             });
         }
         if let Some((name, family)) = UNKNOWN.iter().find(|(name, _)| *name == identifier) {
@@ -85,7 +89,7 @@ impl Kind {
                 needs_torque: false,
             });
         }
-        let known = KNOWN.iter().map(|k| k.0).chain(UNKNOWN.iter().map(|k| k.0)).map(str::to_owned).collect();
+        let known = KNOWN.into_iter().chain(UNKNOWN.map(|(name, _)| name)).map(str::to_owned).collect();
         let meant = match kind(identifier) {
             Err(SimulationError::UnknownEffect { meant, .. }) => meant,
             _ => None,
@@ -103,8 +107,8 @@ impl Kind {
 /// Identifiers of the vocabulary that can be added to recordings measured in `unit`.
 #[must_use]
 pub fn injectable(unit: MeasurementUnit) -> Vec<&'static str> {
-    let fits = |needs_torque: bool| !needs_torque || unit == MeasurementUnit::NewtonMetre;
-    KNOWN.iter().filter(|(.., needs)| fits(*needs)).map(|k| k.0).collect()
+    let fits = |name: &&str| unit == MeasurementUnit::NewtonMetre || !OF_SEVERAL_JOINTS.contains(name);
+    KNOWN.into_iter().filter(fits).collect()
 }
 
 /// Identifiers outside the vocabulary that can be added.

@@ -141,43 +141,6 @@ pub enum Law {
     },
 }
 
-impl Law {
-    /// The effect's identifier.
-    #[must_use]
-    pub const fn identifier(&self) -> &'static str {
-        match self {
-            Self::Coulomb => "coulomb",
-            Self::CoulombAsymmetry => "coulomb_asymmetry",
-            Self::Stribeck { .. } => "stribeck",
-            Self::Viscous => "viscous",
-            Self::ViscousNonlinear { .. } => "viscous_nonlinear",
-            Self::ViscousAsymmetry => "viscous_asymmetry",
-            Self::PreslidingHysteresis { .. } => "presliding_hysteresis",
-            Self::LoadDependentFriction => "load_dependent_friction",
-            Self::DriveEfficiency { .. } => "drive_efficiency",
-            Self::TemperatureDependentFriction { .. } => "temperature_dependent_friction",
-            Self::FrictionLevelChanged { .. } => "friction_level_changed",
-            Self::JointCouplingFriction { .. } => "joint_coupling_friction",
-            Self::RotorInertia => "rotor_inertia",
-            Self::Payload { .. } => "payload",
-            Self::BaseTilt { .. } => "base_tilt",
-            Self::Spring { .. } => "spring",
-            Self::TorqueRipple { .. } => "torque_ripple",
-            Self::JointElasticity { .. } => "joint_elasticity",
-            Self::TorqueConstant => "torque_constant",
-            Self::CurrentOffset => "current_offset",
-            Self::TimeDelay => "time_delay",
-            Self::Saturation { .. } => "saturation",
-            Self::DroppedSamples { .. } => "dropped_samples",
-            Self::ExternalContact { .. } => "external_contact",
-            Self::PeriodicDisturbance { .. } => "periodic_disturbance",
-            Self::CrossAngleFriction { .. } => "cross_angle_friction",
-            Self::StickingWindow { .. } => "sticking_window",
-            Self::PositionDamper { .. } => "position_damper",
-        }
-    }
-}
-
 /// An effect that is added to recordings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Added {

@@ -1,7 +1,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::Complaints;
-use crate::error::SimulationError;
 use crate::random::Random;
 
 /// What a logger's clock and transport do to its rows; shares of all rows.
@@ -47,21 +46,11 @@ impl ClockFaults {
         *self == Self::default()
     }
 
-    pub(super) fn validate(&self, complaints: &mut Complaints) {
+    pub(crate) fn validate(&self, complaints: &mut Complaints) {
         complaints.within("share of missing rows", self.missing_share, 0.0, 0.5);
         complaints.within("share of repeated rows", self.repeated_share, 0.0, 0.5);
         complaints.within("share of held rows", self.held_share, 0.0, 0.5);
         complaints.within("share of corrupt rows", self.corrupt.share, 0.0, 0.1);
-    }
-
-    /// Checks the shares.
-    ///
-    /// # Errors
-    /// Every complaint.
-    pub fn check(&self) -> Result<(), SimulationError> {
-        let mut complaints = Complaints::default();
-        self.validate(&mut complaints);
-        complaints.finish()
     }
 
     /// What happens to each of `rows` rows; the first and the last are written.

@@ -157,11 +157,11 @@ impl Trajectory {
     pub fn check(&self, robot: &Robot) -> Result<(), SimulationError> {
         let joints = robot.joints();
         if self.joints() != joints {
-            return Err(SimulationError::Count {
-                what: format!("joints of the trajectory for {}", robot.name),
-                expected: joints,
-                found: self.joints(),
-            });
+            return Err(SimulationError::count(
+                format!("joints of the trajectory for {}", robot.name),
+                joints,
+                self.joints(),
+            ));
         }
         let mut worst: Vec<[Option<(f64, SimulationError)>; 3]> =
             (0..joints).map(|_| [const { None }; 3]).collect();

@@ -17,7 +17,7 @@ use crate::{
     page::{Block, Page, Section, Tone, Verdict},
     rendering::{number::significant, text::listed},
     table::{Cell, Table},
-    words::{self, Group, claim, follows, groups, is_about_physics, nothing, objection},
+    words::{self, Group, claim, follows, groups, nothing, objection},
 };
 
 /// What a diagnosis leaves for its page.
@@ -123,12 +123,7 @@ impl Diagnosed<'_> {
         sentences.extend(self.verdict.registered_models.iter().map(|m| format!("{}.", capital(&m.sentence))));
         sentences.extend(self.verdict.warnings.iter().map(|w| format!("{}.", capital(w))));
         sentences.extend(
-            self.improved
-                .1
-                .warnings
-                .iter()
-                .filter(|w| is_about_physics(w))
-                .map(|w| format!("Warning about the improved model: {w}.")),
+            self.improved.1.about_physics.iter().map(|w| format!("Warning about the improved model: {w}.")),
         );
         let held = &self.verdict.held_out;
         let ratio = |j: usize| held.rms_after[j] / held.rms_before[j];

@@ -1,0 +1,177 @@
+//! What the file of an effect declares, and all else that follows from it.
+
+use std::fmt::Debug;
+use std::ops::{Deref, DerefMut};
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::effect::{Effect, Factor, Hidden, Setup, check_joints, check_values};
+use super::kind::{Draw, EffectKind, Family, Presence, Takes};
+use crate::error::{Complaints, SimulationError};
+use crate::random::Random;
+use crate::robots::{Robot, Rotors};
+
+/// An effect as its file declares it: its names, what it is drawn from, and what it does to the machine. Whatever has
+/// this is an [`Effect`] of the kind [`EffectKind::of`] it.
+pub trait Physics: Debug + Send + Sync + Serialize + DeserializeOwned + 'static {
+    /// Identifier, snake_case.
+    const IDENTIFIER: &'static str;
+    /// Family.
+    const FAMILY: Family;
+    /// One line.
+    const SUMMARY: &'static str;
+    /// In which recordings it can be.
+    const PRESENCE: Presence;
+    /// Where the rotors' inertia has to be, if that matters.
+    const ROTORS: Option<Rotors> = None;
+    /// How many joints it takes.
+    const TAKES: Takes;
+
+    /// Whether it can be on a joint.
+    fn suits(robot: &Robot, joint: usize) -> bool {
+        let _ = (robot, joint);
+        true
+    }
+
+    /// An effect of medium strength, as far as that can be said beforehand.
+    fn draw(context: &Draw<'_>, random: &mut Random) -> Self;
+
+    /// As [`Effect::joints`].
+    fn joints(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// As [`Effect::parameters`].
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        Vec::new()
+    }
+
+    /// As [`Effect::window_s`].
+    fn window_s(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// As [`Effect::hidden`].
+    fn hidden(&self) -> Hidden {
+        Hidden::Nothing
+    }
+
+    /// As [`Effect::scale`].
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot);
+
+    /// Complains about values that cannot be on this robot. The joints of an effect that takes one or a few are
+    /// checked before.
+    fn check(&self, complaints: &mut Checks<'_>);
+
+    /// As [`Effect::install`].
+    ///
+    /// # Errors
+    /// [`SimulationError::Conflict`] with an effect that is there already.
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError>;
+}
+
+impl<P: Physics> Effect for P {
+    fn identifier(&self) -> &'static str {
+        P::IDENTIFIER
+    }
+
+    fn joints(&self) -> Vec<usize> {
+        P::joints(self)
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, Vec<f64>)> {
+        P::parameters(self)
+    }
+
+    fn window_s(&self) -> Option<[f64; 2]> {
+        P::window_s(self)
+    }
+
+    fn hidden(&self) -> Hidden {
+        P::hidden(self)
+    }
+
+    fn scale(&mut self, factor: Factor<'_>, robot: &Robot) {
+        P::scale(self, factor, robot);
+    }
+
+    fn validate(&self, robot: &Robot) -> Result<(), SimulationError> {
+        let joints = P::joints(self);
+        let mut checks = Checks { found: Complaints::default(), effect: P::IDENTIFIER, joints, robot };
+        if matches!(P::TAKES, Takes::One | Takes::Few) {
+            check_joints(&mut checks.found, P::IDENTIFIER, &checks.joints, robot);
+        }
+        self.check(&mut checks);
+        checks.found.finish()
+    }
+
+    fn install(&self, setup: &mut Setup) -> Result<(), SimulationError> {
+        P::install(self, setup)
+    }
+
+    fn fields(&self) -> Value {
+        serde_json::to_value(self).unwrap_or(Value::Null)
+    }
+}
+
+impl EffectKind {
+    /// The kind of a type of effects.
+    #[must_use]
+    pub const fn of<P: Physics>() -> Self {
+        Self {
+            identifier: P::IDENTIFIER,
+            family: P::FAMILY,
+            summary: P::SUMMARY,
+            presence: P::PRESENCE,
+            rotors: P::ROTORS,
+            takes: P::TAKES,
+            suits: P::suits,
+            draw: |context, random| Box::new(P::draw(context, random)),
+            read: |fields| Ok(Box::new(serde_json::from_value::<P>(fields)?)),
+        }
+    }
+}
+
+/// The complaints about an effect on a robot.
+#[derive(Debug)]
+pub struct Checks<'a> {
+    found: Complaints,
+    effect: &'static str,
+    joints: Vec<usize>,
+    /// The robot.
+    pub robot: &'a Robot,
+}
+
+impl Checks<'_> {
+    /// Complains unless the field `name` has one value per joint of the effect, each between `low` and `high`.
+    pub fn values(&mut self, name: &str, values: &[f64], (low, high): (f64, f64)) {
+        check_values(&mut self.found, self.effect, name, &self.joints, values, (low, high));
+    }
+
+    /// Complains about a link that the robot does not have.
+    pub fn link(&mut self, link: usize) {
+        let Robot { name, links, .. } = self.robot;
+        self.found.link(format!("`{}`", self.effect), link, name, links.len());
+    }
+
+    /// Complains about joints that the robot does not have, none at all, or one named twice.
+    pub fn joints(&mut self, joints: &[usize]) {
+        check_joints(&mut self.found, self.effect, joints, self.robot);
+    }
+}
+
+impl Deref for Checks<'_> {
+    type Target = Complaints;
+
+    fn deref(&self) -> &Complaints {
+        &self.found
+    }
+}
+
+impl DerefMut for Checks<'_> {
+    fn deref_mut(&mut self) -> &mut Complaints {
+        &mut self.found
+    }
+}
