@@ -110,7 +110,7 @@ pub fn diagnose_experiment(
 
 #[pymethods]
 impl Verdict {
-    /// The answer: "no_mismatch", "named", "ambiguous" or "unexplained".
+    /// The answer: "no_mismatch", "named", "partly_explained" or "unexplained".
     #[getter]
     fn answer(&self) -> &str {
         self.document["verdict"].as_str().unwrap_or_default()

@@ -114,10 +114,8 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
             Some(Answer::Named) => {
                 "nothing has changed; what the model lacks in all recordings was identified".to_owned()
             }
-            Some(Answer::Ambiguous) => {
-                "nothing has changed; what the model lacks in all recordings is one of a class of effects that these \
-                 recordings cannot separate"
-                    .to_owned()
+            Some(Answer::PartlyExplained) => {
+                "nothing has changed; part of what the model lacks in all recordings was identified".to_owned()
             }
             Some(Answer::Unexplained) => {
                 "nothing has changed; the model lacks something in all recordings that no known effect explains"
@@ -128,14 +126,14 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
             format!("in the calibration recordings and not in the target: {changes}")
         }
         (Answer::Named, Some(changes)) => format!("changed since calibration: {changes}"),
+        (Answer::PartlyExplained, changes) => {
+            let changes = changes.unwrap_or_else(|| "something".to_owned());
+            format!("changed since calibration: {changes}, and something that no known effect explains")
+        }
         (Answer::Named, None) => match faults {
             Some(fault) => format!("a fault of the recordings explains the difference: {fault}"),
             None => "the cause was identified".to_owned(),
         },
-        (Answer::Ambiguous, changes) => {
-            format!("changed since calibration: {}, or another of a class that these recordings cannot separate",
-                changes.unwrap_or_else(|| "something".to_owned()))
-        }
         (Answer::Unexplained, Some(changes)) => {
             format!("something has changed that no known effect explains; part of it resembles {changes}")
         }
@@ -152,10 +150,10 @@ fn missing(verdict: &Verdict, asked: Asked) -> String {
         (Answer::NoMismatch, _) => "nothing is missing: the residual is noise".to_owned(),
         (Answer::Named, None) => "a fault of the recordings explains the difference".to_owned(),
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
-        (Answer::Ambiguous, found) => format!(
-            "the model lacks {}, or another of a class of effects that these recordings cannot separate",
-            found.unwrap_or_else(|| "something".to_owned())
-        ),
+        (Answer::PartlyExplained, found) => {
+            let found = found.unwrap_or_else(|| "something".to_owned());
+            format!("the model lacks {found}, and something that no known effect explains")
+        }
         (Answer::Unexplained, Some(found)) => {
             format!("the model lacks something that no known effect explains; part of it resembles {found}")
         }
@@ -183,6 +181,13 @@ fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> 
             (false, _) => format!("{title} on joints {}", listed(&joints)),
         }
     });
+    let named = match first.alternatives.first() {
+        Some(other) => {
+            let title = effects::find(&other.effect).map_or(other.effect.as_str(), |e| e.title);
+            format!("{named} or {}", title.split(" (").next().unwrap_or(title))
+        }
+        None => named,
+    };
     Some(match found.count() {
         0 => named,
         1 => format!("{named}, and one more effect"),
@@ -195,12 +200,24 @@ pub fn indicated(indication: &Indication, asked: Asked) -> String {
     format!("{}: not claimed, since {}", claim(&indication.finding, asked), indication.fails.join("; "))
 }
 
+/// How much of what can be predicted the claims explain, in a sentence.
+pub fn explained(verdict: &Verdict) -> Option<String> {
+    let share = verdict.explained?;
+    let of = |value: f64| format!("{:.0}", 100.0 * value.clamp(0.0, 1.0));
+    let [low, high] = [-2.0, 2.0].map(|deviations| of(share.value + deviations * share.std));
+    Some(format!(
+        "the claims explain {} % ({low} to {high} %) of the held-out error beyond noise, where noise is what boosted trees cannot \
+         predict either",
+        of(share.value)
+    ))
+}
+
 /// What is left of a joint's residual, in a few words: the coordinate that it follows, or how far it is from noise.
 /// Where no claim is made, none is made either way: 1.4 times the noise is not "nothing".
 pub fn follows(residual: &JointResidual) -> String {
     let times = residual.unexplained_rms / residual.floor_rms;
     match (&residual.follows, residual.structure_left) {
-        (Some(what), _) => what.clone(),
+        (Some(what), _) => format!("{what} ({:.0} % of the rest)", 100.0 * residual.follows_share),
         (None, true) => format!("unknown, {times:.2} × noise"),
         (None, false) if times > NEAR_NOISE => format!("no claim, {times:.2} × noise"),
         (None, false) => String::new(),
@@ -286,6 +303,9 @@ mod tests {
 
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
+            schema: aurt_diagnosis::SCHEMA,
+            explained: None,
+            remainder: Vec::new(),
             joint_names: Vec::new(),
             unit: MeasurementUnit::NewtonMetre,
             verdict: answer,

@@ -16,6 +16,7 @@
 //! | [`transmission`] | what lies above the filters: elastic gears, backlash |
 //! | [`contact`] | external forces, local in time |
 //! | [`investigation`] | the walk through all rooms |
+//! | [`remainder`] | what a black box predicts beyond the improved model |
 //! | [`verdict`] | what may be said of what was found |
 //! | [`injection`] | what would be said if an effect were added to the measurement |
 //! | [`comparison`] | simpler methods on the same columns |
@@ -34,6 +35,7 @@ pub mod investigation;
 pub mod noise;
 mod parameters;
 pub mod recordings;
+pub mod remainder;
 pub mod request;
 pub mod search;
 pub mod transmission;
@@ -54,10 +56,12 @@ pub use injection::{Prepared, SeenFault};
 pub use investigation::{BeforeGears, Delay, Indicated, Investigation, Late, investigate};
 pub use parameters::{FittedColumn, ParameterValue, Parameters};
 pub use recordings::{ConfirmRows, Fit, FitRows, Instrument, Layout, Partition, RecordingRows, Role};
+pub use remainder::{Follows, Remainder, Rest, Share};
 pub use request::{Question, QuestionedRecording, SelectionOptions, Spoilt, from_folder, with_file_names};
 pub use search::{Chosen, Selection};
 pub use transmission::{FullRate, Gears, InertiaColumns, Shaking, find_gears};
 pub use verdict::{
     Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, JointSeriesRows, Learnt,
-    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, Shift, Verdict, series, write_verdict,
+    NotDecidable, NotExamined, RecordingSeries, RegisteredFinding, SCHEMA, Shift, Verdict, series,
+    write_verdict,
 };

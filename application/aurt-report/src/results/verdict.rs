@@ -10,7 +10,10 @@ use crate::{
         style::{Emphasis, Style},
         text::{WIDTH, wrapped, wrapped_with},
     },
-    words::{Group, HOW_LARGE, claim, follows, groups, headline, indicated, nothing, objection, undecidable},
+    words::{
+        Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, nothing, objection,
+        undecidable,
+    },
 };
 
 /// What a terminal shows of a verdict.
@@ -66,6 +69,7 @@ impl Shown<'_> {
         }
         self.table(&mut text);
         text.push_str(&wrapped(&format!("held out: {}", self.held_out.join(", "))));
+        text.extend(explained(verdict).map(|said| wrapped(&said)));
         if !verdict.not_decidable.is_empty() {
             let names: Vec<String> = verdict.not_decidable.iter().map(undecidable).collect();
             text.push_str(&wrapped(&format!("not decidable here: {}", names.join(", "))));

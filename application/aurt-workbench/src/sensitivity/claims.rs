@@ -15,7 +15,7 @@ impl Claims {
     /// What a verdict claims.
     pub fn of(verdict: &Verdict) -> Self {
         Self {
-            names: matches!(verdict.verdict, Answer::Named | Answer::Ambiguous),
+            names: matches!(verdict.verdict, Answer::Named | Answer::PartlyExplained),
             unexplained: verdict.verdict == Answer::Unexplained,
             claims: verdict.effects.iter().map(|f| (f.effect.clone(), f.joints.clone())).collect(),
         }

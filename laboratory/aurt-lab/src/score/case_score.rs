@@ -40,9 +40,10 @@ pub struct CaseScore {
     pub answer: Answer,
     /// Identifiers that were named and are news, without repetition.
     pub named: Vec<String>,
-    /// Whether it is right: a verdict that names an effect, the right effects first, on their joints, in the right recordings, and
-    /// no other claim them. Of nulls: nothing flagged; of unknown effects: `unexplained`; where the candidate was removed:
-    /// `unexplained`, or a neighbour under a verdict that names an effect.
+    /// Whether it is right: a verdict that names an effect (in `clean`, where nothing else is missing, not `partly_explained`), the
+    /// right effects first, on their joints, in the right recordings, and no other claim. Of nulls: nothing flagged; of unknown
+    /// effects: a verdict that leaves something unexplained; where the candidate was removed: such a verdict, or a neighbour under
+    /// a verdict that names an effect.
     pub right: bool,
     /// The same, with effects that no recording tells apart counted as one.
     pub right_class: bool,
@@ -111,11 +112,13 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
     let is_of_vocabulary = matches!(truth.case_type, CaseType::Single | CaseType::Pair) && removed.is_none();
     let (right, right_class) = match (truth.case_type, removed) {
         (CaseType::Null, _) => both(flagged_by.is_empty()),
-        (CaseType::UnknownEffect, _) => both(answer == Answer::Unexplained),
+        (CaseType::UnknownEffect, _) => both(answer.leaves_something()),
         (_, Some(removed)) => {
             let near = order.first().is_some_and(|n| neighbours(removed).contains(&n.effect));
-            both(answer == Answer::Unexplained || near && answer.names())
+            both(answer.leaves_something() || near && answer.names())
         }
+        // In `clean` nothing is missing but what is concealed.
+        _ if truth.world == World::Clean && answer == Answer::PartlyExplained => both(false),
         _ => (strict.right, class.right),
     };
     let single = truth.effects.first().filter(|_| is_of_vocabulary && truth.case_type == CaseType::Single);

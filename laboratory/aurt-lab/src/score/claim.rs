@@ -14,8 +14,10 @@ pub enum Answer {
     NoMismatch,
     /// What is missing has a name.
     Named,
-    /// One of a class.
+    /// One of a class, of programs that have a word for it.
     Ambiguous,
+    /// What is named is missing, and something beside it.
+    PartlyExplained,
     /// Something is missing that has no name.
     Unexplained,
     /// The diagnosis gave no verdict.
@@ -26,7 +28,13 @@ impl Answer {
     /// Whether the answer gives what is missing a name.
     #[must_use]
     pub const fn names(self) -> bool {
-        matches!(self, Self::Named | Self::Ambiguous)
+        matches!(self, Self::Named | Self::Ambiguous | Self::PartlyExplained)
+    }
+
+    /// Whether the answer says that something is missing beside what has a name.
+    #[must_use]
+    pub const fn leaves_something(self) -> bool {
+        matches!(self, Self::PartlyExplained | Self::Unexplained)
     }
 
     /// Its name in files and tables.
@@ -36,6 +44,7 @@ impl Answer {
             Self::NoMismatch => "no_mismatch",
             Self::Named => "named",
             Self::Ambiguous => "ambiguous",
+            Self::PartlyExplained => "partly_explained",
             Self::Unexplained => "unexplained",
             Self::Failed => "failed",
         }

@@ -29,8 +29,8 @@ pub(super) fn compare(
     answer: Answer,
     sameness: Sameness,
 ) -> Compared {
-    // An alternative is part of the answer where the answer is a class.
-    let class = answer == Answer::Ambiguous;
+    // Declared alternatives are part of a claim.
+    let class = answer.names();
     let first = &order[..order.len().min(truth.len())];
     let among = |list: &[&News<'_>], alternatives: bool| {
         !truth.is_empty()

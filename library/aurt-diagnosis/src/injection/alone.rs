@@ -46,8 +46,8 @@ impl Prepared<'_> {
             return Ok(Vec::new());
         }
         let named = match self.verdict().verdict {
-            Answer::NoMismatch | Answer::Named | Answer::Ambiguous => true,
-            Answer::Unexplained => repair_helps(
+            Answer::NoMismatch | Answer::Named => true,
+            Answer::PartlyExplained | Answer::Unexplained => repair_helps(
                 &Question { recordings: &recordings, ..*self.question },
                 &Question { recordings: &repaired, ..*self.question },
             )?,

@@ -22,12 +22,14 @@ const MOST_CONTACTS: usize = 3;
 /// A model that predicts less than this share of every joint's measurement has nothing to do with it.
 pub(crate) const UNRELATED: f64 = 0.1;
 
-/// The answer to what has changed (to all, where there is but one question), and to what is missing in all recordings.
+/// The answer to what has changed (to all, where there is but one question), and to what is missing in all recordings, of which
+/// `something` is left.
 pub(crate) fn answers(
     investigation: &Investigation,
     effects: &[Finding],
     registered: &[RegisteredFinding],
     errors: &Errors,
+    something: bool,
 ) -> (Answer, Option<Answer>) {
     let in_all = |present_in: &[String]| present_in.len() > 1;
     let word = |is_asked: &dyn Fn(&[String]) -> bool, question: &Asked<'_>| {
@@ -38,10 +40,15 @@ pub(crate) fn answers(
     match &errors.change {
         Some(change) => {
             let coincidence = coincidences(investigation);
-            let changed = Asked { fitted: &change.fitted, confirmed: &change.confirmed, coincidence };
+            let changed =
+                Asked { fitted: &change.fitted, confirmed: &change.confirmed, coincidence, something: false };
             let structure = &errors.structure;
-            let missing =
-                Asked { fitted: &structure.fitted, confirmed: &structure.confirmed, coincidence: false };
+            let missing = Asked {
+                fitted: &structure.fitted,
+                confirmed: &structure.confirmed,
+                coincidence: false,
+                something,
+            };
             let change = match word(&|p| !in_all(p), &changed) {
                 // Both were fitted together, for want of a reference: what has changed can hide in that.
                 Answer::NoMismatch if investigation.undetermined => Answer::Unexplained,
@@ -55,6 +62,7 @@ pub(crate) fn answers(
                 fitted: &structure.fitted,
                 confirmed: &structure.confirmed,
                 coincidence: coincidences(investigation),
+                something,
             };
             (word(&|_| true, &all), None)
         }
@@ -66,6 +74,8 @@ struct Asked<'a> {
     fitted: &'a [Left],
     confirmed: &'a [Left],
     coincidence: bool,
+    /// Whether more than noise is left of all recordings.
+    something: bool,
 }
 
 fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked: &Asked<'_>) -> Answer {
@@ -81,16 +91,13 @@ fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked
 }
 
 fn by_physics(physics: &[&Finding], asked: &Asked<'_>) -> Answer {
-    let Some(first) = physics.first() else {
-        let left = asked.fitted.iter().any(Left::has_structure);
-        return if left { Answer::Unexplained } else { Answer::NoMismatch };
-    };
-    if asked.coincidence || !accounts_for(asked.fitted) || !accounts_for(asked.confirmed) {
-        Answer::Unexplained
-    } else if first.alternatives.is_empty() {
-        Answer::Named
-    } else {
-        Answer::Ambiguous
+    let left = asked.something || asked.fitted.iter().any(Left::has_structure);
+    match physics {
+        [] if left => Answer::Unexplained,
+        [] => Answer::NoMismatch,
+        _ if asked.coincidence => Answer::Unexplained,
+        _ if accounts_for(asked.fitted) && accounts_for(asked.confirmed) => Answer::Named,
+        _ => Answer::PartlyExplained,
     }
 }
 

@@ -20,7 +20,7 @@ mod write;
 pub use confidence::Learnt;
 pub use model::{
     Alternative, Answer, Evidence, Finding, HeldOut, Indication, JointResidual, NotDecidable, NotExamined,
-    RegisteredFinding, Shift, Verdict,
+    RegisteredFinding, SCHEMA, Shift, Verdict,
 };
 pub use series::{JointSeriesRows, RecordingSeries, series};
 pub use write::verdict as write_verdict;

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::investigation::WORSE;
 use crate::parameters::Parameters;
+use crate::remainder::{Remainder, Share};
 use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
@@ -11,17 +12,24 @@ use crate::vocabulary::{Effect, Family};
 pub enum Answer {
     /// The residual is noise.
     NoMismatch,
-    /// The missing physics was identified.
+    /// The claims account for what is missing.
     Named,
-    /// A class of effects that these data cannot separate.
-    Ambiguous,
-    /// Structure is there, and no known effect accounts for it.
+    /// The claims hold, and something beside them is missing.
+    PartlyExplained,
+    /// Something is missing, and no known effect accounts for it.
     Unexplained,
 }
+
+/// Version of the keys of `verdict.json`: 2 has `partly_explained`, `explained` and `remainder`; `ambiguous` is no verdict any
+/// more but a property of a claim that has `alternatives`.
+pub const SCHEMA: u32 = 2;
 
 /// A diagnosis, as `verdict.json` carries it. Joints count from 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
+    /// Version of this file's keys: [`SCHEMA`].
+    #[serde(default)]
+    pub schema: u32,
     /// Unit of the measurement. In A, parameters called `_nm` are in A, and those called `_kg` in A/Nm kg.
     #[serde(default)]
     pub unit: MeasurementUnit,
@@ -52,6 +60,12 @@ pub struct Verdict {
     pub residual: Vec<JointResidual>,
     /// Improvement on held-out data.
     pub held_out: HeldOut,
+    /// Share of the predictable part of the held-out error of all joints that the claims explain; absent without claims.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explained: Option<Share>,
+    /// How the held-out error is made up, joint by joint.
+    #[serde(default)]
+    pub remainder: Vec<Remainder>,
     /// How much the rest of the model moved when the effects were added: parameter, before, after, and the
     /// shift in standard deviations.
     pub shifts: Vec<Shift>,
@@ -221,9 +235,9 @@ pub struct JointResidual {
     pub floor_rms: f64,
     /// Whether what is left is more than noise.
     pub structure_left: bool,
-    /// The coordinate that the rest follows best, out of sample.
+    /// The feature that the rest follows most, where trees predict it on held-out rows ([`Remainder::follows`]).
     pub follows: Option<String>,
-    /// Share of the rest that this coordinate predicts out of sample.
+    /// Share of the rest that they predict.
     pub follows_share: f64,
     /// Windows in which the rest stands out, s from the first stamp.
     pub windows_s: Vec<[f64; 2]>,

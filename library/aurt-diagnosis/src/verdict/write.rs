@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::evidence::account::{REACHED, STRUCTURE};
+use crate::evidence::account::STRUCTURE;
 use crate::evidence::baseline::weighted_fit;
 use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
 use crate::hypotheses::group::Switch;
 use crate::investigation::{Fitted, Investigation};
 use crate::recordings::rows::{RecordingRows, Role};
+use crate::remainder::{Residual, Rest, remainders};
 use crate::request::{Question, QuestionedRecording};
 use crate::verdict::answer::answers;
 use crate::verdict::contacts::contact_findings;
@@ -18,7 +19,7 @@ use crate::verdict::findings::{delay_finding, findings, indications};
 use crate::verdict::not_examined::not_examined;
 use crate::verdict::transmission::{shaking_findings, shaking_indications};
 use crate::verdict::{
-    Finding, HeldOut, JointResidual, NotDecidable, Shift, Verdict, localise, memory, registered,
+    Finding, HeldOut, JointResidual, NotDecidable, SCHEMA, Shift, Verdict, localise, memory, registered,
 };
 use crate::vocabulary::{Effect, Presence};
 use aurt_traits::{ColumnGroup, MeasurementUnit};
@@ -65,17 +66,30 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let fitting: Vec<&RecordingRows> = investigation.rows.iter().collect();
     let left: Vec<Vec<Vec<f64>>> =
         fitting.iter().map(|r| residuals(r, &investigation.layout, all, &fit.coefficients)).collect();
+    let own = (&*investigation.base_switches, &*investigation.baseline.coefficients);
+    let full = (&**all, &*fit.coefficients);
+    let fitted_rests = rests(investigation, &investigation.rows, own, full);
+    let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
+    let has_claims = !investigation.selection.chosen.is_empty();
+    let (remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims);
+    for (joint, of_trees) in residual.iter_mut().zip(&remainder) {
+        joint.follows = of_trees.follows.first().map(|f| f.feature.clone());
+        joint.follows_share =
+            joint.follows.as_ref().and(of_trees.predictable).map_or(0.0, |share| share.value);
+    }
     let louder = memory::factors(&residual, &fitting, &left);
-    for (joint, _) in residual.iter_mut().zip(&louder).filter(|(_, factor)| **factor > 1.0) {
-        joint.structure_left = false;
+    for ((joint, factor), of_trees) in residual.iter_mut().zip(&louder).zip(&remainder) {
+        joint.structure_left = joint.structure_left && *factor <= 1.0 || of_trees.rest == Rest::Something;
     }
     let errors = Errors::new(investigation, targets, &apart, &louder);
     // A fault that makes no difference stands behind physics that does.
     let place = if investigation.faults_matter { 0 } else { effects.len() };
     effects.splice(place..place, faults);
     effects.splice(0..0, shaking.into_iter().chain(touched));
-    let (answer, structure) = answers(investigation, &effects, &registered_models, &errors);
+    let something = residual.iter().any(|r| r.structure_left && !apart.contains(&r.joint));
+    let (answer, structure) = answers(investigation, &effects, &registered_models, &errors, something);
     let mut verdict = Verdict {
+        schema: SCHEMA,
         unit: question.unit,
         joint_names: question.model.rigid_body().joint_names().to_vec(),
         verdict: answer,
@@ -90,6 +104,8 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         not_examined: not_examined(question, investigation),
         residual,
         held_out,
+        explained,
+        remainder,
         shifts: shifts(investigation, &fitted, &baseline.1),
         warnings: Vec::new(),
         notes: Vec::new(),
@@ -243,7 +259,6 @@ fn joint_residuals(
         rows.iter().map(|r| residuals(r, layout, all, &fit.coefficients)).collect();
     let before: Vec<Vec<Vec<f64>>> =
         rows.iter().map(|r| residuals(r, layout, base, &base_fit.coefficients)).collect();
-    let views: Vec<&[Vec<f64>]> = after.iter().map(Vec::as_slice).collect();
     (0..layout.rows.len())
         .map(|joint| {
             let counted: f64 = rows.iter().map(|r| r.joints[joint].counted(0, r.rows())).sum();
@@ -254,10 +269,6 @@ fn joint_residuals(
             let floor_rms = investigation.floor[joint].sqrt();
             let unexplained_rms = power(&after);
             let structure_left = unexplained_rms > STRUCTURE * floor_rms;
-            let load: Vec<Vec<f64>> = rows.iter().map(|r| rigid_body_load(investigation, r, joint)).collect();
-            let follows = (unexplained_rms > REACHED * floor_rms)
-                .then(|| localise::follows(&rows, &views, joint, &load))
-                .flatten();
             let windows_s = rows
                 .iter()
                 .zip(&after)
@@ -269,12 +280,33 @@ fn joint_residuals(
                 unexplained_rms,
                 floor_rms,
                 structure_left,
-                follows_share: follows.as_ref().map_or(0.0, |(_, s)| *s),
-                follows: follows.map(|(name, _)| name),
+                follows_share: 0.0,
+                follows: None,
                 windows_s,
             }
         })
         .collect()
+}
+
+/// Rows with what two models leave of them, each of switches and coefficients.
+fn rests<'r>(
+    investigation: &Investigation,
+    rows: &'r [RecordingRows],
+    before: (&[Switch], &[f64]),
+    after: (&[Switch], &[f64]),
+) -> Vec<Residual<'r>> {
+    let left =
+        |rows, (switches, coefficients)| residuals(rows, &investigation.layout, switches, coefficients);
+    let load = |rows: &RecordingRows| {
+        (0..rows.joints.len()).map(|joint| rigid_body_load(investigation, rows, joint)).collect()
+    };
+    let of = |rows: &'r RecordingRows| Residual {
+        before: left(rows, before),
+        after: left(rows, after),
+        load_torque: load(rows),
+        rows,
+    };
+    rows.iter().map(of).collect()
 }
 
 /// The rigid-body torque of the baseline at each row of a joint.

@@ -6,7 +6,7 @@ mod rows;
 
 use aurt::{Asked, Explanation};
 use aurt_calibration::Calibration;
-use aurt_diagnosis::{Answer, QuestionedRecording, RecordingSeries, Role, Verdict as Found};
+use aurt_diagnosis::{Answer, QuestionedRecording, RecordingSeries, Role, Share, Verdict as Found};
 use aurt_output::pretty;
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
@@ -150,12 +150,13 @@ impl Diagnosed<'_> {
                 listed(&left)
             ));
         }
+        sentences.extend(words::explained(self.verdict).map(|said| format!("{}.", capital(&said))));
         if self.verdict.verdict == Answer::NoMismatch {
             sentences.push(words::HOW_LARGE.to_owned());
         }
         let tone = match self.verdict.verdict {
             Answer::NoMismatch => Tone::Good,
-            Answer::Named | Answer::Ambiguous => Tone::Found,
+            Answer::Named | Answer::PartlyExplained => Tone::Found,
             Answer::Unexplained => Tone::Attention,
         };
         Verdict { tone, headline, sentences }
@@ -202,14 +203,24 @@ impl Diagnosed<'_> {
         };
         let mut table = Table::new(
             format!("residual, root mean square in {unit}"),
-            ["joint", "before", "after", "noise", "held out: before", "after", "noise", "<residual follows"],
+            [
+                "joint",
+                "before",
+                "after",
+                "noise",
+                "held out: before",
+                "after",
+                "noise",
+                "<residual follows",
+                "explained",
+            ],
         );
+        let share = |share: Option<Share>| {
+            share.map_or_else(|| "–".into(), |s| format!("{:.0} ± {:.0} %", 100.0 * s.value, 100.0 * s.std))
+        };
         for r in &self.verdict.residual {
+            let explained = self.verdict.remainder.get(r.joint).and_then(|of| of.explained);
             let of = |list: &[f64]| value(list, r.joint).map_or_else(|| "–".into(), |v| significant(v, 4));
-            let follows = match (&r.follows, r.structure_left) {
-                (Some(what), _) => format!("{what} ({:.0} % of it)", 100.0 * r.follows_share),
-                _ => follows(r),
-            };
             table.row([
                 Cell::from(r.joint.to_string()),
                 Cell::from(significant(r.baseline_rms, 4)),
@@ -218,7 +229,8 @@ impl Diagnosed<'_> {
                 Cell::from(of(&held.rms_before)),
                 Cell::from(of(&held.rms_after)),
                 Cell::from(of(&held.rms_floor)),
-                Cell::from(follows),
+                Cell::from(follows(r)),
+                Cell::from(share(explained)),
             ]);
         }
         Section {

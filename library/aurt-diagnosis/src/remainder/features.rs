@@ -1,0 +1,49 @@
+//! What the trees predict a joint's residual from.
+
+use crate::recordings::rows::RecordingRows;
+
+/// Velocity scale at which the direction of motion is clear, rad/s.
+const DIRECTION_RAD_S: f64 = 0.02;
+
+/// Names of the features of a joint, in the order of [`of_rows`].
+pub(super) fn names(joints: usize, joint: usize) -> Vec<String> {
+    let of = |what: &str, k: usize| {
+        if k == joint { what.to_owned() } else { format!("{what} of joint {k}") }
+    };
+    let mut names: Vec<String> = (0..joints).map(|k| of("position", k)).collect();
+    names.extend((0..joints).map(|k| of("velocity", k)));
+    names.extend(
+        ["acceleration", "direction of motion", "load torque", "position since reversal"].map(String::from),
+    );
+    names
+}
+
+/// The features of a joint's rows, `[feature][row]`; `load_torque` is the rigid bodies' torque at each row.
+pub(super) fn of_rows(rows: &RecordingRows, joint: usize, load_torque: Vec<f64>) -> Vec<Vec<f64>> {
+    let own = &rows.joints[joint];
+    let mut features: Vec<Vec<f64>> = rows.joints.iter().map(|j| j.position_rad.clone()).collect();
+    features.extend(rows.joints.iter().map(|j| j.velocity_rad_s.clone()));
+    features.push(own.acceleration_rad_s2.clone());
+    features.push(own.velocity_rad_s.iter().map(|v| (v / DIRECTION_RAD_S).tanh()).collect());
+    features.push(load_torque);
+    features.push(since_reversal(rows, joint));
+    features
+}
+
+/// √|q − q_r| · sgn q̇, q_r the angle at which the joint last reversed: presliding friction changes over the first travel.
+fn since_reversal(recording: &RecordingRows, joint: usize) -> Vec<f64> {
+    let rows = &recording.joints[joint];
+    let mut anchor = rows.position_rad.first().copied().unwrap_or(0.0);
+    let mut sign = 0.0;
+    rows.position_rad
+        .iter()
+        .zip(&rows.velocity_rad_s)
+        .map(|(q, v)| {
+            if *v != 0.0 && v.signum() != sign {
+                sign = v.signum();
+                anchor = *q;
+            }
+            sign * (q - anchor).abs().sqrt()
+        })
+        .collect()
+}

@@ -1,0 +1,258 @@
+//! What a black box predicts beyond the improved model.
+//!
+//! For each joint, boosted trees are fitted to the residual of the improved model on the rows that fit, and judged on held-out
+//! rows. What they predict there is something that the model lacks, whether it has a name or not; what they do not predict is noise
+//! as far as these recordings show. The features by which they split say what the remainder follows.
+//!
+//! With B, A and R the squared held-out errors of the baseline, of the improved model, and of the improved model with the trees,
+//! (B − A)/(B − R) is the share of what can be predicted that the claims explain, and (A − R)/A the predictable share of the rest.
+
+mod boosting;
+mod features;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use self::boosting::{Boosted, Edges, Growth};
+use self::features::{names, of_rows};
+use crate::recordings::rows::RecordingRows;
+
+/// Length of the stretches that stop the growth in turn, and of those between which shares vary, s.
+const STRETCH_S: f64 = 2.0;
+
+/// Rows of a joint that are fitted; of more, every k-th is.
+const MOST_ROWS: usize = 6000;
+
+/// Fewer stretches of held-out rows tell no deviation.
+const FEWEST_STRETCHES: usize = 4;
+
+/// A remainder matters where predicting it lowers the held-out error by a twentieth: 1 − 0.95².
+const MATTERS: f64 = 0.0975;
+
+/// Features that are listed, each with at least this share of the gain.
+const LISTED_SHARE: f64 = 0.15;
+
+/// A share, with its standard deviation by the jackknife over stretches of time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// The share.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+/// A feature that the remainder follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Follows {
+    /// The feature.
+    pub feature: String,
+    /// Its share of what the trees gain.
+    pub share: f64,
+}
+
+/// What the remainder of a joint is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rest {
+    /// Nothing that the trees predict: noise, as far as these recordings show.
+    Noise,
+    /// Something that the model lacks.
+    Something,
+    /// There are too few rows to tell.
+    TooLittleData,
+}
+
+/// How the held-out error of a joint is made up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Remainder {
+    /// The joint.
+    pub joint: usize,
+    /// What is left beside the claims.
+    pub rest: Rest,
+    /// Share of the predictable part of the baseline's squared error that the claims explain; absent without claims or where
+    /// nothing can be predicted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explained: Option<Share>,
+    /// Share of the improved model's squared error that the trees predict; not above zero where they predict nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predictable: Option<Share>,
+    /// What the predictable part follows, largest first; empty where nothing is predicted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub follows: Vec<Follows>,
+}
+
+/// A recording's rows with what the models leave of them.
+#[derive(Debug, Clone)]
+pub(crate) struct Residual<'a> {
+    pub(crate) rows: &'a RecordingRows,
+    /// Residual of the baseline, `[joint][row]`.
+    pub(crate) before: Vec<Vec<f64>>,
+    /// Residual of the improved model, `[joint][row]`.
+    pub(crate) after: Vec<Vec<f64>>,
+    /// The rigid bodies' torque, `[joint][row]`.
+    pub(crate) load_torque: Vec<Vec<f64>>,
+}
+
+/// The rows of a joint that count.
+#[derive(Default)]
+struct Rows {
+    /// `[feature][row]`.
+    features: Vec<Vec<f64>>,
+    before: Vec<f64>,
+    after: Vec<f64>,
+    /// The stretch of time of each row.
+    stretch: Vec<usize>,
+}
+
+impl Rows {
+    fn of(recordings: &[Residual<'_>], joint: usize, most: usize) -> Self {
+        let counted = |r: &Residual<'_>| r.rows.joints[joint].counts.iter().filter(|c| **c).count();
+        let every = recordings.iter().map(counted).sum::<usize>().div_ceil(most).max(1);
+        let mut rows = Self::default();
+        let mut first_stretch = 0;
+        for recording in recordings.iter().filter(|r| r.rows.rows() > 0) {
+            let features = of_rows(recording.rows, joint, recording.load_torque[joint].clone());
+            rows.features.resize(features.len(), Vec::new());
+            let stretch = (STRETCH_S * recording.rows.rate_hz).max(1.0) as usize;
+            let kept = (0..recording.rows.rows()).filter(|k| recording.rows.joints[joint].counts[*k]);
+            for row in kept.step_by(every) {
+                for (all, own) in rows.features.iter_mut().zip(&features) {
+                    all.push(own[row]);
+                }
+                rows.before.push(recording.before[joint][row]);
+                rows.after.push(recording.after[joint][row]);
+                rows.stretch.push(first_stretch + row / stretch);
+            }
+            first_stretch += recording.rows.rows() / stretch + 1;
+        }
+        rows
+    }
+
+    fn count(&self) -> usize {
+        self.after.len()
+    }
+}
+
+/// Squared errors [B, A, R] of a stretch of a joint's held-out rows.
+type Squares = [f64; 3];
+
+/// The held-out errors of a joint, stretch by stretch, and what the trees split by.
+struct Judged {
+    stretches: Vec<Squares>,
+    follows: Vec<Follows>,
+}
+
+/// How the held-out error of each joint is made up, and that of all joints together, each in units of its own noise;
+/// `has_claims` tells whether the two models differ.
+pub(crate) fn remainders(
+    fitted: &[Residual<'_>],
+    held_out: &[Residual<'_>],
+    has_claims: bool,
+) -> (Vec<Remainder>, Option<Share>) {
+    let joints = fitted.iter().chain(held_out).map(|r| r.rows.joints.len()).max().unwrap_or(0);
+    let judged: Vec<Option<Judged>> =
+        (0..joints).into_par_iter().map(|joint| judge(fitted, held_out, joints, joint)).collect();
+    let remainders = judged
+        .iter()
+        .enumerate()
+        .map(|(joint, judged)| {
+            let Some(Judged { stretches, follows }) = judged else {
+                let rest = Rest::TooLittleData;
+                return Remainder { joint, rest, explained: None, predictable: None, follows: Vec::new() };
+            };
+            let predictable = jackknife(stretches, |[_, after, rest]| 1.0 - rest / after);
+            let found = predictable.is_some_and(|s| s.value > (2.0 * s.std).max(MATTERS));
+            Remainder {
+                joint,
+                rest: if found { Rest::Something } else { Rest::Noise },
+                explained: if has_claims { jackknife(stretches, explained) } else { None },
+                predictable,
+                follows: if found { follows.clone() } else { Vec::new() },
+            }
+        })
+        .collect();
+    let in_noise = |judged: &Judged| -> Vec<Squares> {
+        let noise: f64 = judged.stretches.iter().map(|[_, after, rest]| rest.min(*after)).sum();
+        judged.stretches.iter().map(|squares| squares.map(|s| s / noise.max(f64::MIN_POSITIVE))).collect()
+    };
+    let all: Vec<Squares> = judged.iter().flatten().flat_map(in_noise).collect();
+    (remainders, if has_claims { jackknife(&all, explained) } else { None })
+}
+
+/// Of what can be predicted of the baseline's error, the share that the improved model predicts.
+fn explained([before, after, rest]: Squares) -> f64 {
+    (before - after) / (before - rest.min(after))
+}
+
+/// A function of sums over stretches; none where it is no number or there are too few stretches.
+fn jackknife(stretches: &[Squares], of: impl Fn(Squares) -> f64) -> Option<Share> {
+    let sum = stretches.iter().fold([0.0; 3], |all, own| std::array::from_fn(|k| all[k] + own[k]));
+    let value = of(sum);
+    let without: Vec<f64> =
+        stretches.iter().map(|own| of(std::array::from_fn(|k| sum[k] - own[k]))).collect();
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let std = ((n - 1.0) / n * without.iter().map(|v| (v - mean).powi(2)).sum::<f64>()).sqrt();
+    (value.is_finite() && std.is_finite() && without.len() >= FEWEST_STRETCHES)
+        .then_some(Share { value, std })
+}
+
+fn judge(fitted: &[Residual<'_>], held_out: &[Residual<'_>], joints: usize, joint: usize) -> Option<Judged> {
+    let (own, other) = (Rows::of(fitted, joint, MOST_ROWS), Rows::of(held_out, joint, usize::MAX));
+    let growth = Growth::default();
+    if own.count() < 4 * growth.leaf_rows || other.count() == 0 {
+        return None;
+    }
+    let edges = Edges::of(&own.features);
+    let classes = edges.classes(&own.features);
+    // How many trees help is found on alternating stretches; then all rows are fitted.
+    let (even, odd): (Vec<usize>, Vec<usize>) =
+        (0..own.count()).partition(|k| own.stretch[*k].is_multiple_of(2));
+    let stopped = |fitted: &[usize], judged: &[usize]| {
+        Boosted::fit(&classes, &own.after, fitted, Some(judged), growth).trees()
+    };
+    let trees = usize::midpoint(stopped(&even, &odd), stopped(&odd, &even));
+    let all: Vec<usize> = (0..own.count()).collect();
+    let boosted = Boosted::fit(&classes, &own.after, &all, None, Growth { trees, ..growth });
+
+    let classes = edges.classes(&other.features);
+    let mut stretches = vec![[0.0; 3]; other.stretch.last().map_or(0, |last| last + 1)];
+    for (row, stretch) in other.stretch.iter().enumerate() {
+        let (before, after) = (other.before[row], other.after[row]);
+        let rest = after - boosted.predict(&classes, row);
+        for (sum, error) in stretches[*stretch].iter_mut().zip([before, after, rest]) {
+            *sum += error * error;
+        }
+    }
+    stretches.retain(|squares| squares[1] > 0.0);
+    if stretches.len() < FEWEST_STRETCHES {
+        return None;
+    }
+    let gain: f64 = boosted.gains.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut follows: Vec<Follows> = names(joints, joint)
+        .into_iter()
+        .zip(&boosted.gains)
+        .map(|(feature, own)| Follows { feature, share: own / gain })
+        .filter(|f| f.share >= LISTED_SHARE)
+        .collect();
+    follows.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Some(Judged { stretches, follows })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{explained, jackknife};
+
+    #[test]
+    fn shares_are_of_what_can_be_predicted() {
+        // Of 9 above the noise of 1 the claims explain 6, and the trees predict 3 of the 4 that are left.
+        assert_eq!(explained([10.0, 4.0, 1.0]), 2.0 / 3.0);
+        // Trees that predict nothing leave the improved model as it is.
+        assert_eq!(explained([10.0, 4.0, 4.5]), 1.0);
+        let equal = [[10.0, 4.0, 1.0]; 8];
+        let share = jackknife(&equal, explained).unwrap();
+        assert!((share.value - 2.0 / 3.0).abs() < 1e-12 && share.std < 1e-9, "{share:?}");
+        assert_eq!(jackknife(&equal[..3], explained), None, "too few stretches");
+        assert_eq!(jackknife(&[[1.0, 1.0, 1.0]; 8], explained), None, "nothing can be predicted");
+    }
+}
