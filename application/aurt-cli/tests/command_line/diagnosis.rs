@@ -50,7 +50,8 @@ fn concealed_effects_are_named_and_are_not_named_without_their_candidates() {
         if name == "rotor_inertia" {
             // Its torque is also that of a motor that turns with two joints; but that one's friction is not there.
             assert!(effects.iter().all(|e| e["effect"] != "joint_coupling_friction"), "{case}: {without}");
-            assert_eq!(without["verdict"], "unexplained", "{case}: {without}");
+            let left = ["unexplained", "partly_explained"].contains(&without["verdict"].as_str().unwrap());
+            assert!(left, "{case}: {without}");
         }
     }
 }
@@ -334,8 +335,7 @@ fn a_push_against_a_standing_arm_is_a_contact() {
         let run = folder.aurt(["diagnose", &format!("{name}.toml"), "--out", name, "--verdict-only"]);
         assert_eq!(run.status(), 1, "{}", run.stderr());
         let verdict = folder.json(&format!("{name}/verdict.json"));
-        // The end of the first push, which no force on one link explains, may keep the verdict from `named`.
-        assert!(["named", "unexplained"].contains(&verdict["verdict"].as_str().unwrap()), "{verdict}");
+        assert_eq!(verdict["verdict"], "named", "{verdict}");
         let contacts: Vec<&Value> = verdict["effects"]
             .as_array()
             .unwrap()

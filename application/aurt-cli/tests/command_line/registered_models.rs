@@ -22,6 +22,11 @@ fn verdict(folder: &Folder, out: &str) -> Value {
     folder.json(&format!("{out}/verdict.json"))
 }
 
+/// Whether a verdict says that something is missing that no known effect explains.
+fn leaves_something(verdict: &Value) -> bool {
+    verdict["verdict"] == "unexplained" || verdict["verdict"] == "partly_explained"
+}
+
 #[test]
 fn a_law_that_only_a_library_has_is_found_and_modelled() {
     let folder = Folder::new().with_concealed(
@@ -42,13 +47,13 @@ fn a_law_that_only_a_library_has_is_found_and_modelled() {
         let without = format!("{case}_without");
         assert_eq!(folder.aurt(["diagnose", &experiment, "--out", &without, "--verdict-only"]).status(), 1);
         let unknown = verdict(&folder, &without);
-        assert_eq!(unknown["verdict"], "unexplained", "{case}: {hidden}");
+        assert!(leaves_something(&unknown), "{case}: {hidden} {unknown}");
         assert_eq!(unknown.get("registered_models"), None);
 
         let run = folder.aurt(["--plugin", &library, "diagnose", &experiment, "--out", case]);
         assert_eq!(run.status(), 1, "{}", run.stderr());
         let found = verdict(&folder, case);
-        assert_eq!(found["verdict"], "unexplained", "no word of the vocabulary: {found}");
+        assert!(leaves_something(&found), "no word of the vocabulary: {found}");
         let first = &found["registered_models"][0];
         assert_eq!(
             (&first["model"], &first["joints"]),

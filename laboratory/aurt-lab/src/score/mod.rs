@@ -4,11 +4,11 @@
 //!
 //! | case | right if |
 //! |---|---|
-//! | single | the verdict names an effect (`named`, or `ambiguous` with the truth among the first label and its at most two alternatives), the effect is first, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing else is claimed |
+//! | single | the verdict names an effect (`named`; `partly_explained` in worlds with a background), the effect is first, or one of its declared alternatives, on exactly its joints (whole-arm effects have none of their own), in the right kinds of recordings, and nothing else is claimed |
 //! | pair | the same of both, as the first two |
 //! | null | `no_mismatch`, or no claim but the background's and the reference's |
-//! | unknown effect | `unexplained` |
-//! | single whose candidate was removed | `unexplained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
+//! | unknown effect | `unexplained` or `partly_explained` |
+//! | single whose candidate was removed | `unexplained` or `partly_explained`, or a neighbour ([`neighbours`]) first under a verdict that names an effect |
 //!
 //! Every part is counted for itself as well. What the experiment does not declare besides the effects (`background`), and
 //! what is claimed of the same recordings without the effects (the reference), is neither right nor wrong. Effects that no

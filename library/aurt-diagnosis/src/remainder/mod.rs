@@ -161,11 +161,11 @@ pub(crate) fn remainders(
                 return Remainder { joint, rest, explained: None, predictable: None, follows: Vec::new() };
             };
             let predictable = jackknife(stretches, |[_, after, rest]| 1.0 - rest / after);
-            let found = predictable.is_some_and(|s| s.value > (2.0 * s.std).max(MATTERS));
+            let found = predictable.is_some_and(matters);
             Remainder {
                 joint,
                 rest: if found { Rest::Something } else { Rest::Noise },
-                explained: if has_claims { jackknife(stretches, explained) } else { None },
+                explained: has_claims.then(|| explained(stretches)).flatten(),
                 predictable,
                 follows: if found { follows.clone() } else { Vec::new() },
             }
@@ -176,12 +176,18 @@ pub(crate) fn remainders(
         judged.stretches.iter().map(|squares| squares.map(|s| s / noise.max(f64::MIN_POSITIVE))).collect()
     };
     let all: Vec<Squares> = judged.iter().flatten().flat_map(in_noise).collect();
-    (remainders, if has_claims { jackknife(&all, explained) } else { None })
+    (remainders, has_claims.then(|| explained(&all)).flatten())
 }
 
-/// Of what can be predicted of the baseline's error, the share that the improved model predicts.
-fn explained([before, after, rest]: Squares) -> f64 {
-    (before - after) / (before - rest.min(after))
+/// Of what can be predicted of the baseline's error, the share that the improved model predicts; none where nothing can be.
+fn explained(stretches: &[Squares]) -> Option<Share> {
+    jackknife(stretches, |[before, after, rest]| 1.0 - rest.min(after) / before).filter(|s| matters(*s))?;
+    jackknife(stretches, |[before, after, rest]| (before - after) / (before - rest.min(after)))
+}
+
+/// Whether a share of a squared error is more than chance and more than a trifle.
+fn matters(share: Share) -> bool {
+    share.value > (2.0 * share.std).max(MATTERS)
 }
 
 /// A function of sums over stretches; none where it is no number or there are too few stretches.
@@ -241,18 +247,17 @@ fn judge(fitted: &[Residual<'_>], held_out: &[Residual<'_>], joints: usize, join
 
 #[cfg(test)]
 mod tests {
-    use super::{explained, jackknife};
+    use super::explained;
 
     #[test]
     fn shares_are_of_what_can_be_predicted() {
         // Of 9 above the noise of 1 the claims explain 6, and the trees predict 3 of the 4 that are left.
-        assert_eq!(explained([10.0, 4.0, 1.0]), 2.0 / 3.0);
-        // Trees that predict nothing leave the improved model as it is.
-        assert_eq!(explained([10.0, 4.0, 4.5]), 1.0);
         let equal = [[10.0, 4.0, 1.0]; 8];
-        let share = jackknife(&equal, explained).unwrap();
+        let share = explained(&equal).unwrap();
         assert!((share.value - 2.0 / 3.0).abs() < 1e-12 && share.std < 1e-9, "{share:?}");
-        assert_eq!(jackknife(&equal[..3], explained), None, "too few stretches");
-        assert_eq!(jackknife(&[[1.0, 1.0, 1.0]; 8], explained), None, "nothing can be predicted");
+        // Trees that predict nothing leave the improved model as it is.
+        assert!((explained(&[[10.0, 4.0, 4.5]; 8]).unwrap().value - 1.0).abs() < 1e-12);
+        assert_eq!(explained(&equal[..3]), None, "too few stretches");
+        assert_eq!(explained(&[[1.0, 0.99, 0.99]; 8]), None, "nothing can be predicted");
     }
 }

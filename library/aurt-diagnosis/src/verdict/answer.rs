@@ -85,6 +85,7 @@ fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked
         _ if !faults.is_empty() && (investigation.faults_matter || by_physics == Answer::NoMismatch) => {
             Answer::Named
         }
+        Answer::Named if nameless => Answer::PartlyExplained,
         Answer::NoMismatch if nameless || is_unrelated(&investigation.predicted) => Answer::Unexplained,
         answer => answer,
     }
