@@ -200,16 +200,13 @@ pub fn indicated(indication: &Indication, asked: Asked) -> String {
     format!("{}: not claimed, since {}", claim(&indication.finding, asked), indication.fails.join("; "))
 }
 
-/// How much of what can be predicted the claims explain, in a sentence.
+/// How much of the held-out error that trees can predict the claims explain, in a sentence with the interval of two deviations.
 pub fn explained(verdict: &Verdict) -> Option<String> {
     let share = verdict.explained?;
     let of = |value: f64| format!("{:.0}", 100.0 * value.clamp(0.0, 1.0));
     let [low, high] = [-2.0, 2.0].map(|deviations| of(share.value + deviations * share.std));
-    Some(format!(
-        "the claims explain {} % ({low} to {high} %) of the held-out error beyond noise, where noise is what boosted trees cannot \
-         predict either",
-        of(share.value)
-    ))
+    let interval = if low == high { String::new() } else { format!(" ({low} to {high} %)") };
+    Some(format!("the claims explain {} %{interval} of the held-out error beyond noise", of(share.value)))
 }
 
 /// What is left of a joint's residual, in a few words: the coordinate that it follows, or how far it is from noise.

@@ -74,7 +74,12 @@ const fn is_true(level: &bool) -> bool {
 
 impl Default for Stribeck {
     fn default() -> Self {
-        Self { stribeck_velocity_rad_s: 0.05, stribeck_exponent: 2.0, load: LoadDependence::None, level: true }
+        Self {
+            stribeck_velocity_rad_s: 0.05,
+            stribeck_exponent: 2.0,
+            load: LoadDependence::None,
+            level: true,
+        }
     }
 }
 
