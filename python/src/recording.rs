@@ -96,7 +96,8 @@ fn choice<T: Copy>(what: &str, given: Option<&str>, known: &[(&str, T)]) -> PyRe
     let Some(given) = given else { return Ok(None) };
     let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
     let found = known.iter().find(|(name, _)| *name == given);
-    let found = found.ok_or_else(|| refused(format!("{what} is `{given}`; it must be {}", names.join(", "))))?;
+    let found =
+        found.ok_or_else(|| refused(format!("{what} is `{given}`; it must be {}", names.join(", "))))?;
     Ok(Some(found.1))
 }
 

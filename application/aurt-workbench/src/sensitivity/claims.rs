@@ -5,8 +5,10 @@ use aurt_diagnosis::{Answer, Verdict};
 pub struct Claims {
     /// Whether the verdict names something.
     names: bool,
-    /// Whether the verdict says that something has no name.
+    /// Whether the verdict says that what is missing has no name.
     unexplained: bool,
+    /// Whether it says that something is missing that has no name.
+    leaves_something: bool,
     /// Effect and joints.
     claims: Vec<(String, Vec<usize>)>,
 }
@@ -17,6 +19,7 @@ impl Claims {
         Self {
             names: matches!(verdict.verdict, Answer::Named | Answer::PartlyExplained),
             unexplained: verdict.verdict == Answer::Unexplained,
+            leaves_something: matches!(verdict.verdict, Answer::Unexplained | Answer::PartlyExplained),
             claims: verdict.effects.iter().map(|f| (f.effect.clone(), f.joints.clone())).collect(),
         }
     }
@@ -50,6 +53,6 @@ impl Claims {
             (joint.is_none() && joints.is_empty() && !reference.lists(name, None))
                 || here.iter().any(|j| !reference.lists(name, Some(*j)))
         };
-        self.unexplained && !reference.unexplained || self.claims.iter().any(new)
+        self.leaves_something && !reference.leaves_something || self.claims.iter().any(new)
     }
 }
