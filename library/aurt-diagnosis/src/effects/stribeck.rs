@@ -31,7 +31,7 @@
 //! - B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit (1994), *A survey of models, analysis tools and
 //!   compensation methods for the control of machines with friction*, Automatica.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::effects::coulomb;
 use crate::parameters::ParameterValue;
@@ -50,6 +50,15 @@ const EXPONENT: Shape =
 
 /// The usual exponent, from which the search begins.
 const USUAL_EXPONENT: f64 = 2.0;
+
+/// Leaves the level of dry friction out of a term of joint friction, if it is Stribeck's.
+pub(crate) fn leave_out_level(term: &mut Value) {
+    if let Some(Value::Object(coulomb)) = term.get_mut("coulomb")
+        && coulomb.get("model").is_some_and(|name| name == "stribeck")
+    {
+        coulomb.insert("level".into(), false.into());
+    }
+}
 
 /// The level alone is `coulomb`.
 pub static EFFECT: Effect = Effect {

@@ -7,6 +7,7 @@ use aurt_traits::JointStack;
 use serde_json::Value;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table};
 
+use crate::effects::stribeck;
 use crate::error::DiagnosisError;
 use crate::evidence::baseline::weighted_fit;
 use crate::investigation::Investigation;
@@ -120,12 +121,8 @@ fn leave_out_level(term: &mut Value, stacks: &[JointStack]) {
     let hysteresis = serde_json::to_value(own.hysteresis()).unwrap_or_default();
     let is_same = term.pointer("/hysteresis/model") == hysteresis.get("model");
     let has_level = own.coulomb().columns().iter().any(|column| column.name == "F_C0");
-    if is_same
-        && has_level
-        && let Some(Value::Object(coulomb)) = term.get_mut("coulomb")
-        && coulomb.get("model").is_some_and(|name| name == "stribeck")
-    {
-        coulomb.insert("level".into(), false.into());
+    if is_same && has_level {
+        stribeck::leave_out_level(term);
     }
 }
 
