@@ -88,8 +88,11 @@ fn a_class_is_right_with_the_truth_among_its_three() {
     let spring_too = json!([{ "effect": "viscous" }, { "effect": "spring", "joints": [2] }]);
     let class = score(&spring(), &claim("ambiguous", &[with(spring_too.clone())]), None, None);
     assert!(class.right && !class.first_label && class.with_alternatives && class.beside == 0, "{class:?}");
-    let named = score(&spring(), &claim("named", &[with(spring_too)]), None, None);
-    assert!(!named.right && named.beside == 1, "an alternative counts in a class alone");
+    // Being one of a class is a property of the claim; a program may have a verdict for it as well.
+    let named = score(&spring(), &claim("named", &[with(spring_too.clone())]), None, None);
+    assert!(named.right && !named.first_label && named.beside == 0, "{named:?}");
+    let nameless = score(&spring(), &claim("unexplained", &[with(spring_too)]), None, None);
+    assert!(!nameless.right && nameless.beside == 1, "{nameless:?}");
     let fourth = json!([{ "effect": "viscous" }, { "effect": "coulomb" }, { "effect": "spring" }]);
     assert!(!score(&spring(), &claim("ambiguous", &[with(fourth)]), None, None).right);
 }
