@@ -3,7 +3,7 @@
 
 use std::{
     env::consts::EXE_SUFFIX,
-    fs::read_to_string,
+    fs::read_dir,
     path::{Path, PathBuf},
     process::Command,
     sync::LazyLock,
@@ -28,16 +28,22 @@ pub fn aurt() -> &'static Path {
     &AURT
 }
 
-/// Whether the program is there and younger than every file that cargo lists as its source.
+/// Whether the program is there and younger than every source of the library and the application.
 fn is_fresh(program: &Path) -> bool {
     let written = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
-    let (Some(built), Ok(listed)) = (written(program), read_to_string(program.with_extension("d"))) else {
-        return false;
-    };
-    let sources = listed.split_once(": ").map_or("", |(_, sources)| sources);
-    sources
-        .split_whitespace()
-        .all(|source| written(Path::new(source)).is_some_and(|changed| changed <= built))
+    let Some(built) = written(program) else { return false };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let below = |folder: PathBuf| read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let crates = ["library", "application"].into_iter().flat_map(|house| below(root.join(house)));
+    let mut places: Vec<PathBuf> = crates.map(|folder| folder.join("src")).collect();
+    while let Some(place) = places.pop() {
+        if place.is_dir() {
+            places.extend(below(place));
+        } else if written(&place).is_none_or(|changed| changed > built) {
+            return false;
+        }
+    }
+    true
 }
 
 fn build(folder: &Path) {
