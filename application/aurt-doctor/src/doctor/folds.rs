@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::{
+    evidence::Evidence,
     mistake::{Mistake, Table},
     setup::{Setup, Subject},
     trial::{Bench, Score},
@@ -27,10 +28,10 @@ fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
     files.iter().map(fold).collect()
 }
 
-/// A mistake in one recording, with the error of that recording before and after.
+/// A mistake in one recording, with how the others predict that without it.
 pub struct InOne {
     pub mistake: Mistake,
-    pub before: f64,
+    pub evidence: Evidence,
     pub after: f64,
 }
 
@@ -44,25 +45,24 @@ pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne>
         .map(|(file, fold)| {
             let mistakes = of_file(fold.moving_joints(), file);
             *trials += mistakes.len() + 1;
-            let Some(before) = bench.score(&fold).map(|s| s.total) else { return Vec::new() };
+            let Some(before) = bench.score(&fold) else { return Vec::new() };
             mistakes
                 .into_par_iter()
                 .filter_map(|mistake| {
-                    let after = bench.score(&mistake.undone(&fold))?.total;
-                    Some(InOne { mistake, before, after })
+                    let after = bench.score(&mistake.undone(&fold)).filter(|s| s.total < before.total)?;
+                    let evidence = Evidence::of([(Some(&before), &after)])?;
+                    Some(InOne { mistake, evidence, after: after.total })
                 })
                 .collect()
         })
         .collect();
-    let share = |one: &InOne| one.after / one.before.min(1.0);
-    tried.into_iter().flatten().min_by(|a, b| share(a).total_cmp(&share(b)))
+    tried.into_iter().flatten().max_by(|a, b| a.evidence.gain.total_cmp(&b.evidence.gain))
 }
 
 /// How another robot predicts each recording from the others, against the one that was set up.
 pub struct Likelier {
     pub mistake: Mistake,
-    /// The factor of the error, geometric mean over joints and recordings.
-    pub factor: f64,
+    pub evidence: Evidence,
 }
 
 /// Robots and gravities without a free number, the more usual mistakes first.
@@ -72,14 +72,8 @@ pub struct Likelier {
 /// joint at rest knows no sign, and friction that grows with the load is larger than what a wrong length leaves: without the
 /// rows at rest, and with that friction, a zero that is a quarter turn off stands out.
 ///
-/// What does not take the error of every recording to `each` is left where the first says so.
-pub fn likelier(
-    subject: &Subject,
-    bench: &Bench,
-    setup: &Setup,
-    each: f64,
-    trials: &mut usize,
-) -> Vec<Likelier> {
+/// What some recording is less likely with is left out.
+pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
     // The model of the other trials has other friction.
     let bench = &Bench { compares: true, ..bench.clone() };
     let setup = &Setup { model: OnceLock::new(), ..setup.clone() };
@@ -91,17 +85,17 @@ pub fn likelier(
         .into_par_iter()
         .filter_map(|mistake| {
             let other = mistake.undone(setup);
-            let gains: Option<Vec<f64>> = folds(&other)
+            let after: Option<Vec<Score>> = folds(&other)
                 .iter()
                 .zip(&now)
                 .map(|((_, fold), before)| {
-                    let gain = gain(before, &bench.score(fold)?);
-                    (gain < each.ln()).then_some(gain)
+                    bench
+                        .score(fold)
+                        .filter(|s| Evidence::of([(Some(before), s)]).is_some_and(|e| e.gain > 0.0))
                 })
                 .collect();
-            let gains = gains?;
-            let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            Some(Likelier { mistake, factor: mean.exp() })
+            let evidence = Evidence::of(now.iter().map(Some).zip(&after?))?;
+            Some(Likelier { mistake, evidence })
         })
         .collect()
 }
@@ -112,11 +106,4 @@ fn is_of_the_robot(mistake: &Mistake) -> bool {
         Mistake::Geometry { what, .. } => !matches!(what, Table::Lengths(_)),
         Mistake::Reading { .. } => false,
     }
-}
-
-/// The mean over joints of ln(σ after / σ before).
-fn gain(before: &Score, after: &Score) -> f64 {
-    let both = before.joints.iter().zip(&after.joints);
-    let ratios: Vec<f64> = both.filter_map(|(b, a)| b.zip(*a)).map(|(b, a)| (a / b).ln()).collect();
-    ratios.iter().sum::<f64>() / ratios.len().max(1) as f64
 }

@@ -12,6 +12,7 @@
 
 mod columns;
 mod correction;
+mod evidence;
 mod explained;
 mod folds;
 mod mistake;
@@ -34,6 +35,7 @@ pub use self::{
     trial::Score,
 };
 use self::{
+    evidence::Evidence,
     search::{Thorough, search},
     setup::Setup,
     trial::Bench,
@@ -52,6 +54,7 @@ pub struct Examination {
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
+    most: Option<(Evidence, Mistake)>,
     compares_robots: bool,
     files: Vec<String>,
 }
@@ -91,6 +94,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         after: found.after,
         steps: found.steps,
         trials: found.trials,
+        most: found.most,
         compares_robots: subject.compares_robots(),
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
@@ -137,6 +141,13 @@ impl Examination {
             "before": self.before.as_ref().map(score),
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
+            "doubt": self.hardly(),
+            "most_gained": self.most.as_ref().map(|(e, mistake)| json!({
+                "gain": e.gain,
+                "deviation": e.deviation,
+                "batches": e.batches,
+                "change": wording::undone(mistake),
+            })),
             "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
                 "sentence": sentence,
                 "change": wording::undone(&step.mistake),

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
+    evidence::{Evidence, UNMODELLED},
     folds::{Likelier, in_one, likelier},
     mistake::{Mistake, Reading},
     setup::{Setup, Subject},
@@ -14,12 +15,8 @@ use super::{
 const FINE: f64 = 0.3;
 /// The same over all joints, where a calibrated model explains each of them.
 const DOUBTFUL: f64 = 0.5;
-/// A mistake is told if undoing it takes the error to at most this share of what it was.
-const CLEARLY: f64 = 0.6;
 /// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
 const EXPLAINED: f64 = 0.7;
-/// Beside one that was found, another is told only if its error falls to this share.
-const FURTHER: f64 = 0.65;
 /// Of mistakes that take the error to within this factor of the least one, the likeliest is told.
 const ALIKE: f64 = 1.07;
 /// Fitted values are told if they take the error to at most this share of that with the values tried.
@@ -28,14 +25,6 @@ const ROUND: f64 = 0.85;
 const PAIRED: usize = 4;
 /// Pairs are tried where the error is at least this.
 const PAIRS_FROM: f64 = 0.4;
-/// Another robot is told if it takes the mean error of joints, with which recordings are predicted from each other, to at most
-/// this share. Of right setups the best of all that are tried took it to 96 % (docs/mistakes.md).
-const LIKELIER: f64 = 0.9;
-/// The same for each recording alone.
-const EACH_LIKELIER: f64 = 0.95;
-/// Of robots that take it to within this factor of the least share, the likeliest mistake is told: what does not accuse a right
-/// setup does not decide between two others.
-const ONE_AS_LIKELY: f64 = 1.0 / LIKELIER;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
 
@@ -50,6 +39,8 @@ pub struct Found {
     pub after: Option<Score>,
     /// Fits that were tried.
     pub trials: usize,
+    /// The most that a setup gained over the one that is there or that was found, and what it undoes last.
+    pub most: Option<(Evidence, Mistake)>,
 }
 
 /// A mistake that was found.
@@ -89,6 +80,7 @@ struct Search<'a> {
     subject: &'a Subject,
     bench: &'a Bench,
     trials: usize,
+    most: Option<(Evidence, Mistake)>,
 }
 
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
@@ -113,21 +105,21 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         };
         little && !s.fed.contains(&true)
     };
-    let mut found = Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1 };
-    let mut search = Search { subject, bench, trials: 1 };
+    let mut found =
+        Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1, most: None };
+    let mut search = Search { subject, bench, trials: 1, most: None };
     let (mut now, mut score) = (setup.clone(), before);
     while found.steps.len() < MOST {
-        let least = score.as_ref().map_or(f64::INFINITY, |s| s.total);
         let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
         let is_fine = score.as_ref().is_some_and(fine);
         // A calibrated model that explains its recordings is not doubted: whoever asks has `aurt check`.
         if is_fine && matches!(thorough, Thorough::AllJoints) {
             break;
         }
-        let best = if is_fine { search.glance(&now, &told) } else { search.round(&now, least, &told) };
+        let best =
+            if is_fine { search.glance(&now, &told) } else { search.round(&now, score.as_ref(), &told) };
         let Some(best) = best else { break };
-        let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
-        if best.score.total > share * least.min(1.0) || best.has_no_size() {
+        if !search.is_told(score.as_ref(), &best) || best.has_no_size() {
             break;
         }
         let mut setup = now;
@@ -158,7 +150,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
             found.steps.push(step);
         }
     }
-    found.trials = search.trials;
+    (found.trials, found.most) = (search.trials, search.most);
     if score.as_ref().is_none_or(|s| s.total > EXPLAINED) {
         found.steps.clear();
     } else {
@@ -171,7 +163,8 @@ impl Search<'_> {
     /// A mistake in one recording, told by how the others predict it.
     fn in_one(&mut self, setup: &Setup) -> Option<Step> {
         let one = in_one(self.bench, setup, &mut self.trials)?;
-        if one.after > CLEARLY * one.before.min(1.0) || one.after > EXPLAINED {
+        self.noted(one.evidence, &one.mistake);
+        if !one.evidence.is_enough(self.trials) || one.after > EXPLAINED {
             return None;
         }
         let after = self.bench.score(&one.mistake.undone(setup))?;
@@ -183,13 +176,38 @@ impl Search<'_> {
         if !self.subject.compares_robots() {
             return None;
         }
-        let tried = likelier(self.subject, self.bench, setup, EACH_LIKELIER, &mut self.trials);
-        let least = tried.iter().map(|l| l.factor).min_by(f64::total_cmp).filter(|f| *f <= LIKELIER)?;
-        let near = |l: &&Likelier| l.factor <= ONE_AS_LIKELY * least;
+        let now = self.bench.score(setup);
+        let mut tried = likelier(self.subject, self.bench, setup, &mut self.trials);
+        // What is likelier with other friction and raises the error with plain friction is no cure.
+        tried.retain(|l| {
+            let after = self.bench.score(&l.mistake.undone(setup));
+            after.is_some_and(|a| now.as_ref().is_none_or(|n| a.total < n.total))
+        });
+        tried.iter().for_each(|l| self.noted(l.evidence, &l.mistake));
+        tried.retain(|l| l.evidence.is_enough(self.trials));
+        let most = tried.iter().map(|l| l.evidence.gain).max_by(f64::total_cmp)?;
+        // What does not accuse a right setup does not decide between two others.
+        let near = |l: &&Likelier| most - l.evidence.gain <= UNMODELLED;
         let mut mistakes = tried.iter().filter(near).map(|l| l.mistake.clone());
         let mistake = mistakes.next()?;
         let after = self.bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: Some(least), mistake, after, alike: mistakes.collect() })
+        Some(Step { likelier: Some((-most).exp()), mistake, after, alike: mistakes.collect() })
+    }
+
+    /// Whether data tell that a setup is better than the one before.
+    fn is_told(&mut self, before: Option<&Score>, tried: &Tried) -> bool {
+        let Some(evidence) = Evidence::of([(before, &tried.score)]) else { return false };
+        if let Some(mistake) = tried.mistakes.last() {
+            self.noted(evidence, mistake);
+        }
+        evidence.is_enough(self.trials) && before.is_none_or(|b| tried.score.total < b.total)
+    }
+
+    /// Keeps the most that was gained by anything, for programs.
+    fn noted(&mut self, evidence: Evidence, mistake: &Mistake) {
+        if self.most.as_ref().is_none_or(|(most, _)| most.gain < evidence.gain) {
+            self.most = Some((evidence, mistake.clone()));
+        }
     }
 
     /// The best that one more of the likely mistakes can do.
@@ -201,13 +219,13 @@ impl Search<'_> {
     }
 
     /// The best that one more mistake, or two, can do: of the whole setup, of one recording, in pairs.
-    fn round(&mut self, setup: &Setup, least: f64, told: &[&Mistake]) -> Option<Tried> {
-        let enough = CLEARLY * least.min(1.0);
+    fn round(&mut self, setup: &Setup, now: Option<&Score>, told: &[&Mistake]) -> Option<Tried> {
+        let least = now.map_or(f64::INFINITY, |s| s.total);
         let open = |m: &Mistake| !told.iter().any(|t| t.is_about_what(m));
         let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(open).collect();
         let singles = self.all(setup, &mistakes, &[]);
         let mut best = self.likeliest(&singles);
-        if best.as_ref().is_some_and(|b| b.score.total <= enough) {
+        if best.as_ref().is_some_and(|b| self.is_told(now, b)) {
             return best.map(|b| self.refined(setup, b));
         }
         let files = setup.files();
@@ -218,7 +236,7 @@ impl Search<'_> {
             let tried = self.all(setup, &of_files, &[]);
             best = better(best, self.likeliest(&tried));
         }
-        if best.as_ref().is_some_and(|b| b.score.total <= enough) || least < PAIRS_FROM {
+        if best.as_ref().is_some_and(|b| self.is_told(now, b)) || least < PAIRS_FROM {
             return best.map(|b| self.refined(setup, b));
         }
         let mut first: Vec<&Tried> = singles.iter().collect();
@@ -230,8 +248,8 @@ impl Search<'_> {
                 likely.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
             pairs.extend(self.all(&one.setup, &others, &one.mistakes));
         }
-        let single = best.as_ref().map_or(f64::INFINITY, |b| b.score.total);
-        let pair = self.likeliest(&pairs).filter(|p| p.score.total < FURTHER * single);
+        let single = best.as_ref().map(|b| &b.score);
+        let pair = self.likeliest(&pairs).filter(|p| self.is_told(single, p));
         pair.or(best).map(|b| self.refined(setup, b))
     }
 

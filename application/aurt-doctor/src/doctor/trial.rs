@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use aurt_calibration::{CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped};
+use aurt_calibration::{
+    CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped, for_each_predicted_block,
+};
 use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
 use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
 
 use super::setup::{Part, Setup};
 
-/// Beyond this a joint's error says no more than that the model is wrong there.
-const WORST: f64 = 1.5;
+/// With a larger error than that of a model that predicts nothing, a joint is not explained.
+const WORST: f64 = 1.0;
 /// Power that friction feeds into a joint, as a share of the power of its measurement, from which on the joint counts as
 /// not explained: friction takes power.
 const FED_SHARE: f64 = 0.1;
@@ -43,10 +45,10 @@ pub struct Score {
     pub moving: Vec<bool>,
     /// Whether the friction that fits a joint feeds power into it.
     pub fed: Vec<bool>,
-    /// The same for each judging recording alone, with its place among the subject's.
-    pub files: Vec<(usize, f64)>,
-    /// Over all joints: the root of the mean square, with 1.5 at most and 1 at least for a joint that friction feeds.
+    /// Over all joints: the root of the mean square, with 1 at most and 1 for a joint that friction feeds.
     pub total: f64,
+    /// Of each judging part, joint and row: the held-out error and the measurement; nothing for a row that does not count.
+    pub parts: Vec<Vec<Vec<Option<[f64; 2]>>>>,
 }
 
 impl Score {
@@ -54,6 +56,31 @@ impl Score {
     pub fn of_moving(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let errors = self.joints.iter().zip(&self.moving).enumerate();
         errors.filter_map(|(j, (error, moves))| error.filter(|_| *moves).map(|e| (j, e)))
+    }
+
+    /// Σ_j −ln r_j − e_j²/(2σ_j²) + 1/2 over the joints, the mean over each of so many batches of rows of a part. A joint that is
+    /// not explained has r_j = 1, and the measurement for its error.
+    pub fn likelihoods(&self, part: usize, batches: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; batches];
+        for (joint, error) in self.joints.iter().enumerate() {
+            let Some(error) = error else { continue };
+            let unexplained = self.fed[joint] || *error >= WORST;
+            let left = |[e, y]: [f64; 2]| if unexplained { y } else { e };
+            let all = || self.parts.iter().flat_map(|p| &p[joint]).flatten();
+            let count = all().count().max(1) as f64;
+            let variance = all().map(|row| left(*row).powi(2)).sum::<f64>() / count;
+            let ratio = if unexplained { WORST } else { error.max(f64::EPSILON) };
+            let rows = &self.parts[part][joint];
+            for (batch, sum) in sums.iter_mut().enumerate() {
+                let range = batch * rows.len() / batches..(batch + 1) * rows.len() / batches;
+                let of_row = |row: &Option<[f64; 2]>| {
+                    row.map_or(0.0, |r| 0.5 - left(r).powi(2) / (2.0 * variance.max(f64::MIN_POSITIVE)))
+                };
+                let length = range.len().max(1) as f64;
+                *sum += rows[range].iter().map(of_row).sum::<f64>() / length - ratio.ln();
+            }
+        }
+        sums
     }
 }
 
@@ -75,27 +102,53 @@ impl Bench {
         }
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
         let joints = setup.moving_joints();
-        let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
-        let mut files = Vec::new();
+        let mut parts = Vec::new();
         let mut moving = vec![false; joints];
         for part in setup.parts.iter().filter(|p| !p.fitted) {
-            let prepared = prepared(std::iter::once(part))?;
+            let prepared = part.prepared()?;
             for (joint, moves) in moving.iter_mut().enumerate() {
                 *moves |= share_moving(&prepared, joint, part.options.rest_velocity_rad_s) > LEAST_MOVING;
             }
-            let judged = self.system(&model, &prepared, &load)?;
-            let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
-            let alone: Vec<Option<f64>> =
-                error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
-            files.push((part.file, total(&alone, &vec![false; joints])));
-            for joint in 0..joints {
-                errors[joint] += error[joint];
-                measurements[joint] += measurement[joint].powi(2);
-            }
+            parts.push(self.judged(&model, &prepared, &load, &coefficients)?);
         }
-        let joints: Vec<Option<f64>> = errors.iter().zip(&measurements).map(|(e, y)| ratio(*e, *y)).collect();
+        let sum = |joint: usize, of: usize| -> f64 {
+            parts.iter().flat_map(|p| &p[joint]).flatten().map(|row: &[f64; 2]| row[of].powi(2)).sum()
+        };
+        let joints: Vec<Option<f64>> = (0..joints).map(|j| ratio(sum(j, 0), sum(j, 1))).collect();
         let total = total(&joints, &fed);
-        total.is_finite().then_some(Score { joints, moving, fed, files, total })
+        total.is_finite().then_some(Score { joints, moving, fed, total, parts })
+    }
+
+    /// The held-out error and the measurement of each joint and row.
+    fn judged(
+        &self,
+        model: &RobotModel,
+        recording: &NamedRecording,
+        load: &LoadTorque,
+        coefficients: &[f64],
+    ) -> Option<Vec<Vec<Option<[f64; 2]>>>> {
+        let acting = self.scopes.acting(model, &recording.name);
+        let acting: Vec<f64> =
+            coefficients.iter().zip(acting).map(|(c, acts)| if acts { *c } else { 0.0 }).collect();
+        let options = self.options();
+        let mut rows = vec![Vec::new(); model.joints()];
+        for segment in &recording.data.segments {
+            let Some(measurement) = &segment.measurement else { continue };
+            for_each_predicted_block(model, segment, load, &acting, |block| {
+                for (joint, rows) in rows.iter_mut().enumerate() {
+                    let measured = block.measurement(&measurement[joint]);
+                    rows.extend(measured.iter().zip(block.column(joint)).enumerate().map(
+                        |(row, (y, predicted))| {
+                            let counts = options.rest == Rest::Keep
+                                || block.speed(segment, joint, row) > options.rest_velocity_rad_s;
+                            counts.then_some([y - predicted, *y])
+                        },
+                    ));
+                }
+            })
+            .ok()?;
+        }
+        Some(rows)
     }
 
     fn model(&self, setup: &Setup) -> Option<RobotModel> {
@@ -112,9 +165,12 @@ impl Bench {
     }
 
     fn system(&self, model: &RobotModel, recordings: &[NamedRecording], load: &LoadTorque) -> Option<System> {
+        accumulate_scoped(model, recordings, &self.scopes, load, &self.options()).ok()
+    }
+
+    fn options(&self) -> CalibrationOptions {
         let rest = if self.compares { Rest::Exclude } else { Rest::Keep };
-        let options = CalibrationOptions { rest, ..CalibrationOptions::default() };
-        accumulate_scoped(model, recordings, &self.scopes, load, &options).ok()
+        CalibrationOptions { rest, ..CalibrationOptions::default() }
     }
 }
 
@@ -123,8 +179,8 @@ fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecord
     all.filter(|a| !a.is_empty())
 }
 
-fn share_moving(recordings: &[NamedRecording], joint: usize, rest_velocity_rad_s: f64) -> f64 {
-    let motions = || recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+fn share_moving(recording: &NamedRecording, joint: usize, rest_velocity_rad_s: f64) -> f64 {
+    let motions = || recording.data.segments.iter().map(|s| s.motion.view());
     let samples: usize = motions().map(|m| m.samples()).sum();
     let moving = |v: &&f64| v.abs() > rest_velocity_rad_s;
     let moving: usize = motions().map(|m| m.velocity_rad_s(joint).iter().filter(moving).count()).sum();
