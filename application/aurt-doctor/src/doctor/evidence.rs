@@ -1,15 +1,17 @@
 //! How sure it is that another setup explains the held-out data better than the one that is there.
 
 use aurt_calibration::two_sided;
+use serde_json::{Value, json};
 
 use super::trial::Score;
 
 /// Right setups that are accused, at most.
 const FALSE_ACCUSATIONS: f64 = 0.005;
-/// Tests that a right setup can fail: the whole setup, one recording, another robot.
+/// Tests that accuse a right setup: of the whole setup, of one recording, of another robot.
 const TESTS: f64 = 3.0;
-/// Gain per row and joint that what rigid bodies with plain friction leave out can give to a wrong setup (docs/mistakes.md).
-pub const UNMODELLED: f64 = 1e9;
+/// Gain from which on a setup is told. What rigid bodies with plain friction leave out makes some wrong setups surely better than
+/// the right one, but by less (docs/mistakes.md).
+pub const LEAST_GAIN: f64 = 0.15;
 
 /// Vuong's comparison (1989, *Econometrica* 57) of two setups that are fitted to the same rows and judged on others.
 ///
@@ -49,9 +51,14 @@ impl Evidence {
         deviation.is_finite().then_some(Self { gain, deviation, batches })
     }
 
-    /// Whether a setup that is better by this is told, if it is the best of so many.
-    pub fn is_enough(&self, tried: usize) -> bool {
-        let t = (self.gain - UNMODELLED) / self.deviation;
+    /// For programs.
+    pub fn to_json(self) -> Value {
+        json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })
+    }
+
+    /// Whether the gain is more than chance, if it is the best of so many that were tried.
+    pub fn is_sure(&self, tried: usize) -> bool {
+        let t = self.gain / self.deviation;
         let probability = 0.5 * two_sided(t, self.batches as f64 - 1.0);
         t > 0.0 && probability * tried as f64 * TESTS < FALSE_ACCUSATIONS
     }

@@ -28,11 +28,26 @@ fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
     files.iter().map(fold).collect()
 }
 
+/// How much likelier another setup makes stretches of recordings, each predicted from the rest of its own recording.
+///
+/// What changed between recordings, a load for one, is the same in both setups here.
+pub fn within(bench: &Bench, setup: &Setup, other: &Setup, file: Option<usize>) -> Option<Evidence> {
+    let files = file.map_or_else(|| setup.files(), |f| vec![f]);
+    let pairs: Vec<(Setup, Setup)> =
+        files.iter().flat_map(|f| setup.stretches(*f).into_iter().zip(other.stretches(*f))).collect();
+    let scores: Vec<(Option<Score>, Score)> = pairs
+        .into_par_iter()
+        .filter_map(|(before, after)| Some((bench.score(&before), bench.score(&after)?)))
+        .collect();
+    Evidence::of(scores.iter().map(|(before, after)| (before.as_ref(), after)))
+}
+
 /// A mistake in one recording, with how the others predict that without it.
 pub struct InOne {
     pub mistake: Mistake,
     pub evidence: Evidence,
-    pub after: f64,
+    /// The errors of the recording before and after.
+    pub errors: [f64; 2],
 }
 
 /// The mistake in one recording that takes the error with which the others predict it to the smallest share.
@@ -51,7 +66,7 @@ pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne>
                 .filter_map(|mistake| {
                     let after = bench.score(&mistake.undone(&fold)).filter(|s| s.total < before.total)?;
                     let evidence = Evidence::of([(Some(&before), &after)])?;
-                    Some(InOne { mistake, evidence, after: after.total })
+                    Some(InOne { mistake, evidence, errors: [before.total, after.total] })
                 })
                 .collect()
         })
@@ -74,8 +89,8 @@ pub struct Likelier {
 ///
 /// What some recording is less likely with is left out.
 pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
+    let bench = &bench.comparing();
     // The model of the other trials has other friction.
-    let bench = &Bench { compares: true, ..bench.clone() };
     let setup = &Setup { model: OnceLock::new(), ..setup.clone() };
     let now: Option<Vec<Score>> = folds(setup).iter().map(|(_, fold)| bench.score(fold)).collect();
     let Some(now) = now.filter(|n| !n.is_empty()) else { return Vec::new() };

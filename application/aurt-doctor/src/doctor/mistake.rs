@@ -112,6 +112,14 @@ impl Columns {
 }
 
 impl Mistake {
+    /// The one recording that it is in.
+    pub fn file(&self) -> Option<usize> {
+        match self {
+            Self::Reading { file, .. } => *file,
+            Self::Gravity { .. } | Self::Geometry { .. } => None,
+        }
+    }
+
     /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
         match self {

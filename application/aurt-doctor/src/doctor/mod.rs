@@ -35,7 +35,6 @@ pub use self::{
     trial::Score,
 };
 use self::{
-    evidence::Evidence,
     search::{Thorough, search},
     setup::Setup,
     trial::Bench,
@@ -54,7 +53,7 @@ pub struct Examination {
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
-    most: Option<(Evidence, Mistake)>,
+    compared: Vec<search::Compared>,
     compares_robots: bool,
     files: Vec<String>,
 }
@@ -94,7 +93,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         after: found.after,
         steps: found.steps,
         trials: found.trials,
-        most: found.most,
+        compared: found.compared,
         compares_robots: subject.compares_robots(),
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
@@ -142,12 +141,12 @@ impl Examination {
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
             "doubt": self.hardly(),
-            "most_gained": self.most.as_ref().map(|(e, mistake)| json!({
-                "gain": e.gain,
-                "deviation": e.deviation,
-                "batches": e.batches,
-                "change": wording::undone(mistake),
-            })),
+            "compared": self.compared.iter().map(|c| json!({
+                "change": wording::undone(&c.mistake),
+                "across": c.across.to_json(),
+                "within": c.within.map(|w| w.to_json()),
+                "errors": c.errors,
+            })).collect::<Vec<_>>(),
             "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
                 "sentence": sentence,
                 "change": wording::undone(&step.mistake),

@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 
 use super::{
-    evidence::{Evidence, UNMODELLED},
-    folds::{Likelier, in_one, likelier},
+    evidence::{Evidence, LEAST_GAIN},
+    explained::LEAST_EXPLAINED,
+    folds::{in_one, likelier, within},
     mistake::{Mistake, Reading},
     setup::{Setup, Subject},
-    trial::{Bench, Score},
+    trial::{Bench, Score, WORST},
     usual::{is_likely, of_file, usual},
 };
 
@@ -15,8 +16,6 @@ use super::{
 const FINE: f64 = 0.3;
 /// The same over all joints, where a calibrated model explains each of them.
 const DOUBTFUL: f64 = 0.5;
-/// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
-const EXPLAINED: f64 = 0.7;
 /// Of mistakes that take the error to within this factor of the least one, the likeliest is told.
 const ALIKE: f64 = 1.07;
 /// Fitted values are told if they take the error to at most this share of that with the values tried.
@@ -39,8 +38,21 @@ pub struct Found {
     pub after: Option<Score>,
     /// Fits that were tried.
     pub trials: usize,
-    /// The most that a setup gained over the one that is there or that was found, and what it undoes last.
-    pub most: Option<(Evidence, Mistake)>,
+    /// What was compared with the setup that is there or that was found.
+    pub compared: Vec<Compared>,
+}
+
+/// A setup that was compared with the one that is there, or with that without the mistakes found before.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// What is undone in it, the last.
+    pub mistake: Mistake,
+    /// How much likelier it makes what is held out.
+    pub across: Evidence,
+    /// How much likelier it makes stretches of recordings, predicted from the rest of their own; where it matters.
+    pub within: Option<Evidence>,
+    /// The error before and after.
+    pub errors: [f64; 2],
 }
 
 /// A mistake that was found.
@@ -80,7 +92,7 @@ struct Search<'a> {
     subject: &'a Subject,
     bench: &'a Bench,
     trials: usize,
-    most: Option<(Evidence, Mistake)>,
+    compared: Vec<Compared>,
 }
 
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
@@ -105,9 +117,14 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         };
         little && !s.fed.contains(&true)
     };
-    let mut found =
-        Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1, most: None };
-    let mut search = Search { subject, bench, trials: 1, most: None };
+    let mut found = Found {
+        before: before.clone(),
+        steps: Vec::new(),
+        after: before.clone(),
+        trials: 1,
+        compared: Vec::new(),
+    };
+    let mut search = Search { subject, bench, trials: 1, compared: Vec::new() };
     let (mut now, mut score) = (setup.clone(), before);
     while found.steps.len() < MOST {
         let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
@@ -119,7 +136,7 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         let best =
             if is_fine { search.glance(&now, &told) } else { search.round(&now, score.as_ref(), &told) };
         let Some(best) = best else { break };
-        if !search.is_told(score.as_ref(), &best) || best.has_no_size() {
+        if !search.is_better(&now, score.as_ref(), &best) || best.has_no_size() {
             break;
         }
         let mut setup = now;
@@ -150,8 +167,8 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
             found.steps.push(step);
         }
     }
-    (found.trials, found.most) = (search.trials, search.most);
-    if score.as_ref().is_none_or(|s| s.total > EXPLAINED) {
+    (found.trials, found.compared) = (search.trials, search.compared);
+    if score.as_ref().is_none_or(|s| !is_explained(s.total)) {
         found.steps.clear();
     } else {
         found.after = score;
@@ -163,11 +180,12 @@ impl Search<'_> {
     /// A mistake in one recording, told by how the others predict it.
     fn in_one(&mut self, setup: &Setup) -> Option<Step> {
         let one = in_one(self.bench, setup, &mut self.trials)?;
-        self.noted(one.evidence, &one.mistake);
-        if !one.evidence.is_enough(self.trials) || one.after > EXPLAINED {
+        let other = one.mistake.undone(setup);
+        let is_better = is_explained(one.errors[1]);
+        if !self.is_told(self.bench, [setup, &other], &one.mistake, one.evidence, one.errors) || !is_better {
             return None;
         }
-        let after = self.bench.score(&one.mistake.undone(setup))?;
+        let after = self.bench.score(&other)?;
         Some(Step { likelier: None, mistake: one.mistake, after, alike: Vec::new() })
     }
 
@@ -176,38 +194,59 @@ impl Search<'_> {
         if !self.subject.compares_robots() {
             return None;
         }
-        let now = self.bench.score(setup);
-        let mut tried = likelier(self.subject, self.bench, setup, &mut self.trials);
-        // What is likelier with other friction and raises the error with plain friction is no cure.
-        tried.retain(|l| {
-            let after = self.bench.score(&l.mistake.undone(setup));
-            after.is_some_and(|a| now.as_ref().is_none_or(|n| a.total < n.total))
-        });
-        tried.iter().for_each(|l| self.noted(l.evidence, &l.mistake));
-        tried.retain(|l| l.evidence.is_enough(self.trials));
+        let now = self.bench.score(setup)?;
+        let bench = self.bench.comparing();
+        let tried = likelier(self.subject, self.bench, setup, &mut self.trials);
         let most = tried.iter().map(|l| l.evidence.gain).max_by(f64::total_cmp)?;
         // What does not accuse a right setup does not decide between two others.
-        let near = |l: &&Likelier| most - l.evidence.gain <= UNMODELLED;
-        let mut mistakes = tried.iter().filter(near).map(|l| l.mistake.clone());
-        let mistake = mistakes.next()?;
+        let mut near: Vec<Mistake> = Vec::new();
+        for one in tried.into_iter().filter(|l| most - l.evidence.gain <= LEAST_GAIN) {
+            let other = one.mistake.undone(setup);
+            // What raises the error with plain friction is no cure.
+            let Some(after) = self.bench.score(&other) else { continue };
+            let errors = [now.total, after.total];
+            if self.is_told(&bench, [setup, &other], &one.mistake, one.evidence, errors) {
+                near.push(one.mistake);
+            }
+        }
+        let mistake = near.first()?.clone();
         let after = self.bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: Some((-most).exp()), mistake, after, alike: mistakes.collect() })
+        Some(Step { likelier: Some((-most).exp()), mistake, after, alike: near.split_off(1) })
     }
 
-    /// Whether data tell that a setup is better than the one before.
-    fn is_told(&mut self, before: Option<&Score>, tried: &Tried) -> bool {
-        let Some(evidence) = Evidence::of([(before, &tried.score)]) else { return false };
-        if let Some(mistake) = tried.mistakes.last() {
-            self.noted(evidence, mistake);
-        }
-        evidence.is_enough(self.trials) && before.is_none_or(|b| tried.score.total < b.total)
+    /// Whether what was tried is told, after what is there.
+    fn is_better(&mut self, now: &Setup, before: Option<&Score>, tried: &Tried) -> bool {
+        let evidence = Evidence::of([(before, &tried.score)]);
+        let Some((mistake, evidence)) = tried.mistakes.last().zip(evidence) else { return false };
+        let errors = [before.map_or(WORST, |b| b.total), tried.score.total];
+        self.is_told(self.bench, [now, &tried.setup], mistake, evidence, errors)
     }
 
-    /// Keeps the most that was gained by anything, for programs.
-    fn noted(&mut self, evidence: Evidence, mistake: &Mistake) {
-        if self.most.as_ref().is_none_or(|(most, _)| most.gain < evidence.gain) {
-            self.most = Some((evidence, mistake.clone()));
-        }
+    /// Whether a setup is told for another one: it makes what is held out likelier, by enough and more than by chance, lowers the
+    /// error, and makes stretches of recordings likelier too.
+    fn is_told(
+        &mut self,
+        bench: &Bench,
+        [now, other]: [&Setup; 2],
+        mistake: &Mistake,
+        across: Evidence,
+        errors: [f64; 2],
+    ) -> bool {
+        let is_enough = across.gain >= LEAST_GAIN && across.is_sure(self.trials) && errors[1] < errors[0];
+        let within = is_enough.then(|| within(bench, now, other, mistake.file())).flatten();
+        self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
+        within.is_some_and(|w| w.is_sure(1)) && self.is_alone(bench, now, mistake)
+    }
+
+    /// Whether a mistake of one recording is none of the others: undone in these too, it would make each of them less likely. What
+    /// friction does in all of them, like a delay, is none of one.
+    fn is_alone(&self, bench: &Bench, now: &Setup, mistake: &Mistake) -> bool {
+        let Mistake::Reading { what, file: Some(own) } = mistake else { return true };
+        let others = now.files().into_iter().filter(|file| file != own).map(|file| {
+            let as_well = Mistake::Reading { what: what.clone(), file: Some(file) };
+            within(bench, now, &as_well.undone(now), Some(file))
+        });
+        others.flatten().all(|evidence| evidence.gain < 0.0)
     }
 
     /// The best that one more of the likely mistakes can do.
@@ -225,7 +264,7 @@ impl Search<'_> {
         let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(open).collect();
         let singles = self.all(setup, &mistakes, &[]);
         let mut best = self.likeliest(&singles);
-        if best.as_ref().is_some_and(|b| self.is_told(now, b)) {
+        if best.as_ref().is_some_and(|b| self.is_better(setup, now, b)) {
             return best.map(|b| self.refined(setup, b));
         }
         let files = setup.files();
@@ -236,7 +275,7 @@ impl Search<'_> {
             let tried = self.all(setup, &of_files, &[]);
             best = better(best, self.likeliest(&tried));
         }
-        if best.as_ref().is_some_and(|b| self.is_told(now, b)) || least < PAIRS_FROM {
+        if best.as_ref().is_some_and(|b| self.is_better(setup, now, b)) || least < PAIRS_FROM {
             return best.map(|b| self.refined(setup, b));
         }
         let mut first: Vec<&Tried> = singles.iter().collect();
@@ -248,8 +287,10 @@ impl Search<'_> {
                 likely.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
             pairs.extend(self.all(&one.setup, &others, &one.mistakes));
         }
-        let single = best.as_ref().map(|b| &b.score);
-        let pair = self.likeliest(&pairs).filter(|p| self.is_told(single, p));
+        let single = best.as_ref().map(|b| (&b.setup, &b.score));
+        let pair = self
+            .likeliest(&pairs)
+            .filter(|p| single.is_none_or(|(s, score)| self.is_better(s, Some(score), p)));
         pair.or(best).map(|b| self.refined(setup, b))
     }
 
@@ -346,6 +387,11 @@ impl Search<'_> {
         }
         best
     }
+}
+
+/// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
+fn is_explained(error: f64) -> bool {
+    1.0 - error * error >= LEAST_EXPLAINED
 }
 
 fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {

@@ -23,6 +23,8 @@ const MOST_SAMPLES: usize = 1800;
 const SAMPLES_PER_PERIOD: f64 = 12.0;
 /// Share of a recording that is fitted where none is held out; the rest judges.
 const FITTED_SHARE: f64 = 0.7;
+/// Stretches of a recording that are predicted from each other.
+const STRETCHES: usize = 3;
 /// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
 /// f_dyn of a trial, at most, Hz.
@@ -260,6 +262,27 @@ impl Setup {
         moving_joints(&self.joints, &self.couplings)
     }
 
+    /// Setups of a recording alone, of which each stretch in turn judges and the others are fitted.
+    pub fn stretches(&self, file: usize) -> Vec<Self> {
+        let parts: Vec<&Part> = self.parts.iter().filter(|p| p.file == file).collect();
+        let Some((first, others)) = parts.split_first() else { return Vec::new() };
+        let whole = others.iter().fold((*first.recording).clone(), |r, part| joined(r, &part.recording));
+        let options = &parts[parts.len() - 1].options;
+        let bound = |k: usize| k * whole.samples() / STRETCHES;
+        let stretches: Vec<Arc<Recording>> =
+            (0..STRETCHES).map(|k| Arc::new(cut(&whole, bound(k)..bound(k + 1)))).collect();
+        let judged_by = |judge: usize| {
+            let part = |(k, stretch): (usize, &Arc<Recording>)| Part {
+                fitted: k != judge,
+                ..first.with(stretch.clone(), options.clone())
+            };
+            let parts = stretches.iter().enumerate().map(part).collect();
+            // The model may be asked for with other friction.
+            Self { parts, model: OnceLock::new(), ..self.clone() }
+        };
+        (0..STRETCHES).map(judged_by).collect()
+    }
+
     /// Number of recordings that are looked at.
     pub fn files(&self) -> Vec<usize> {
         let mut files: Vec<usize> = self.parts.iter().map(|p| p.file).collect();
@@ -320,6 +343,18 @@ impl Thin {
             ..options.clone()
         }
     }
+}
+
+fn joined(mut first: Recording, second: &Recording) -> Recording {
+    let extend = |family: &mut Vec<Vec<f64>>, by: &[Vec<f64>]| {
+        family.iter_mut().zip(by).for_each(|(series, more)| series.extend(more));
+    };
+    first.time_s.extend(&second.time_s);
+    extend(&mut first.position_rad, &second.position_rad);
+    if let (Some(family), Some(by)) = (&mut first.measurement, &second.measurement) {
+        extend(family, by);
+    }
+    first
 }
 
 fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {

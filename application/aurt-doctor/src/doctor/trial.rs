@@ -12,7 +12,7 @@ use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegress
 use super::setup::{Part, Setup};
 
 /// With a larger error than that of a model that predicts nothing, a joint is not explained.
-const WORST: f64 = 1.0;
+pub const WORST: f64 = 1.0;
 /// Power that friction feeds into a joint, as a share of the power of its measurement, from which on the joint counts as
 /// not explained: friction takes power.
 const FED_SHARE: f64 = 0.1;
@@ -85,6 +85,11 @@ impl Score {
 }
 
 impl Bench {
+    /// The bench on which robots are compared.
+    pub fn comparing(&self) -> Self {
+        Self { compares: true, ..self.clone() }
+    }
+
     /// Fits and judges; nothing if the setup allows no fit.
     pub fn score(&self, setup: &Setup) -> Option<Score> {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;

@@ -2,14 +2,14 @@
 
 use std::{path::Path, process::Command};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{Kind, setup::Setup};
 use crate::product::{Failure, OutputFolder};
 
 /// How a setup was answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// The mistake with its cure.
@@ -42,7 +42,7 @@ impl Outcome {
 }
 
 /// A setup and what was said of it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Answer {
     /// Its name.
     pub name: String,
@@ -56,8 +56,8 @@ pub struct Answer {
     pub said: Vec<String>,
     /// Held-out error of the setup as it is.
     pub error: Option<f64>,
-    /// The likelihood ratio that was largest, as `aurt check --json` gives it.
-    pub evidence: Value,
+    /// What was compared, as `aurt check --json` gives it.
+    pub compared: Value,
     /// Setups that were tried.
     pub trials: Option<u64>,
 }
@@ -114,7 +114,7 @@ impl Answer {
             outcome,
             said,
             error: json["setup"]["before"]["error"].as_f64(),
-            evidence: json["setup"]["most_gained"].clone(),
+            compared: json["setup"]["compared"].clone(),
             trials: json["setup"]["trials"].as_u64(),
         })
     }

@@ -13,8 +13,9 @@ pub use mistakes::Kind;
 use std::path::Path;
 
 use rayon::prelude::*;
+use serde_json::json;
 
-use crate::product::Failure;
+use crate::product::{Failure, OutputFolder, pretty};
 use aurt_simulation::{Random, SimulationError};
 use setup::Setup;
 
@@ -42,8 +43,15 @@ pub fn counted(
 ) -> Result<Board, Failure> {
     let ask = |what: &str, index: usize| {
         let name = format!("{what}_{:04}", index + 1);
+        let file = format!("{}_{name}.json", counted.seed);
+        let kept = out.join("answers").join(&file);
+        if let Ok(known) = crate::json_file::read(&kept) {
+            return Ok(known);
+        }
         let (setup, kind) = made(&name, (what == "wrong").then_some(index), counted.seed)?;
         let answer = Answer::ask(&name, &setup, kind.as_ref(), program, out, keep)?;
+        OutputFolder::nested("--out", &out.join("answers"))?
+            .write(&[(file, pretty(&json!(answer)).into_bytes())])?;
         progress(&format!("{name}: {}", answer.outcome.name()));
         Ok::<_, Failure>(answer)
     };
