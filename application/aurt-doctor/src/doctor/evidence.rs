@@ -7,8 +7,8 @@ use super::trial::Score;
 
 /// Right setups that are accused, at most.
 const FALSE_ACCUSATIONS: f64 = 0.005;
-/// Tests that accuse a right setup: of the whole setup, of one recording, of another robot.
-const TESTS: f64 = 3.0;
+/// Searches that can accuse a right setup: of the whole setup, of one recording, of another robot.
+pub const TESTS: usize = 3;
 /// Gain from which on a setup is told. What rigid bodies with plain friction leave out makes some wrong setups surely better than
 /// the right one, but by less (docs/mistakes.md).
 pub const LEAST_GAIN: f64 = 0.15;
@@ -56,10 +56,10 @@ impl Evidence {
         json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })
     }
 
-    /// Whether the gain is more than chance, if it is the best of so many that were tried.
-    pub fn is_sure(&self, tried: usize) -> bool {
+    /// Whether the gain is more than chance, if it is the best of so many.
+    pub fn is_sure(&self, of: usize) -> bool {
         let t = self.gain / self.deviation;
         let probability = 0.5 * two_sided(t, self.batches as f64 - 1.0);
-        t > 0.0 && probability * tried as f64 * TESTS < FALSE_ACCUSATIONS
+        t > 0.0 && probability * (of as f64) < FALSE_ACCUSATIONS
     }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    evidence::{Evidence, LEAST_GAIN},
+    evidence::{Evidence, LEAST_GAIN, TESTS},
     explained::LEAST_EXPLAINED,
     folds::{in_one, likelier, within},
     mistake::{Mistake, Reading},
@@ -203,10 +203,11 @@ impl Search<'_> {
         for one in tried.into_iter().filter(|l| most - l.evidence.gain <= LEAST_GAIN) {
             let other = one.mistake.undone(setup);
             // What raises the error with plain friction is no cure.
-            let Some(after) = self.bench.score(&other) else { continue };
-            let errors = [now.total, after.total];
+            let errors = [now.total, self.bench.score(&other).map_or(WORST, |after| after.total)];
             if self.is_told(&bench, [setup, &other], &one.mistake, one.evidence, errors) {
                 near.push(one.mistake);
+            } else if one.evidence.gain == most {
+                return None;
             }
         }
         let mistake = near.first()?.clone();
@@ -232,7 +233,8 @@ impl Search<'_> {
         across: Evidence,
         errors: [f64; 2],
     ) -> bool {
-        let is_enough = across.gain >= LEAST_GAIN && across.is_sure(self.trials) && errors[1] < errors[0];
+        let is_enough =
+            across.gain >= LEAST_GAIN && across.is_sure(TESTS * self.trials) && errors[1] < errors[0];
         let within = is_enough.then(|| within(bench, now, other, mistake.file())).flatten();
         self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
         within.is_some_and(|w| w.is_sure(1)) && self.is_alone(bench, now, mistake)
