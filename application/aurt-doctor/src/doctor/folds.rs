@@ -1,7 +1,5 @@
 //! Every recording in turn predicted from the others: what tells mistakes that a fit to all of them takes up.
 
-use std::sync::OnceLock;
-
 use rayon::prelude::*;
 
 use super::{
@@ -45,6 +43,8 @@ pub fn within(bench: &Bench, setup: &Setup, other: &Setup, file: Option<usize>) 
 /// A mistake in one recording, with how the others predict that without it.
 pub struct InOne {
     pub mistake: Mistake,
+    /// The setup in which the recording judges.
+    pub setup: Setup,
     pub evidence: Evidence,
     /// The errors of the recording before and after.
     pub errors: [f64; 2],
@@ -66,7 +66,12 @@ pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne>
                 .filter_map(|mistake| {
                     let after = bench.score(&mistake.undone(&fold)).filter(|s| s.total < before.total)?;
                     let evidence = Evidence::of([(Some(&before), &after)])?;
-                    Some(InOne { mistake, evidence, errors: [before.total, after.total] })
+                    Some(InOne {
+                        mistake,
+                        setup: fold.clone(),
+                        evidence,
+                        errors: [before.total, after.total],
+                    })
                 })
                 .collect()
         })
@@ -90,8 +95,7 @@ pub struct Likelier {
 /// What some recording is less likely with is left out.
 pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
     let bench = &bench.comparing();
-    // The model of the other trials has other friction.
-    let setup = &Setup { model: OnceLock::new(), ..setup.clone() };
+    let setup = &setup.without_model();
     let now: Option<Vec<Score>> = folds(setup).iter().map(|(_, fold)| bench.score(fold)).collect();
     let Some(now) = now.filter(|n| !n.is_empty()) else { return Vec::new() };
     let mistakes: Vec<Mistake> = usual(subject, setup).into_iter().filter(is_of_the_robot).collect();

@@ -120,6 +120,11 @@ impl Mistake {
         }
     }
 
+    /// Whether it is a delay.
+    pub fn is_delay(&self) -> bool {
+        matches!(self, Self::Reading { what: Reading::Delay(_), .. })
+    }
+
     /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
         match self {

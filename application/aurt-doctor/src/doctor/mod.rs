@@ -39,7 +39,7 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::{inspection::judged::loaded_friction, inspection::judged::plain_friction};
+use crate::inspection::judged::{loaded_friction, plain_friction, presliding_friction};
 use aurt_workbench::failure::Failure;
 
 /// What the doctor found.
@@ -85,6 +85,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         arm_terms: subject.arm_terms.clone(),
         scopes: subject.scopes.clone(),
         loaded_friction: loaded_friction(registry)?,
+        presliding_friction: presliding_friction(registry)?,
         compares: false,
     };
     let found = search(subject, &bench, &Setup::of(subject)?, thorough);

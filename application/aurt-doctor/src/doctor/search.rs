@@ -168,7 +168,9 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         }
     }
     (found.trials, found.compared) = (search.trials, search.compared);
-    if score.as_ref().is_none_or(|s| !is_explained(s.total)) {
+    // What raises the error is no cure, whatever else it explains.
+    let least = found.before.as_ref().map_or(f64::INFINITY, |b| b.total);
+    if score.as_ref().is_none_or(|s| !is_explained(s.total) || s.total >= least) {
         found.steps.clear();
     } else {
         found.after = score;
@@ -180,12 +182,13 @@ impl Search<'_> {
     /// A mistake in one recording, told by how the others predict it.
     fn in_one(&mut self, setup: &Setup) -> Option<Step> {
         let one = in_one(self.bench, setup, &mut self.trials)?;
-        let other = one.mistake.undone(setup);
-        let is_better = is_explained(one.errors[1]);
-        if !self.is_told(self.bench, [setup, &other], &one.mistake, one.evidence, one.errors) || !is_better {
+        let other = one.mistake.undone(&one.setup);
+        if !self.is_told(self.bench, [&one.setup, &other], &one.mistake, one.evidence, one.errors)
+            || !is_explained(one.errors[1])
+        {
             return None;
         }
-        let after = self.bench.score(&other)?;
+        let after = self.bench.score(&one.mistake.undone(setup))?;
         Some(Step { likelier: None, mistake: one.mistake, after, alike: Vec::new() })
     }
 
@@ -223,8 +226,8 @@ impl Search<'_> {
         self.is_told(self.bench, [now, &tried.setup], mistake, evidence, errors)
     }
 
-    /// Whether a setup is told for another one: it makes what is held out likelier, by enough and more than by chance, lowers the
-    /// error, and makes stretches of recordings likelier too.
+    /// Whether a setup is told for another one: it makes what is held out likelier by enough, lowers the error, and makes stretches
+    /// of recordings likelier too. Neither is by chance, and one of the two not even for the best of all that are tried.
     fn is_told(
         &mut self,
         bench: &Bench,
@@ -233,11 +236,21 @@ impl Search<'_> {
         across: Evidence,
         errors: [f64; 2],
     ) -> bool {
-        let is_enough =
-            across.gain >= LEAST_GAIN && across.is_sure(TESTS * self.trials) && errors[1] < errors[0];
-        let within = is_enough.then(|| within(bench, now, other, mistake.file())).flatten();
+        let is_enough = |e: &Evidence| e.gain >= LEAST_GAIN && e.is_sure(1);
+        let mut is_told = is_enough(&across) && errors[1] < errors[0];
+        let presliding = mistake.is_delay().then(|| bench.presliding());
+        let bench = presliding.as_ref().unwrap_or(bench);
+        if is_told && mistake.is_delay() {
+            // Friction that builds up over a distance comes late too.
+            let [before, after] = [now, other].map(|s| bench.score(&s.without_model()));
+            let evidence = after.and_then(|a| Evidence::of([(before.as_ref(), &a)]));
+            is_told = evidence.as_ref().is_some_and(is_enough);
+        }
+        let within = is_told.then(|| within(bench, now, other, mistake.file())).flatten();
         self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
-        within.is_some_and(|w| w.is_sure(1)) && self.is_alone(bench, now, mistake)
+        let tried = TESTS * self.trials;
+        within.is_some_and(|w| w.is_sure(1) && (across.is_sure(tried) || w.is_sure(tried)))
+            && self.is_alone(bench, now, mistake)
     }
 
     /// Whether a mistake of one recording is none of the others: undone in these too, it would make each of them less likely. What

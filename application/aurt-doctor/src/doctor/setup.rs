@@ -257,6 +257,11 @@ impl Setup {
         })
     }
 
+    /// The same before a model with other friction is asked for.
+    pub fn without_model(&self) -> Self {
+        Self { model: OnceLock::new(), ..self.clone() }
+    }
+
     /// Number of joints that move on their own.
     pub fn moving_joints(&self) -> usize {
         moving_joints(&self.joints, &self.couplings)
@@ -277,8 +282,7 @@ impl Setup {
                 ..first.with(stretch.clone(), options.clone())
             };
             let parts = stretches.iter().enumerate().map(part).collect();
-            // The model may be asked for with other friction.
-            Self { parts, model: OnceLock::new(), ..self.clone() }
+            Self { parts, ..self.without_model() }
         };
         (0..STRETCHES).map(judged_by).collect()
     }

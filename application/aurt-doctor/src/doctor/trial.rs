@@ -31,6 +31,8 @@ pub struct Bench {
     pub scopes: TermScopes,
     /// Friction that grows with the load too.
     pub loaded_friction: JointStack,
+    /// Friction that builds up over a distance: after a reversal it comes late.
+    pub presliding_friction: JointStack,
     /// Whether robots are compared: with friction that grows with the load, and by rows in which a joint moves.
     pub compares: bool,
 }
@@ -88,6 +90,11 @@ impl Bench {
     /// The bench on which robots are compared.
     pub fn comparing(&self) -> Self {
         Self { compares: true, ..self.clone() }
+    }
+
+    /// The bench on which a delay is none of friction.
+    pub fn presliding(&self) -> Self {
+        Self { friction: self.presliding_friction.clone(), ..self.clone() }
     }
 
     /// Fits and judges; nothing if the setup allows no fit.

@@ -62,6 +62,19 @@ pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
     .map_err(Into::into)
 }
 
+/// Coulomb friction that builds up over a distance, and linear viscous friction.
+///
+/// # Errors
+/// If a model is not registered.
+pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
+    JointStack::new(
+        build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
+        build::<dyn HysteresisModel>(registry, json!({ "model": "maxwell_slip" }))?,
+        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
+    )
+    .map_err(Into::into)
+}
+
 impl Judged {
     /// Judges motions for a model, all together: what one does not excite another may. `unit` is that of the measurement,
     /// if there is any.
