@@ -83,6 +83,14 @@ pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne>
 pub struct Likelier {
     pub mistake: Mistake,
     pub evidence: Evidence,
+    scores: Vec<Score>,
+}
+
+impl Likelier {
+    /// Whether another one is surely better.
+    pub fn is_behind(&self, other: &Self) -> bool {
+        Evidence::of(self.scores.iter().map(Some).zip(&other.scores)).is_some_and(|e| e.is_sure(1))
+    }
 }
 
 /// Robots and gravities without a free number, the more usual mistakes first.
@@ -113,8 +121,9 @@ pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut us
                         .filter(|s| Evidence::of([(Some(before), s)]).is_some_and(|e| e.gain > 0.0))
                 })
                 .collect();
-            let evidence = Evidence::of(now.iter().map(Some).zip(&after?))?;
-            Some(Likelier { mistake, evidence })
+            let scores = after?;
+            let evidence = Evidence::of(now.iter().map(Some).zip(&scores))?;
+            Some(Likelier { mistake, evidence, scores })
         })
         .collect()
 }

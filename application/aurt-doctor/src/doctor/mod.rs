@@ -39,7 +39,7 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::inspection::judged::{loaded_friction, plain_friction, presliding_friction};
+use crate::inspection::judged::{loaded_friction, plain_friction, presliding_friction, rotors};
 use aurt_workbench::failure::Failure;
 
 /// What the doctor found.
@@ -86,6 +86,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         scopes: subject.scopes.clone(),
         loaded_friction: loaded_friction(registry)?,
         presliding_friction: presliding_friction(registry)?,
+        rotors: rotors(registry)?,
         compares: false,
     };
     let found = search(subject, &bench, &Setup::of(subject)?, thorough);

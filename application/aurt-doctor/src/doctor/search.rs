@@ -183,7 +183,7 @@ impl Search<'_> {
     fn in_one(&mut self, setup: &Setup) -> Option<Step> {
         let one = in_one(self.bench, setup, &mut self.trials)?;
         let other = one.mistake.undone(&one.setup);
-        if !self.is_told(self.bench, [&one.setup, &other], &one.mistake, one.evidence, one.errors)
+        if !self.is_told([&one.setup, &other], &one.mistake, one.evidence, one.errors)
             || !is_explained(one.errors[1])
         {
             return None;
@@ -198,24 +198,22 @@ impl Search<'_> {
             return None;
         }
         let now = self.bench.score(setup)?;
-        let bench = self.bench.comparing();
         let tried = likelier(self.subject, self.bench, setup, &mut self.trials);
-        let most = tried.iter().map(|l| l.evidence.gain).max_by(f64::total_cmp)?;
-        // What does not accuse a right setup does not decide between two others.
+        let most = tried.iter().max_by(|a, b| a.evidence.gain.total_cmp(&b.evidence.gain))?;
         let mut near: Vec<Mistake> = Vec::new();
-        for one in tried.into_iter().filter(|l| most - l.evidence.gain <= LEAST_GAIN) {
+        for one in tried.iter().filter(|one| !one.is_behind(most)) {
             let other = one.mistake.undone(setup);
             // What raises the error with plain friction is no cure.
             let errors = [now.total, self.bench.score(&other).map_or(WORST, |after| after.total)];
-            if self.is_told(&bench, [setup, &other], &one.mistake, one.evidence, errors) {
-                near.push(one.mistake);
-            } else if one.evidence.gain == most {
+            if self.is_told([setup, &other], &one.mistake, one.evidence, errors) {
+                near.push(one.mistake.clone());
+            } else if one.mistake == most.mistake {
                 return None;
             }
         }
         let mistake = near.first()?.clone();
         let after = self.bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: Some((-most).exp()), mistake, after, alike: near.split_off(1) })
+        Some(Step { likelier: Some((-most.evidence.gain).exp()), mistake, after, alike: near.split_off(1) })
     }
 
     /// Whether what was tried is told, after what is there.
@@ -223,14 +221,13 @@ impl Search<'_> {
         let evidence = Evidence::of([(before, &tried.score)]);
         let Some((mistake, evidence)) = tried.mistakes.last().zip(evidence) else { return false };
         let errors = [before.map_or(WORST, |b| b.total), tried.score.total];
-        self.is_told(self.bench, [now, &tried.setup], mistake, evidence, errors)
+        self.is_told([now, &tried.setup], mistake, evidence, errors)
     }
 
     /// Whether a setup is told for another one: it makes what is held out likelier by enough, lowers the error, and makes stretches
     /// of recordings likelier too. Neither is by chance, and one of the two not even for the best of all that are tried.
     fn is_told(
         &mut self,
-        bench: &Bench,
         [now, other]: [&Setup; 2],
         mistake: &Mistake,
         across: Evidence,
@@ -238,19 +235,27 @@ impl Search<'_> {
     ) -> bool {
         let is_enough = |e: &Evidence| e.gain >= LEAST_GAIN && e.is_sure(1);
         let mut is_told = is_enough(&across) && errors[1] < errors[0];
-        let presliding = mistake.is_delay().then(|| bench.presliding());
-        let bench = presliding.as_ref().unwrap_or(bench);
+        let bench = self.bench_for(mistake);
         if is_told && mistake.is_delay() {
-            // Friction that builds up over a distance comes late too.
             let [before, after] = [now, other].map(|s| bench.score(&s.without_model()));
             let evidence = after.and_then(|a| Evidence::of([(before.as_ref(), &a)]));
             is_told = evidence.as_ref().is_some_and(is_enough);
         }
-        let within = is_told.then(|| within(bench, now, other, mistake.file())).flatten();
+        let within = is_told.then(|| within(&bench, now, other, mistake.file())).flatten();
         self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
         let tried = TESTS * self.trials;
         within.is_some_and(|w| w.is_sure(1) && (across.is_sure(tried) || w.is_sure(tried)))
-            && self.is_alone(bench, now, mistake)
+            && self.is_alone(&bench, now, mistake)
+    }
+
+    /// What else than the mistake could explain the data: friction that builds up over a distance comes late, rotors and load make
+    /// up for bodies that are elsewhere.
+    fn bench_for(&self, mistake: &Mistake) -> Bench {
+        match mistake {
+            Mistake::Gravity { .. } | Mistake::Geometry { .. } => self.bench.comparing(),
+            Mistake::Reading { what: Reading::Delay(_), .. } => self.bench.presliding(),
+            Mistake::Reading { .. } => self.bench.clone(),
+        }
     }
 
     /// Whether a mistake of one recording is none of the others: undone in these too, it would make each of them less likely. What

@@ -33,7 +33,9 @@ pub struct Bench {
     pub loaded_friction: JointStack,
     /// Friction that builds up over a distance: after a reversal it comes late.
     pub presliding_friction: JointStack,
-    /// Whether robots are compared: with friction that grows with the load, and by rows in which a joint moves.
+    /// The rotors of all joints.
+    pub rotors: Box<dyn ArmTerm>,
+    /// Whether robots are compared: by rows in which a joint moves, with a load from a first fit.
     pub compares: bool,
 }
 
@@ -87,9 +89,13 @@ impl Score {
 }
 
 impl Bench {
-    /// The bench on which robots are compared.
+    /// The bench on which robots are compared: with rotors, and friction that grows with the load.
     pub fn comparing(&self) -> Self {
-        Self { compares: true, ..self.clone() }
+        let mut arm_terms = self.arm_terms.clone();
+        if !arm_terms.iter().any(|term| term.name() == self.rotors.name()) {
+            arm_terms.push(self.rotors.clone());
+        }
+        Self { compares: true, friction: self.loaded_friction.clone(), arm_terms, ..self.clone() }
     }
 
     /// The bench on which a delay is none of friction.
@@ -171,8 +177,7 @@ impl Bench {
             Arc::new(CoupledChain::new(chain, setup.couplings.clone()).ok()?)
         };
         let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED).ok()?;
-        let friction = if self.compares { &self.loaded_friction } else { &self.friction };
-        let stacks = vec![friction.clone(); setup.moving_joints()];
+        let stacks = vec![self.friction.clone(); setup.moving_joints()];
         dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
     }
 

@@ -7,7 +7,7 @@ use aurt_calibration::{
 use aurt_plugins::{Registry, SlotModel};
 use aurt_report::rendering::{number::significant, text::wrapped};
 use aurt_traits::{
-    CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
+    ArmTerm, CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
 };
 use aurt_workbench::failure::Failure;
 use serde_json::{Value, json};
@@ -73,6 +73,14 @@ pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
         build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
     )
     .map_err(Into::into)
+}
+
+/// The rotors of all joints.
+///
+/// # Errors
+/// If the model is not registered.
+pub fn rotors(registry: &Registry) -> Result<Box<dyn ArmTerm>, Failure> {
+    build::<dyn ArmTerm>(registry, json!({ "model": "rotor_inertia" }))
 }
 
 impl Judged {
