@@ -3,12 +3,12 @@
 //!
 //! A trial undoes one mistake, calibrates rigid bodies with plain friction on a thinned part of the recordings and judges
 //! the fit on what is held out. The error of a setup is the root of the mean over joints of Σe²/Σy², of which a joint
-//! contributes 1.5 at most, and 1 at least where friction that feeds power into the joint would be needed: a model with
+//! contributes 1 at most, and 1 where friction that feeds power into the joint would be needed: a model with
 //! all signs turned fits as well, but cannot be.
 //!
 //! All mistakes are tried, in pairs too, if the setup as it is leaves more than 30 % at some joint that moves; otherwise the
-//! likely ones, each alone. A mistake is told only if undoing the mistake takes the
-//! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a third of the rest.
+//! likely ones, each alone. A mistake is told by a test of the likelihood of what is held out, of which the rate of false
+//! accusations is stated ([`evidence`]); undoing it must lower the error.
 
 mod columns;
 mod correction;
@@ -39,7 +39,7 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::inspection::judged::{loaded_friction, plain_friction, presliding_friction, rotors};
+use crate::inspection::judged::{loaded_friction, often_left_out, plain_friction, presliding_friction};
 use aurt_workbench::failure::Failure;
 
 /// What the doctor found.
@@ -86,7 +86,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         scopes: subject.scopes.clone(),
         loaded_friction: loaded_friction(registry)?,
         presliding_friction: presliding_friction(registry)?,
-        rotors: rotors(registry)?,
+        often_left_out: often_left_out(registry)?,
         compares: false,
     };
     let found = search(subject, &bench, &Setup::of(subject)?, thorough);

@@ -234,17 +234,17 @@ impl Search<'_> {
         errors: [f64; 2],
     ) -> bool {
         let is_enough = |e: &Evidence| e.gain >= LEAST_GAIN && e.is_sure(1);
-        let mut is_told = is_enough(&across) && errors[1] < errors[0];
         let bench = self.bench_for(mistake);
-        if is_told && mistake.is_delay() {
-            let [before, after] = [now, other].map(|s| bench.score(&s.without_model()));
-            let evidence = after.and_then(|a| Evidence::of([(before.as_ref(), &a)]));
-            is_told = evidence.as_ref().is_some_and(is_enough);
-        }
-        let within = is_told.then(|| within(&bench, now, other, mistake.file())).flatten();
+        let within = (is_enough(&across) && errors[1] < errors[0])
+            .then(|| within(&bench, now, other, mistake.file()))
+            .flatten();
         self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
+        let Some(within) = within else { return false };
+        // That friction comes late is known from within alone.
+        let is_confirmed = if mistake.is_delay() { is_enough(&within) } else { within.is_sure(1) };
         let tried = TESTS * self.trials;
-        within.is_some_and(|w| w.is_sure(1) && (across.is_sure(tried) || w.is_sure(tried)))
+        is_confirmed
+            && (across.is_sure(tried) || within.is_sure(tried))
             && self.is_alone(&bench, now, mistake)
     }
 

@@ -33,8 +33,8 @@ pub struct Bench {
     pub loaded_friction: JointStack,
     /// Friction that builds up over a distance: after a reversal it comes late.
     pub presliding_friction: JointStack,
-    /// The rotors of all joints.
-    pub rotors: Box<dyn ArmTerm>,
+    /// What experiments often leave out.
+    pub often_left_out: Vec<Box<dyn ArmTerm>>,
     /// Whether robots are compared: by rows in which a joint moves, with a load from a first fit.
     pub compares: bool,
 }
@@ -89,18 +89,21 @@ impl Score {
 }
 
 impl Bench {
-    /// The bench on which robots are compared: with rotors, and friction that grows with the load.
+    /// The bench on which robots are compared: with friction that grows with the load.
     pub fn comparing(&self) -> Self {
-        let mut arm_terms = self.arm_terms.clone();
-        if !arm_terms.iter().any(|term| term.name() == self.rotors.name()) {
-            arm_terms.push(self.rotors.clone());
-        }
-        Self { compares: true, friction: self.loaded_friction.clone(), arm_terms, ..self.clone() }
+        Self { compares: true, friction: self.loaded_friction.clone(), ..self.completed() }
     }
 
     /// The bench on which a delay is none of friction.
     pub fn presliding(&self) -> Self {
-        Self { friction: self.presliding_friction.clone(), ..self.clone() }
+        Self { friction: self.presliding_friction.clone(), ..self.completed() }
+    }
+
+    /// With what experiments often leave out.
+    fn completed(&self) -> Self {
+        let is_there = |name: &str| self.arm_terms.iter().any(|term| term.name() == name);
+        let left_out = self.often_left_out.iter().filter(|term| !is_there(term.name()));
+        Self { arm_terms: self.arm_terms.iter().chain(left_out).cloned().collect(), ..self.clone() }
     }
 
     /// Fits and judges; nothing if the setup allows no fit.

@@ -75,12 +75,15 @@ pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
     .map_err(Into::into)
 }
 
-/// The rotors of all joints.
+/// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
 ///
 /// # Errors
-/// If the model is not registered.
-pub fn rotors(registry: &Registry) -> Result<Box<dyn ArmTerm>, Failure> {
-    build::<dyn ArmTerm>(registry, json!({ "model": "rotor_inertia" }))
+/// If a model is not registered.
+pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Failure> {
+    ["rotor_inertia", "current_offset"]
+        .map(|model| build::<dyn ArmTerm>(registry, json!({ "model": model })))
+        .into_iter()
+        .collect()
 }
 
 impl Judged {
