@@ -1,9 +1,9 @@
 //! What chance finds: the same search on residuals that have nothing to do with the columns.
 //!
-//! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length.
-//! It keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone, unless
-//! the motion repeats after just that time. The best score of all hypotheses
-//! then gives the significance of a score, corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
+//! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length,
+//! and each piece of time that cross-validation leaves out at once gets a sign at random, the same for all joints. The
+//! residual keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone: by
+//! the shift, or, where the motion repeats after just that time, by the signs. The best score of all hypotheses then gives the significance of a score, corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
 
 use aurt_calibration::products_of_columns;
 use rayon::prelude::*;
@@ -65,29 +65,12 @@ struct OfJoint {
     squared: f64,
 }
 
-/// A shift after which some joint's velocity resembles itself this much (correlation) leaves the residual where it was.
-const REPEATS: f64 = 0.5;
-
-/// Whether the motion repeats after a share of every recording's length.
-fn repeats(recordings: &[RecordingRows], partition: &Partition, share: f64) -> bool {
-    recordings.iter().enumerate().any(|(r, recording)| {
-        let end = fitted_end(partition, r);
-        let by = (share * end as f64).round() as usize;
-        recording.joints.iter().any(|joint| {
-            let velocity = &joint.velocity_rad_s[..end];
-            let turned: Vec<f64> = velocity[by..].iter().chain(&velocity[..by]).copied().collect();
-            dot(velocity, &turned).abs() > REPEATS * dot(velocity, velocity)
-        })
-    })
-}
-
 /// The end of the rows of a recording that fit.
 fn fitted_end(partition: &Partition, recording: usize) -> usize {
     partition.fitted().filter(|p| p.0 == recording).map(|p| p.2).max().unwrap_or(0)
 }
 
-/// What the groups do by chance beside a nested model, under at most `shifts` shifts of a residual,
-/// `[recording][joint][row]`: those after which the motion does not repeat.
+/// What the groups do by chance beside a nested model, under `shifts` shifts of a residual, `[recording][joint][row]`.
 pub(crate) fn by_chance(
     problem: &Problem,
     nested: &[Switch],
@@ -96,12 +79,7 @@ pub(crate) fn by_chance(
     residual: (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
     shifts: usize,
 ) -> Vec<ByChance> {
-    let shares: Vec<f64> = (0..shifts)
-        .into_par_iter()
-        .map(|s| (s + 1) as f64 / (shifts + 1) as f64)
-        .filter(|share| !repeats(residual.0, residual.1, *share))
-        .collect();
-    let shifts = shares.len();
+    let shares: Vec<f64> = (0..shifts).map(|s| (s + 1) as f64 / (shifts + 1) as f64).collect();
     let shifted = Shifted::all(residual, &shares);
     let places = problem.places(nested);
     let folds: Vec<Fold<'_>> = (0..problem.blocks())
@@ -137,9 +115,21 @@ impl Shifted {
             .map(|(r, (recording, residual))| {
                 let end = fitted_end(partition, r);
                 let of_joint = |(joint, series): (&JointRows, &Vec<f64>)| {
-                    let by = |share: &f64| (share * end as f64).round() as usize;
-                    let of_share = |share| turned(&series[..end], &joint.counts[..end], by(share));
-                    shares.iter().flat_map(of_share).collect()
+                    let of_share = |(s, share): (usize, &f64)| {
+                        let by = (share * end as f64).round() as usize;
+                        let mut turned = turned(&series[..end], &joint.counts[..end], by);
+                        let flip_s: f64 = std::env::var("AURT_FLIP_S").ok().and_then(|v| v.parse().ok()).unwrap_or(1e9);
+                        for (piece, (_, from, to)) in partition.fitted().filter(|p| p.0 == r).enumerate() {
+                            let length = ((flip_s * recording.rate_hz) as usize).max(1);
+                            for (part, rows) in turned[from..to].chunks_mut(length).enumerate() {
+                                if is_turned_over([s, r, piece * 1000 + part]) {
+                                    rows.iter_mut().for_each(|v| *v = -*v);
+                                }
+                            }
+                        }
+                        turned
+                    };
+                    shares.iter().enumerate().flat_map(of_share).collect()
                 };
                 recording.joints.iter().zip(residual).map(of_joint).collect()
             })
@@ -198,6 +188,18 @@ impl Product {
     fn zero(columns: usize) -> Self {
         Self { right: vec![0.0; columns], square: 0.0 }
     }
+}
+
+/// Whether a piece of a recording has the other sign under a shift: a bit of a hash (the finaliser of SplitMix64; Steele,
+/// Lea, Flood 2014), so that results repeat.
+fn is_turned_over(place: [usize; 3]) -> bool {
+    let mixed = place.iter().fold(0x9e37_79b9_7f4a_7c15_u64, |state, part| {
+        let z = state.wrapping_add(*part as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    });
+    mixed & 1 == 1
 }
 
 /// A series turned in a circle, of the same power over the rows that count.
