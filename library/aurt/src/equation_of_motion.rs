@@ -61,7 +61,9 @@ impl<'m> EquationOfMotion<'m> {
         for_each_stretch(joints, positions, position_rad, |first, angles, samples| {
             let mut at = |acceleration| {
                 let motion = at_rest(joints, angles.clone(), acceleration)?;
-                self.series.without_friction(motion.view(), &*self.weightless).map(|(torque, _)| torque.to_vec())
+                self.series
+                    .without_friction(motion.view(), &*self.weightless)
+                    .map(|(torque, _)| torque.to_vec())
             };
             let still = at(vec![0.0; joints * samples])?;
             for column in 0..joints {
