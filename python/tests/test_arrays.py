@@ -61,7 +61,7 @@ def test_torques_of_any_layout_are_the_same(model):
         (lambda t, q, tau: (t, q + 1j, tau), TypeError, "complex128"),
         (lambda t, q, tau: (t, q > 0, tau), TypeError, "bool"),
         (lambda t, q, tau: (t, q.astype(str), tau), TypeError, "must be real numbers"),
-        (lambda t, q, tau: (t.astype("datetime64[s]"), q, tau), TypeError, "datetime64"),
+        (lambda t, q, tau: (t, q.astype("datetime64[s]"), tau), TypeError, "datetime64"),
         (lambda t, q, tau: (t, numpy.ma.masked_greater(q, 0.0), tau), aurt.Error, "masked"),
         (lambda t, q, tau: (t, [[1.0], [1.0, 2.0]], tau), TypeError, "no array of numbers"),
         (lambda t, q, tau: (t, q[:, :0], tau), aurt.Error, "q has the shape"),
