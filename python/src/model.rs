@@ -3,7 +3,8 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt::{
-    CalibratedModel, Calibrator, EquationOfMotion, Outcome, Settings, TorqueSeries, traits::RobotModel,
+    CalibratedModel, Calibrator, EquationOfMotion, Outcome, Settings, TorqueSeries,
+    traits::{ArmTerm, Invariant, RobotModel},
 };
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
@@ -375,7 +376,10 @@ impl Model {
                 (stack.viscous().state_len(), stack.viscous().name()),
             ]
         });
-        let of_terms = model.arm_terms().iter().map(|term| (term.state_len(model.joints()), term.name()));
+        // A term without memory may keep what it asks for once.
+        let remembers = |term: &&Box<dyn ArmTerm>| !term.invariants().contains(Invariant::Memoryless);
+        let of_terms = model.arm_terms().iter().filter(remembers);
+        let of_terms = of_terms.map(|term| (term.state_len(model.joints()), term.name()));
         of_stacks.chain(of_terms).find(|(states, _)| *states > 0).map(|(_, name)| name.to_owned())
     }
 }

@@ -74,7 +74,7 @@ def test_a_file_of_the_user_is_corrected(tmp_path):
     again = aurt.Robot.from_urdf(exported.files[0])
     rest = numpy.zeros_like(q)
     assert numpy.allclose(again.torque(q, rest, rest), model.gravity(q), rtol=0, atol=1e-6)
-    with pytest.raises(aurt.Error, match="arm"):
+    with pytest.raises(aurt.Error, match="none.urdf"):
         model.export("urdf", tmp_path / "out", into=tmp_path / "none.urdf")
 
 
@@ -129,10 +129,10 @@ def test_a_machine_is_followed(experiment, monday, tuesday):
     same = aurt.track(experiment, model, later, **settings)
     assert not same.changed and len(same.alarms) == 0 and len(same.to_dict()["recordings"]) == 2
     rubbing = aurt.simulate(
-        "two_link", motion=motion(15.0), seed=7, effects=[{"name": "viscous", "joints": [0], "coefficient": [6.0]}]
+        "two_link", motion=motion(15.0), seed=7, effects=[{"name": "viscous", "joints": [0], "viscous_nm_s": [6.0]}]
     ).named("rubbing")
     changed = aurt.track(experiment, model, [*later, rubbing], **settings)
-    assert changed.changed and set(changed.alarms["since_recording"]) == {"rubbing"}, str(changed)
+    assert changed.changed and set(changed.alarms["certain_recording"]) == {"rubbing"}, str(changed)
     assert list(changed.drift["recording"].unique()) == ["day 5", "day 6", "rubbing"]
     assert "rubbing" in str(changed) and "<svg" in changed.report().html
     # Files and recordings in memory, a model and its file, are the same.
@@ -142,7 +142,7 @@ def test_a_machine_is_followed(experiment, monday, tuesday):
         write(recording, folder / f"{k}.csv")
     model.save(experiment.parent / "rd_calibrated.json")
     files = aurt.track(experiment, experiment.parent / "rd_calibrated.json", folder, **settings)
-    assert numpy.allclose(files.drift["value"].astype(float), changed.drift["value"].astype(float), rtol=1e-9)
+    assert numpy.allclose(files.drift["value"].astype(float), changed.drift["value"].astype(float), rtol=1e-9, equal_nan=True)
     assert len(files.alarms) == len(changed.alarms)
     for wrong in ({"window_s": 0.5}, {"false_alarm_h": 0.0}, {"load_half_life_s": numpy.nan}):
         with pytest.raises(aurt.Error, match=next(iter(wrong))):
@@ -171,7 +171,7 @@ recordings = ["2.csv", "3.csv"]
 [recordings]
 calibration = ["0.csv", "1.csv", "2.csv", "3.csv"]
 """
-    moving = {"kind": "multi_sine", "duration_s": 20.0, "harmonics": 8, "top_hz": 1.0, "share": 0.6}
+    moving = {"kind": "multi_sine", "duration_s": 12.0, "harmonics": 8, "top_hz": 1.0, "share": 0.6}
     for k in range(4):
         effects = [LOAD] if k > 1 else None
         write(aurt.simulate("ur10e", motion=moving, seed=k + 1, effects=effects, logger={"rate_hz": 125.0}), tmp_path / f"{k}.csv")

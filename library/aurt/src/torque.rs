@@ -2,8 +2,8 @@
 
 use aurt_calibration::Calibration;
 use aurt_traits::{
-    ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView,
-    RigidBodyRegressor, RobotModel,
+    ArmSeries, ArmTerm, ColumnGroup, Columns, Invariant, JointSeries, JointStack, LoadTorque, ModelError,
+    MotionView, RigidBodyRegressor, RobotModel,
 };
 
 use crate::{calibrated_file::CalibratedModel, error::Error};
@@ -210,7 +210,9 @@ impl<'m> TorqueSeries<'m> {
         bodies.torque(motion, &self.standard, &mut self.torque, stride);
         bodies.torque(motion, self.load_standard.as_ref().unwrap_or(&self.standard), &mut self.load, stride);
         for loads in [true, false] {
-            self.add_terms(loads, motion, stride, bodies, |term| term.state_len(joints) == 0)?;
+            self.add_terms(loads, motion, stride, bodies, |term| {
+                term.invariants().contains(Invariant::Memoryless)
+            })?;
         }
         Ok((&self.torque, stride))
     }

@@ -1,3 +1,4 @@
+from datetime import datetime, timedelta
 from os import PathLike
 from pathlib import Path
 from typing import Any, Callable, Literal, Sequence, TypedDict, Union, final, overload
@@ -40,6 +41,7 @@ __version__: str
 
 _Path = Union[str, PathLike[str]]
 _Array = NDArray[numpy.float64]
+_Stamps = Union[ArrayLike, Sequence[datetime], Sequence[timedelta]]
 _Progress = Union[bool, Callable[[str], Any], None]
 # A data frame where pandas is installed, else a list of dicts.
 _Rows = Any
@@ -145,7 +147,7 @@ class Recording:
     @overload
     def __new__(
         cls,
-        t: ArrayLike,
+        t: _Stamps,
         q: ArrayLike,
         dq: ArrayLike | None = None,
         *,
@@ -218,7 +220,7 @@ class Model:
     def warnings(self) -> list[str]: ...
     @property
     def structure(self) -> Structure: ...
-    def torque(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, t: ArrayLike | None = None) -> _Array:
+    def torque(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, t: _Stamps | None = None) -> _Array:
         """Torques (or currents) for every sample; friction with memory starts at the first and needs the times."""
 
     def predict(self, recording: Recording) -> _Array:

@@ -54,17 +54,19 @@ def _moments(values: Any) -> Any:
         return array
     if array.dtype.kind != "O" or array.ndim != 1 or array.size == 0:
         return None
-    present = [value for value in array if value is not None and value == value]
-    for kind, name in ((datetime.datetime, "datetime64"), (datetime.timedelta, "timedelta64")):
-        if present and all(isinstance(value, kind) for value in present):
-            break
-    else:
+    present = [value for value in array if not _is_missing(value)]
+    kinds = {datetime.datetime: "datetime64[ns]", datetime.timedelta: "timedelta64[ns]"}
+    kind = next((kind for kind in kinds if present and isinstance(present[0], kind)), None)
+    if kind is None or not all(isinstance(value, kind) for value in present):
         return None
     zones = {value.tzinfo is not None for value in present} if kind is datetime.datetime else {False}
     if len(zones) > 1:
         raise TypeError("some of the dates have a time zone and others have none; give all of them one")
-    moments = [_moment(value) if value is not None and value == value else "NaT" for value in array]
-    return numpy.array(moments, dtype=f"{name}[ns]")
+    return numpy.array(["NaT" if _is_missing(value) else _moment(value) for value in array], dtype=kinds[kind])
+
+
+def _is_missing(value: Any) -> bool:
+    return value is None or type(value).__name__ in ("NaTType", "NAType") or isinstance(value, float) and value != value
 
 
 def _moment(value: Any) -> Any:
