@@ -54,7 +54,7 @@ pub enum Known<'a> {
 #[derive(Debug, Clone)]
 pub enum Given {
     /// A file.
-    File(Source),
+    File(Box<Source>),
     /// A recording in memory.
     Recording(Arc<Recording>),
 }
@@ -100,7 +100,7 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
     let mut assigned = Vec::new();
     for (given, role) in sources(robot).chain(recordings.into_iter().map(|r| (r, Role::Calibration))) {
         let loaded = match given {
-            Given::File(source) => Loaded::read(source, joints.as_ref(), Purpose::Prediction)?,
+            Given::File(source) => Loaded::read(*source, joints.as_ref(), Purpose::Prediction)?,
             Given::Recording(recording) => {
                 let own =
                     || RobotJoints { names: recording.joints.names().to_vec(), ..recording.joints().into() };
@@ -155,7 +155,7 @@ fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
         Known::Experiment(experiment) => Some(&experiment.recordings),
         _ => None,
     };
-    let file = |r| Given::File(experiments::source(r));
+    let file = |r| Given::File(Box::new(experiments::source(r)));
     recordings.into_iter().flat_map(move |recordings| {
         let calibration = recordings.calibration.iter().map(move |r| (file(r), Role::Calibration));
         calibration.chain(recordings.validation.iter().map(move |r| (file(r), Role::Validation)))

@@ -89,7 +89,7 @@ impl Check {
         let files = self.recordings.iter().filter(|_| experiment.is_none());
         let checkup = check(Question {
             robot,
-            recordings: files.map(|f| Given::File(self.reading.source(f))).collect(),
+            recordings: files.map(|f| Given::File(Box::new(self.reading.source(f)))).collect(),
             f_dyn_hz: self.f_dyn_hz,
             registry: &session.registry,
         })?;
