@@ -18,7 +18,7 @@ use aurt_workbench::{
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, checked_setup, plots::PlotOptions};
+use super::{Session, plots::PlotOptions};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
     rendering::terminal::{Report, Terminal},
@@ -143,7 +143,7 @@ impl Diagnose {
         let mut text = diagnosis.to_text(terminal.style());
         let setup = if self.verdict_only { None } else { mistaken(&experiment, registry)? };
         if let Some(examination) = &setup {
-            text = format!("{}\n{text}", checked_setup::text_of(examination, terminal).trim_start());
+            text = format!("{}\n{text}", examination.to_text(terminal.style()).trim_start());
         }
         text.extend(notes.iter().map(|note| wrapped(&format!("note: {note}"))));
         if let Some(improved) = &diagnosis.improved {
