@@ -1,9 +1,11 @@
 //! What chance finds: the same search on residuals that have nothing to do with the columns.
 //!
-//! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length,
-//! and each piece of time that cross-validation leaves out at once gets a sign at random, the same for all joints. The
-//! residual keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone: by
-//! the shift, or, where the motion repeats after just that time, by the signs. The best score of all hypotheses then gives the significance of a score, corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
+//! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length.
+//! It keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone, unless
+//! the motion repeats after just that time. Where it does after most shifts, as short excitations do, pieces of a second get
+//! signs at random as well, the same for all joints: what the residual has to do with the columns is then gone from their
+//! sum, and its memory up to a second stays. The best score of all hypotheses then gives the significance of a score,
+//! corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
 
 use aurt_calibration::products_of_columns;
 use rayon::prelude::*;
@@ -65,22 +67,64 @@ struct OfJoint {
     squared: f64,
 }
 
+/// A shift after which some joint's velocity resembles itself this much (correlation) leaves the residual where it was.
+const REPEATS: f64 = 0.5;
+
+/// Pieces that get a sign each, s: long against the memory of the filters, of which f_dyn = 10 Hz makes a tenth of it.
+const PIECE_S: f64 = 1.0;
+
+/// How the residual is separated from the columns.
+#[derive(Debug, Clone, PartialEq)]
+struct Surrogates {
+    /// Shifts, as shares of each recording's length.
+    shares: Vec<f64>,
+    /// Whether pieces get signs, too.
+    signed: bool,
+}
+
+impl Surrogates {
+    /// The shifts after which the motion does not repeat, or, where these are fewer than half of those asked for, all with
+    /// signs.
+    fn of(recordings: &[RecordingRows], partition: &Partition, count: usize) -> Self {
+        let all: Vec<f64> = (0..count).map(|s| (s + 1) as f64 / (count + 1) as f64).collect();
+        let apart: Vec<f64> =
+            all.par_iter().copied().filter(|share| !repeats(recordings, partition, *share)).collect();
+        let signed = 2 * apart.len() < count;
+        Self { shares: if signed { all } else { apart }, signed }
+    }
+}
+
+/// Whether the motion repeats after a share of every recording's length.
+fn repeats(recordings: &[RecordingRows], partition: &Partition, share: f64) -> bool {
+    recordings.iter().enumerate().any(|(r, recording)| {
+        let end = fitted_end(partition, r);
+        let by = (share * end as f64).round() as usize;
+        recording.joints.iter().any(|joint| {
+            let velocity = &joint.velocity_rad_s[..end];
+            let turned: Vec<f64> = velocity[by..].iter().chain(&velocity[..by]).copied().collect();
+            dot(velocity, &turned).abs() > REPEATS * dot(velocity, velocity)
+        })
+    })
+}
+
 /// The end of the rows of a recording that fit.
 fn fitted_end(partition: &Partition, recording: usize) -> usize {
     partition.fitted().filter(|p| p.0 == recording).map(|p| p.2).max().unwrap_or(0)
 }
 
-/// What the groups do by chance beside a nested model, under `shifts` shifts of a residual, `[recording][joint][row]`.
+/// What the groups do by chance beside a nested model, under at most `count` surrogates of a residual,
+/// `[recording][joint][row]`.
 pub(crate) fn by_chance(
     problem: &Problem,
     nested: &[Switch],
     groups: &[Group],
     weights: &[f64],
     residual: (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
-    shifts: usize,
+    count: usize,
 ) -> Vec<ByChance> {
-    let shares: Vec<f64> = (0..shifts).map(|s| (s + 1) as f64 / (shifts + 1) as f64).collect();
-    let shifted = Shifted::all(residual, &shares);
+    let surrogates = Surrogates::of(residual.0, residual.1, count);
+    let shifts = surrogates.shares.len();
+    let shifted = Shifted::all(residual, &surrogates);
     let places = problem.places(nested);
     let folds: Vec<Fold<'_>> = (0..problem.blocks())
         .into_par_iter()
@@ -102,10 +146,10 @@ pub(crate) fn by_chance(
 }
 
 impl Shifted {
-    /// A residual under shifts by shares of each recording's length.
+    /// The surrogates of a residual.
     fn all(
         (recordings, partition, residual): (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
-        shares: &[f64],
+        Surrogates { shares, signed }: &Surrogates,
     ) -> Vec<Self> {
         // The shifted series of a joint, one after the other.
         let turned: Vec<Vec<Vec<f64>>> = recordings
@@ -118,13 +162,10 @@ impl Shifted {
                     let of_share = |(s, share): (usize, &f64)| {
                         let by = (share * end as f64).round() as usize;
                         let mut turned = turned(&series[..end], &joint.counts[..end], by);
-                        let flip_s: f64 = std::env::var("AURT_FLIP_S").ok().and_then(|v| v.parse().ok()).unwrap_or(1e9);
-                        for (piece, (_, from, to)) in partition.fitted().filter(|p| p.0 == r).enumerate() {
-                            let length = ((flip_s * recording.rate_hz) as usize).max(1);
-                            for (part, rows) in turned[from..to].chunks_mut(length).enumerate() {
-                                if is_turned_over([s, r, piece * 1000 + part]) {
-                                    rows.iter_mut().for_each(|v| *v = -*v);
-                                }
+                        let piece = (PIECE_S * recording.rate_hz).max(1.0) as usize;
+                        for (k, piece) in turned.chunks_mut(piece).enumerate().filter(|_| *signed) {
+                            if is_turned_over([s, r, k]) {
+                                piece.iter_mut().for_each(|v| *v = -*v);
                             }
                         }
                         turned
