@@ -319,9 +319,8 @@ impl Day {
             _ => {}
         }
         if written == Written::Bag {
-            let series =
-                |of: &dyn Fn(&(&str, &Vec<f64>, &Vec<f64>)) -> Vec<f64>| joints.iter().map(of).collect();
-            let (position, effort): (Vec<_>, Vec<_>) = (series(&|j| j.1.clone()), series(&|j| j.2.clone()));
+            let position: Vec<Vec<f64>> = joints.iter().map(|j| j.1.clone()).collect();
+            let effort: Vec<Vec<f64>> = joints.iter().map(|j| j.2.clone()).collect();
             let topic =
                 JointTopic { name: "/joint_states", position: &position, velocity: &[], effort: &effort };
             let names: Vec<String> = joints.iter().map(|j| j.0.to_owned()).collect();
@@ -329,7 +328,8 @@ impl Day {
             std::fs::write(&path, mcap(&path, &self.time_s, 0.0, &names, &[topic], &[]).unwrap()).unwrap();
             return;
         }
-        let measured = if written == Written::Currents && name == "tuesday" { "current" } else { "torque" };
+        let is_current = written == Written::Currents && name == "tuesday";
+        let (measured, per_nm) = if is_current { ("current", 0.1) } else { ("torque", 1.0) };
         let (angle, factor) =
             if written == Written::Degrees { (" [deg]", 180.0 / std::f64::consts::PI) } else { ("", 1.0) };
         let mut text = "time".to_owned();
@@ -341,7 +341,7 @@ impl Day {
             }
             text += &format!("\n{t}");
             text.extend(joints.iter().map(|j| format!(",{}", factor * j.1[k])));
-            text.extend(joints.iter().map(|j| format!(",{}", j.2[k])));
+            text.extend(joints.iter().map(|j| format!(",{}", per_nm * j.2[k])));
         }
         folder.write(&format!("{name}.csv"), &(text + "\n"));
     }
