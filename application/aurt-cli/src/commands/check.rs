@@ -38,11 +38,11 @@ use crate::{
     aurt check monday.csv tuesday.csv --mdh mdh.csv")]
 pub struct Check {
     /// Recordings to be calibrated on together, or one experiment (.toml)
-    #[arg(value_name = "CSV", required = true)]
+    #[arg(value_name = "RECORDING|EXPERIMENT.toml", required = true)]
     recordings: Vec<PathBuf>,
     /// Table of modified Denavit–Hartenberg parameters; with it the check reports which parameters the
     /// motion determines
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "MDH.csv")]
     mdh: Option<PathBuf>,
     /// Which joint a row's alpha and a lead to
     #[arg(long, value_enum, default_value_t, requires = "mdh")]

@@ -53,7 +53,7 @@ pub struct Export {
     fmi: Option<FmiName>,
     /// Your MuJoCo or URDF file, with which the model was calibrated: written as FILE_calibrated with corrected
     /// dynamics; comments, shapes and everything else stay
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "XML|URDF")]
     into: Option<PathBuf>,
     /// Body or link of that file at which the chain starts, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]

@@ -31,7 +31,7 @@ use crate::{
 )]
 pub struct Init {
     /// The recordings
-    #[arg(value_name = "LOG", required = true)]
+    #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
     /// The robot: a name that `aurt robots` lists, a .urdf, or a table of modified Denavit–Hartenberg parameters (.csv)
     #[arg(long, value_name = "NAME|FILE")]

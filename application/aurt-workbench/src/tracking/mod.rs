@@ -175,11 +175,13 @@ pub fn track(
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
     // Recordings of each motion.
     let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
+    let mut notes: Vec<String> = Vec::new();
     let mut ended_s = f64::NEG_INFINITY;
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
         let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
         let [first_s, last_s] = span_s(&loaded);
+        notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
             Some(motion) => motion.push(recording),
@@ -191,6 +193,7 @@ pub fn track(
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
     let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
+    follower.notes = notes;
     let mut motions = Vec::new();
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
@@ -233,6 +236,7 @@ pub fn track(
                 calibrated.pipeline().read(source, Purpose::Calibration)?
             }
         };
+        follower.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
         follower.begin(recording.name.clone(), span_s(&loaded));
@@ -307,16 +311,8 @@ fn left_out(
 fn prepared_of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<NamedRecording, Failure> {
     let pipeline = calibrated.pipeline();
     let file = &loaded.source.file;
-    let unit = pipeline.unit(loaded).ok_or_else(|| CalibrationError::NoMeasurement { file: file.clone() })?;
-    if unit != calibrated.calibration.unit {
-        return Err(aurt::Error::MixedUnits {
-            first: Path::new("the calibrated model").to_owned(),
-            first_unit: calibrated.calibration.unit,
-            other: file.clone(),
-            other_unit: unit,
-        }
-        .into());
-    }
+    pipeline.unit(loaded).ok_or_else(|| CalibrationError::NoMeasurement { file: file.clone() })?;
+    calibrated.check_unit(loaded)?;
     Ok(pipeline.preprocess(loaded, Purpose::Calibration)?)
 }
 
