@@ -12,6 +12,9 @@ use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::error::{raised, refused};
 
+/// Samples after which signals are heard: some milliseconds.
+const HEARD_EVERY: usize = 1 << 16;
+
 /// A matrix of samples (rows) and joints (columns), of any layout; nothing is copied that is an array of float64 already.
 pub struct Matrix<'py> {
     name: &'static str,
@@ -94,6 +97,22 @@ impl<'py> Matrix<'py> {
             other.name,
             other.samples()
         )))
+    }
+
+    /// Calls `work` with the number of samples of every stretch and their values, joint after joint, without the
+    /// interpreter's lock; signals are heard between stretches.
+    pub fn for_each_stretch(
+        &self,
+        py: Python<'_>,
+        mut work: impl FnMut(usize, &[f64]) -> Result<(), Failure> + Send,
+    ) -> PyResult<()> {
+        let view = self.view();
+        for first in (0..self.samples()).step_by(HEARD_EVERY) {
+            let rows = first..(first + HEARD_EVERY).min(self.samples());
+            py.check_signals()?;
+            py.detach(|| work(rows.len(), &view.joint_after_joint(&rows)?)).map_err(raised)?;
+        }
+        Ok(())
     }
 
     /// The series of all joints, `[joint][sample]`.
@@ -187,7 +206,7 @@ impl<'py> States<'py> {
         let (q, dq, ddq) = (q?, dq?, ddq?);
         q.check_samples(&dq)?;
         q.check_samples(&ddq)?;
-        let time_s = t.map(|t| times(t, q.samples())).transpose()?;
+        let time_s = t.map(|t| times(t, q.samples())).transpose()?.map(|stamps| stamps.time_s);
         Ok(Self { q, dq, ddq, time_s })
     }
 
@@ -214,8 +233,6 @@ impl<'py> States<'py> {
         at_once: usize,
         mut work: impl FnMut(Motion, usize) -> Result<(), E> + Send,
     ) -> PyResult<()> {
-        /// Samples after which signals are heard: some milliseconds.
-        const HEARD_EVERY: usize = 1 << 16;
         let joints = self.q.joints();
         let views = [self.q.view(), self.dq.view(), self.ddq.view()];
         let time_s = self.time_s.as_deref();
@@ -238,9 +255,15 @@ impl<'py> States<'py> {
     }
 }
 
-/// Time stamps for `samples` samples.
-pub fn times(given: &Bound<'_, PyAny>, samples: usize) -> PyResult<Vec<f64>> {
-    let stamps = vector("t", given)?;
+/// Time stamps for `samples` samples, s: numbers, durations, or dates, which count from the first whole second.
+pub fn times(given: &Bound<'_, PyAny>, samples: usize) -> PyResult<Stamps> {
+    let moments = given.py().import("aurt._plain")?.call_method1("seconds", (given,))?;
+    let (stamps, origin_s) = if moments.is_none() {
+        (vector("t", given)?, 0.0)
+    } else {
+        let (seconds, origin_s): (Bound<'_, PyAny>, f64) = moments.extract()?;
+        (vector("t", &seconds)?, origin_s)
+    };
     if stamps.len() != samples {
         return Err(refused(format!("t has {} stamps for {samples} samples", stamps.len())));
     }
@@ -253,7 +276,13 @@ pub fn times(given: &Bound<'_, PyAny>, samples: usize) -> PyResult<Vec<f64>> {
             k + 1
         )));
     }
-    Ok(stamps)
+    Ok(Stamps { time_s: stamps, origin_s })
+}
+
+/// Time stamps, s from `origin_s`, which is 0 or, of dates, s from 1970.
+pub struct Stamps {
+    pub time_s: Vec<f64>,
+    pub origin_s: f64,
 }
 
 /// A list of numbers.

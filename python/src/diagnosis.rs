@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use aurt::{CalibratedModel, Diagnoser, Explanation, traits::RobotModel};
+use aurt::{CalibratedModel, Diagnoser, Explanation, Settings, traits::RobotModel};
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
 use aurt_workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
 use aurt_workbench::failure::Failure;
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::{
@@ -18,7 +18,7 @@ use crate::{
     report::Report,
     robot::Structure,
     rows::{python_of, rows},
-    settings::{listener, settings},
+    settings::{listener, with_settings},
     work,
 };
 
@@ -34,17 +34,28 @@ pub struct Verdict {
     page: Page,
 }
 
-/// Says what recordings show that a model lacks: with a target, what has changed in it; without, what is missing in the
-/// recordings that the model is calibrated on.
-#[pyfunction]
-#[pyo3(signature = (model, calibration, *, target=None, validation=None, **settings))]
-pub fn diagnose(
+with_settings! {
+    /// Says what recordings show that a model lacks: with a target, what has changed in it; without, what is missing in the
+    /// recordings that the model is calibrated on.
+    ///
+    /// model : Robot or Structure
+    /// calibration : Recording or sequence of Recording
+    ///     The machine as the model knows it.
+    /// target : Recording or sequence of Recording or None
+    ///     The machine in which something may have changed.
+    /// validation : Recording or sequence of Recording or None
+    ///     What is held out.
+    diagnose(target, validation) -> Verdict = explained
+}
+
+fn explained(
     py: Python<'_>,
     model: &Bound<'_, PyAny>,
     calibration: &Bound<'_, PyAny>,
     target: Option<&Bound<'_, PyAny>>,
     validation: Option<&Bound<'_, PyAny>>,
-    settings: Option<&Bound<'_, PyDict>>,
+    settings: Settings,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Verdict> {
     let structure = Structure::of(model)?;
     let reference = recordings("calibration", Some(calibration))?;
@@ -52,7 +63,7 @@ pub fn diagnose(
     if reference.is_empty() && target.is_empty() {
         return Err(refused("there is no recording to be diagnosed"));
     }
-    let (settings, progress) = self::settings("diagnose", settings)?;
+    let progress = listener(progress)?;
     work::run(py, progress.as_ref(), move |progress| {
         let mut diagnoser = Diagnoser::new(RobotModel::clone(&structure)).settings(settings);
         for recording in &reference {
@@ -81,7 +92,7 @@ pub fn diagnose_experiment(
     path: PathBuf,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Verdict> {
-    let progress = progress.map(listener).transpose()?.flatten();
+    let progress = listener(progress)?;
     work::run(py, progress.as_ref(), move |progress| {
         let mut registry = Registry::of_user()?;
         let experiment = Experiment::read(&path, &mut registry)?;

@@ -6,7 +6,11 @@
 //! | `robot` | `Robot`, `Structure` |
 //! | `recording` | `Recording` |
 //! | `frames` | recordings in data frames |
-//! | `model` | `calibrate`, `Model` |
+//! | `model`, `predictor` | `calibrate`, `Model`, `Predictor` |
+//! | `export` | models for other programs |
+//! | `check` | `check`, `Checkup` |
+//! | `tracking` | `track`, `Tracking` |
+//! | `gains` | `gains`, `Gains` |
 //! | `diagnosis` | `diagnose`, `Verdict` |
 //! | `simulation` | `simulate`, `excite` |
 //! | `sweep` | `sweep`, `Sweep` |
@@ -16,11 +20,15 @@
 //! | `work` | long work beside the interpreter |
 
 mod arrays;
+mod check;
 mod diagnosis;
 mod error;
+mod export;
 mod frames;
 mod friction;
+mod gains;
 mod model;
+mod predictor;
 mod recording;
 mod report;
 mod robot;
@@ -28,6 +36,7 @@ mod rows;
 mod settings;
 mod simulation;
 mod sweep;
+mod tracking;
 mod work;
 
 /// The compiled part of the package `aurt`.
@@ -35,14 +44,19 @@ mod work;
 mod _aurt {
     #[pymodule_export]
     use crate::{
+        check::{Checkup, check, check_experiment},
         diagnosis::{Verdict, diagnose, diagnose_experiment},
         error::Error,
-        model::{Model, Predictor, calibrate, calibrate_experiment},
+        export::Exported,
+        gains::{DriveGains, gains},
+        model::{Model, calibrate, calibrate_experiment},
+        predictor::Predictor,
         recording::Recording,
         report::Report,
         robot::{Robot, Structure},
         simulation::{excite, robots, simulate},
         sweep::{Swept, sweep},
+        tracking::{Tracking, track},
     };
 
     #[pymodule_export]

@@ -2,26 +2,28 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use aurt::{CalibratedModel, Calibrator, Outcome, TorqueSeries, traits::RobotModel};
+use aurt::{
+    CalibratedModel, Calibrator, EquationOfMotion, Outcome, Settings, TorqueSeries,
+    traits::{ArmTerm, Invariant, RobotModel},
+};
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_report::reports::calibration;
 use aurt_workbench::experiments::fit_experiment;
-use numpy::{PyArray1, PyArray2};
-use pyo3::{
-    prelude::*,
-    types::{PyBytes, PyDict},
-};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::{prelude::*, types::PyBytes};
 use serde_json::json;
 
 use crate::{
-    arrays::{States, samples_by_joint, vector},
+    arrays::{Matrix, States, all_finite, samples_by_joint, shaped},
     error::{raised, refused},
+    export::{Exported, Order},
+    predictor::Predictor,
     recording::{Recording, recordings},
     report::Report,
     robot::{Structure, torques},
     rows::rows,
-    settings::{listener, settings},
+    settings::{listener, with_settings},
     work,
 };
 
@@ -31,20 +33,29 @@ const AT_ONCE: usize = 256;
 /// A model with its coefficients.
 #[pyclass(frozen, module = "aurt")]
 pub struct Model {
-    calibrated: Arc<CalibratedModel>,
+    pub calibrated: Arc<CalibratedModel>,
     /// What calibration found, unless the model is from a file.
     outcome: Option<Outcome>,
 }
 
-/// Calibrates a model on recordings, and judges it on them and on those that are held out.
-#[pyfunction]
-#[pyo3(signature = (model, calibration, *, validation=None, **settings))]
-pub fn calibrate(
+with_settings! {
+    /// Calibrates a model on recordings, and judges it on them and on those that are held out.
+    ///
+    /// model : Robot or Structure
+    /// calibration : Recording or sequence of Recording
+    ///     What the coefficients are fitted to.
+    /// validation : Recording or sequence of Recording or None
+    ///     What is held out, to judge the model.
+    calibrate(validation) -> Model = calibrated
+}
+
+fn calibrated(
     py: Python<'_>,
     model: &Bound<'_, PyAny>,
     calibration: &Bound<'_, PyAny>,
     validation: Option<&Bound<'_, PyAny>>,
-    settings: Option<&Bound<'_, PyDict>>,
+    settings: Settings,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Model> {
     let structure = Structure::of(model)?;
     let fitted = recordings("calibration", Some(calibration))?;
@@ -52,7 +63,7 @@ pub fn calibrate(
     if fitted.is_empty() {
         return Err(refused("calibration lists no recording"));
     }
-    let (settings, progress) = self::settings("calibrate", settings)?;
+    let progress = listener(progress)?;
     let outcome = work::run(py, progress.as_ref(), move |progress| {
         let mut calibrator = Calibrator::new(RobotModel::clone(&structure)).settings(settings);
         for recording in &fitted {
@@ -74,7 +85,7 @@ pub fn calibrate_experiment(
     path: PathBuf,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Model> {
-    let progress = progress.map(listener).transpose()?.flatten();
+    let progress = listener(progress)?;
     let outcome = work::run(py, progress.as_ref(), move |progress| {
         let experiment = Experiment::read(path, &mut Registry::of_user()?)?;
         fit_experiment(&experiment, progress)
@@ -152,6 +163,35 @@ impl Model {
         })
     }
 
+    /// The mass matrices M(q) at positions q, (samples, joints, joints): bodies, rotors, payload, coupled motors; in the unit of
+    /// predictions per rad/s² (kg m² for Nm). A single position gives one matrix.
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let joints = self.joints();
+        let mut equation = EquationOfMotion::new(&self.calibrated).map_err(raised)?;
+        let (q, mut mass) = (Matrix::new("q", q, Some(joints))?, Vec::new());
+        q.for_each_stretch(py, |positions, angles| {
+            mass.extend(equation.mass_matrices(positions, angles)?);
+            Ok(())
+        })?;
+        let array =
+            PyArray1::from_vec(py, finite("mass matrix", mass)?).reshape([q.samples(), joints, joints])?;
+        if q.single { array.get_item(0) } else { Ok(array.into_any()) }
+    }
+
+    /// The torques of weight g(q) at positions q, (samples, joints), in the unit of predictions: bodies, payload, a tilted base;
+    /// neither friction nor springs.
+    fn gravity<'py>(&self, py: Python<'py>, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let joints = self.joints();
+        let mut equation = EquationOfMotion::new(&self.calibrated).map_err(raised)?;
+        let (q, mut gravity) = (Matrix::new("q", q, Some(joints))?, Vec::new());
+        q.for_each_stretch(py, |positions, angles| {
+            gravity.extend(equation.gravity(positions, angles)?);
+            Ok(())
+        })?;
+        let array = shaped(py, finite("gravity", gravity)?, [q.samples(), joints])?;
+        if q.single { array.get_item(0) } else { Ok(array.into_any()) }
+    }
+
     /// What the model predicts at every stamp of a recording, preprocessed as the model's own were; (samples, joints).
     fn predict<'py>(&self, py: Python<'py>, recording: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (model, recording) = (self.calibrated.clone(), recording.inner.clone());
@@ -166,7 +206,37 @@ impl Model {
 
     /// A predictor for single samples, in a control loop.
     fn predictor(&self) -> PyResult<Predictor> {
-        Ok(Predictor { inner: self.calibrated.predictor().map_err(raised)? })
+        Ok(Predictor::of(self.calibrated.predictor().map_err(raised)?))
+    }
+
+    /// Writes the model for another program into the folder `out`, as `aurt export` does, and says what was lost.
+    ///
+    /// target : {"c", "rust", "mjcf", "urdf", "sdf", "fmu"}
+    /// out : path
+    ///     The folder; made if it does not exist.
+    /// name : str, default "robot"
+    ///     What files and functions are called after.
+    /// kind : {"inverse", "forward"} or None
+    ///     What an FMU computes; of the target "fmu" alone, which needs it.
+    /// into : path or None
+    ///     A MuJoCo or URDF file of yours, which is written with corrected dynamics instead of a new one.
+    /// base, tip : str or None
+    ///     Bodies of that file between which the chain is, where there is a choice.
+    #[pyo3(signature = (target, out, *, name="robot", kind=None, into=None, base=None, tip=None))]
+    fn export(
+        &self,
+        py: Python<'_>,
+        target: &str,
+        out: PathBuf,
+        name: &str,
+        kind: Option<&str>,
+        into: Option<PathBuf>,
+        base: Option<String>,
+        tip: Option<String>,
+    ) -> PyResult<Exported> {
+        let order = Order::new(target, kind, into, [base, tip], name)?;
+        let model = self.calibrated.clone();
+        work::run(py, None, move |_| order.carry_out(&model, &out))
     }
 
     /// How the model moves when it follows the recording's motion, or when what was measured drives it.
@@ -207,6 +277,19 @@ impl Model {
     #[getter]
     fn coefficients<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, self.calibrated.calibration.coefficients())
+    }
+
+    /// The covariance of the coefficients, (n, n), in the order of `parameters`: entry (k, l) is in unit k times unit l of
+    /// `parameters`, the root of entry (k, k) is its `std_dev`. NaN where a coefficient is not excited. With
+    /// estimator="consistent" it is that of the least squares before.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let calibration = &self.calibrated.calibration;
+        let (n, matrix) = (calibration.parameters.len(), calibration.covariance_matrix());
+        let matrix = matrix.ok_or_else(|| {
+            refused("the covariance of this model is not known, or not finite: its file has none; calibrate again")
+        })?;
+        shaped(py, matrix, [n, n])
     }
 
     /// The errors as rows, one for each recording and joint; all rows, and those in which the joint moves.
@@ -272,6 +355,16 @@ impl Model {
     }
 }
 
+/// The values, if all of them are numbers.
+fn finite(what: &str, values: Vec<f64>) -> PyResult<Vec<f64>> {
+    if all_finite(&values) {
+        return Ok(values);
+    }
+    Err(refused(format!(
+        "the {what} holds what is no number; the positions or coefficients are far beyond those of a robot"
+    )))
+}
+
 impl Model {
     /// The first model with a memory, if there is one.
     fn memory(&self) -> Option<String> {
@@ -283,39 +376,10 @@ impl Model {
                 (stack.viscous().state_len(), stack.viscous().name()),
             ]
         });
-        let of_terms = model.arm_terms().iter().map(|term| (term.state_len(model.joints()), term.name()));
+        // A term without memory may keep what it asks for once.
+        let remembers = |term: &&Box<dyn ArmTerm>| !term.invariants().contains(Invariant::Memoryless);
+        let of_terms = model.arm_terms().iter().filter(remembers);
+        let of_terms = of_terms.map(|term| (term.state_len(model.joints()), term.name()));
         of_stacks.chain(of_terms).find(|(states, _)| *states > 0).map(|(_, name)| name.to_owned())
-    }
-}
-
-/// Torques of a calibrated model, sample by sample, with the memory of its friction.
-#[pyclass(module = "aurt")]
-pub struct Predictor {
-    inner: aurt::Predictor,
-}
-
-#[pymethods]
-impl Predictor {
-    /// Torques (or currents) of all joints for a sample `dt_s` after the last one; of the first sample it has no effect.
-    fn torque<'py>(
-        &mut self,
-        py: Python<'py>,
-        dt_s: f64,
-        q: &Bound<'py, PyAny>,
-        dq: &Bound<'py, PyAny>,
-        ddq: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (q, dq, ddq) = (vector("q", q)?, vector("dq", dq)?, vector("ddq", ddq)?);
-        let values = q.iter().chain(&dq).chain(&ddq).chain([&dt_s]);
-        if let Some(value) = values.copied().find(|value| !value.is_finite()) {
-            return Err(refused(format!("dt_s, q, dq and ddq must be finite numbers; one is {value}")));
-        }
-        let torque = self.inner.torque(dt_s, &q, &dq, &ddq).map_err(raised)?;
-        Ok(PyArray1::from_slice(py, torque))
-    }
-
-    /// Forgets the past: the next sample is a first one.
-    fn reset(&mut self) {
-        self.inner.reset();
     }
 }

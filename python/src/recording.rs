@@ -10,7 +10,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::{
-    arrays::{Matrix, samples_by_joint, times},
+    arrays::{Matrix, Stamps, samples_by_joint, times},
     error::{raised, refused},
     frames,
 };
@@ -103,10 +103,28 @@ fn choice<T: Copy>(what: &str, given: Option<&str>, known: &[(&str, T)]) -> PyRe
 
 #[pymethods]
 impl Recording {
-    /// From arrays (stamps in s; positions, velocities and measurements with a row for each sample), from a data frame whose
-    /// columns have their usual names, or from a file. `joint_names` are those of the robot's joints, base first, as the
-    /// recording calls them; `topic`, `columns`, `angle` ("rad", "deg") and `time` ("s", "ms", "us", "ns") say what a frame or
-    /// a file does not tell.
+    /// From arrays (stamps in s, as dates or durations; positions, velocities and measurements with a row for each sample),
+    /// from a data frame or an Arrow table whose columns have their usual names, or from a file.
+    ///
+    /// t : array, or data frame, or path of a file
+    ///     Dates count from the first whole second (`origin_s`).
+    /// q, dq : array (samples, joints)
+    ///     Positions, rad, and velocities, rad/s; not of frames and files.
+    /// tau, current : array (samples, joints) or None
+    ///     What was measured: joint torques, Nm, or motor currents, A.
+    /// unit : {"Nm", "A"} or None
+    ///     Unit of the measurement, where a frame or file does not tell.
+    /// name : str or None
+    ///     What messages and reports call the recording.
+    /// joint_names : sequence of str or None
+    ///     Those of the robot's joints, base first, as the recording calls them.
+    /// topic : str or None
+    ///     The topic of a bag that has several of joint states.
+    /// columns : dict or None
+    ///     Columns of "time", "position", "velocity", "measurement", by number or name, where names do not tell.
+    /// angle : {"rad", "deg"} or None
+    /// time : {"s", "ms", "us", "ns"} or None
+    ///     Units of positions and stamps of a frame or file, where they are unusual.
     #[new]
     #[pyo3(signature = (t, q=None, dq=None, *, tau=None, current=None, unit=None, name=None, joint_names=None, topic=None,
                         columns=None, angle=None, time=None))]
@@ -164,8 +182,9 @@ impl Recording {
             ));
         }
         let q = Matrix::new("q", q, None)?;
-        let (joints, time_s) = (q.joints(), stamps(t, &q)?);
+        let (joints, Stamps { time_s, origin_s }) = (q.joints(), stamps(t, &q)?);
         let mut recording = aurt_recording::Recording::from_arrays(time_s, q.by_joint()).map_err(raised)?;
+        recording.report.origin_s = origin_s;
         if let Some(dq) = dq {
             let dq = Matrix::new("dq", dq, Some(joints))?;
             recording = recording.with_velocity(dq.by_joint()).map_err(raised)?;
@@ -221,6 +240,12 @@ impl Recording {
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.time_s)
+    }
+
+    /// What t counts from, s from 1970: that of stamps that are dates; 0 of others.
+    #[getter]
+    fn origin_s(&self) -> f64 {
+        self.inner.report.origin_s
     }
 
     /// Joint angles, rad; (samples, joints).
@@ -302,7 +327,7 @@ impl Recording {
 }
 
 /// The stamps of positions.
-fn stamps(t: &Bound<'_, PyAny>, q: &Matrix<'_>) -> PyResult<Vec<f64>> {
+fn stamps(t: &Bound<'_, PyAny>, q: &Matrix<'_>) -> PyResult<Stamps> {
     times(t, q.samples()).map_err(|error| {
         let is_transposed = t.len().is_ok_and(|stamps| stamps == q.joints() && stamps != q.samples());
         if !is_transposed {

@@ -54,7 +54,7 @@ pub fn simulate(
     }
     let file: ScenarioFile =
         serde_json::from_value(document).map_err(|error| refused(format!("the scenario: {error}")))?;
-    let progress = progress.map(listener).transpose()?.flatten();
+    let progress = listener(progress)?;
     let recording = work::run(py, progress.as_ref(), move |progress| {
         progress.step("simulating the robot");
         Ok(aurt::simulate(&file.scenario()?)?)
@@ -90,7 +90,7 @@ pub fn excite<'py>(
                 .map_err(|error| refused(format!("motion: {error}")))?,
         ),
     };
-    let progress = progress.map(listener).transpose()?.flatten();
+    let progress = listener(progress)?;
     let joints = robot.joints();
     let (rows, condition) = work::run(py, progress.as_ref(), move |progress| {
         let (trajectory, condition) = match asked {

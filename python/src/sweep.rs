@@ -41,7 +41,7 @@ pub fn sweep(
         "moving" => Rows::Moving,
         other => return Err(refused(format!("rows must be \"all\" or \"moving\", is \"{other}\""))),
     };
-    let progress = progress.map(listener).transpose()?.flatten();
+    let progress = listener(progress)?;
     let ranking = work::run(py, progress.as_ref(), move |progress| ranked(&path, &out, rows, progress))?;
     let document = json!(ranking);
     Ok(Swept { ranking, document })

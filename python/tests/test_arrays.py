@@ -1,5 +1,7 @@
 """Arrays as users have them: any layout gives the same result, and what cannot be is refused with its reason."""
 
+from pathlib import Path
+
 import numpy
 import pandas
 import polars
@@ -61,7 +63,7 @@ def test_torques_of_any_layout_are_the_same(model):
         (lambda t, q, tau: (t, q + 1j, tau), TypeError, "complex128"),
         (lambda t, q, tau: (t, q > 0, tau), TypeError, "bool"),
         (lambda t, q, tau: (t, q.astype(str), tau), TypeError, "must be real numbers"),
-        (lambda t, q, tau: (t.astype("datetime64[s]"), q, tau), TypeError, "datetime64"),
+        (lambda t, q, tau: (t, q.astype("datetime64[s]"), tau), TypeError, "datetime64"),
         (lambda t, q, tau: (t, numpy.ma.masked_greater(q, 0.0), tau), aurt.Error, "masked"),
         (lambda t, q, tau: (t, [[1.0], [1.0, 2.0]], tau), TypeError, "no array of numbers"),
         (lambda t, q, tau: (t, q[:, :0], tau), aurt.Error, "q has the shape"),
@@ -165,3 +167,19 @@ def test_a_recording_gives_back_what_it_was_given(given):
         aurt.Recording(t, q, tau=tau, unit="A")
     with pytest.raises(aurt.Error, match='"Nm" or "A"'):
         aurt.Recording(t, q, tau=tau, unit="mA")
+
+
+def test_what_a_frame_or_a_bag_does_not_tell_is_said(monday):
+    degrees = numpy.degrees(monday.q)
+    frame = pandas.DataFrame(
+        {"clock": 1e3 * monday.t, "a": degrees[:, 0], "b": degrees[:, 1], "x": monday.tau[:, 0], "y": monday.tau[:, 1]}
+    )
+    columns = {"time": "clock", "position": ["a", "b"], "measurement": ["x", "y"]}
+    said = {"columns": columns, "angle": "deg", "time": "ms", "unit": "Nm", "joint_names": ["left", "right"]}
+    recording = aurt.Recording(frame, **said)
+    assert numpy.allclose(recording.q, monday.q, rtol=0, atol=1e-15) and numpy.allclose(recording.t, monday.t, rtol=0, atol=1e-12)
+    assert numpy.array_equal(recording.tau, monday.tau) and recording.joint_names == ["left", "right"]
+    bag = Path(__file__).parents[2] / "examples" / "urdf-bag" / "monday.mcap"
+    assert aurt.Recording(bag, topic="/joint_states", unit="A").joints == 6
+    with pytest.raises(aurt.Error, match="there is no topic `/nothing`"):
+        aurt.Recording(bag, topic="/nothing", unit="A")

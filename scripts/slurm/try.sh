@@ -1,32 +1,27 @@
 #!/usr/bin/env bash
-# A sweep on a real Slurm, on one machine: two nodes, one of which is killed while it computes, and a job that somebody
-# cancels. Shows that every point is there in the end and that the results are those of a run without Slurm.
+# Sweeps, proofs and fleets on a real Slurm, on one machine: a controller and two nodes. Their tasks are killed while they compute and
+# start again; the results are compared, byte for byte, with those of one process.
 #
 #   sudo scripts/slurm/try.sh
-#   scripts/slurm/try.sh --stand-in      # without Slurm: scripts/slurm/stand-in in its place
 #
 # Each step waits for the state that the next one needs, however long that takes; it gives up where nothing has changed for
-# five minutes. Needs Debian or Ubuntu. Installs slurmctld, slurmd and munge from there if they are missing; configuration,
-# state and logs lie in a folder of their own, so a Slurm that the machine already has is not touched. AURT names the program
-# to try; without it, it is built.
+# five minutes. Configuration, key, state and logs lie in a folder of their own, so a Slurm that the machine already has is not
+# touched. Needs root and, on Debian or Ubuntu, `apt-get install slurm-wlm munge`; without them it says that it is skipped. AURT names
+# the program to try, with aurt-lab beside it; without it, both are built.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-stand_in="${1:-}"
-[[ -z "$stand_in" || "$stand_in" == --stand-in ]] || { echo "usage: $0 [--stand-in]" >&2; exit 2; }
-if [[ -z "$stand_in" ]] && ((EUID != 0)); then
-    echo "Slurm's daemons want to be started by root; $0 --stand-in does without Slurm" >&2
-    exit 2
-fi
+((EUID == 0)) || { echo "skipped: Slurm's daemons want to be started by root"; exit 0; }
+for program in munged slurmctld slurmd sbatch python3; do
+    command -v "$program" >/dev/null || { echo "skipped: there is no $program (apt-get install slurm-wlm munge python3)"; exit 0; }
+done
 if [[ -z "${AURT:-}" ]]; then
-    cargo build --quiet --release
+    cargo build --quiet --release -p aurt-cli -p aurt-lab
     AURT="$(cargo metadata --format-version 1 --no-deps | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/release/aurt"
 fi
 AURT="$(realpath "$AURT")"
-for program in munged slurmctld slurmd sbatch; do
-    [[ -n "$stand_in" ]] || command -v "$program" >/dev/null ||
-        apt-get install -y --no-install-recommends slurmctld slurmd slurm-client munge >/dev/null
-done
+LAB="$(dirname "$AURT")/aurt-lab"
+FLEET="$PWD/scripts/fleet.py"
 
 scratch="$(mktemp -d)"
 chmod 755 "$scratch" # munge wants to know that nobody but root can write above its socket
@@ -84,23 +79,9 @@ CONF
     slurmd -N node1
     slurmd -N node2
 }
-start_stand_in() {
-    export SLURM_STAND_IN="$scratch"
-    mkdir "$scratch/bin" "$scratch/queue" "$scratch/running" "$scratch/restarts"
-    for command in sbatch squeue scancel sinfo scontrol slurmctld node; do
-        ln -s "$PWD/scripts/slurm/stand-in" "$scratch/bin/$command"
-    done
-    export PATH="$scratch/bin:$PATH"
-    say "a stand-in for Slurm: one controller, two nodes"
-    for daemon in slurmctld "node node1" "node node2"; do
-        # shellcheck disable=SC2086 # a command and its argument
-        setsid $daemon >>"$scratch/daemons.log" 2>&1 &
-        disown
-    done
-}
-
 say() { printf '\n# %s\n' "$1"; }
-show() { sed "s|$scratch|.|g; s|$AURT|aurt|g"; }
+show() { sed "s|$scratch/||g; s|$scratch|.|g; s|$LAB|aurt-lab|g; s|$AURT|aurt|g; s|$FLEET|fleet.py|g"; }
+same() { diff --recursive --exclude=lock --exclude=slurm "$1" "$2"; }
 aurt() { "$AURT" "$@" 2>&1 | show; return "${PIPESTATUS[0]}"; }
 tasks() { squeue --noheader --array --format='%K %T %N %r' | sort -n; }
 has_result() {
@@ -108,7 +89,7 @@ has_result() {
     key="$(grep -o '"key": *"[0-9a-f]*"' sweep/sweep.json | sed -n "${1}s/.*\"\([0-9a-f]*\)\"/\1/p")"
     [[ -e "sweep/results/$key.json" ]]
 }
-seen() { tasks; sinfo --noheader --Node --format='%N %t'; find sweep/results -name '*.json' 2>/dev/null | wc -l; }
+seen() { tasks; sinfo --noheader --Node --format='%N %t'; find "$scratch" -name '*.json' | wc -l; }
 # Waits for what the command says, as long as anything changes.
 wait_for() {
     local now before="" still="$SECONDS"
@@ -122,7 +103,7 @@ wait_for() {
     done
 }
 
-if [[ -n "$stand_in" ]]; then start_stand_in; else start_slurm; fi
+start_slurm
 nodes_are() { [[ "$(sinfo --noheader --Node --format='%N %t' | tr '\n' ' ')" == "$1" ]]; }
 wait_for nodes_are "node1 idle node2 idle "
 sinfo --Node --format='%N %t'
@@ -130,7 +111,7 @@ sinfo --Node --format='%N %t'
 cd "$scratch"
 "$AURT" demo --out demo --quiet >/dev/null
 sed '/^\[\[joint_dynamics.override\]\]/,/^\[recordings\]/{/^\[recordings\]/!d}' demo/experiment.toml >demo/sweep.toml
-for coulomb in none absolute; do
+for coulomb in constant absolute; do
     for hysteresis in sign dahl lugre; do
         for powers in "1" "1, 2"; do
             cat <<VARIANT
@@ -219,6 +200,85 @@ aurt sweep collect --out sweep
 
 say "the same without Slurm, file by file"
 "$AURT" sweep run demo/sweep.toml --out here --quiet >/dev/null
-cmp_all() { diff --recursive --exclude=lock --exclude=slurm sweep here; }
-cmp_all
+same sweep here
 echo "sweep and here: $(find here/results -name '*.json' | wc -l) results and both tables are byte-identical"
+
+# Submits tasks, each the same command.
+array_of() {
+    say "sbatch --array=$1 --wrap '$(show <<<"$2")'"
+    array="$(sbatch --parsable --array="$1" --output="$scratch/%A_%a.out" --wrap "$2")"
+}
+state_of() { scontrol --oneliner show job "${array}_$1" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
+has_ended() { [[ "$(state_of "$1")" != RUNNING && "$(state_of "$1")" != COMPLETING ]]; }
+# Kills, once, every task of the array that is seen to compute (`kill_task` says how) and lets Slurm start it again, until all are done.
+killed_until_idle() {
+    local task
+    for task in $(tasks | awk '$2 == "RUNNING" { print $1 }'); do
+        [[ "$killed" != *" $task "* ]] && kill_task "$task" || continue
+        wait_for has_ended "$task"
+        [[ "$(state_of "$task")" != COMPLETED ]] || continue
+        killed+="$task "
+        scontrol requeue "${array}_$task"
+    done
+    idle
+}
+kill_and_requeue() {
+    killed=" "
+    wait_for killed_until_idle
+    [[ "$killed" != " " ]] || { echo "no task could be killed before it was done" >&2; exit 1; }
+    local restarts
+    restarts="$(scontrol --oneliner show job "$array" | grep -cE 'Restarts=[1-9]')"
+    [[ "$restarts" == "$(wc -w <<<"$killed")" ]] || { echo "killed$killed, but Slurm has started $restarts again" >&2; exit 1; }
+    echo "killed and started again: tasks${killed% }"
+}
+
+cat >plan.toml <<PLAN
+[recordings]
+duration_s = 60.0
+rate_hz = 125.0
+[nulls]
+robots = ["two_link"]
+count = 8
+[singles]
+robots = ["two_link"]
+trials = 2
+strengths = ["medium", "strong"]
+effects = ["payload", "base_tilt", "stribeck", "torque_constant", "external_contact"]
+PLAN
+proof="$LAB prove --world clean --plan $scratch/plan.toml --seed 7 --quiet"
+array_of 1-4 "$proof --shard \$SLURM_ARRAY_TASK_ID/4 --out $scratch/part\$SLURM_ARRAY_TASK_ID"
+say "scancel --signal=KILL of each shard that has diagnosed a case, and scontrol requeue"
+kill_task() { compgen -G "part$1/*/verdicts/*/verdict.json" >/dev/null && scancel --signal=KILL --full "${array}_$1"; }
+kill_and_requeue
+"$LAB" prove --collect part1 part2 part3 part4 --out together --quiet >/dev/null
+$proof --out whole >/dev/null
+same together whole
+echo "together and whole: $(find whole -name verdict.json | wc -l) verdicts and the scoreboard are byte-identical"
+
+# Three nights of seven machines: 0 is as it was calibrated, joint 2 of 5 and 6 rubs more.
+machine='robot = "ur10e"
+motion = { kind = "multi_sine", duration_s = 300.0, harmonics = 8, top_hz = 1.0, share = 0.6 }
+logger = { rate_hz = 500 }'
+rubs='effect = [{ name = "friction_level_changed", joints = [2], coulomb_change = [0.2], viscous_change = [0.2] }]'
+echo name,experiment,model,recordings >robots.csv
+for robot in 0 1 2 3 4 5 6; do
+    mkdir -p "logs/$robot"
+    for night in 1 2 3; do
+        printf '%s\n' "$machine" "seed = $((10 * robot + night))" "$( ((robot < 5)) || echo "$rubs")" >scenario.toml
+        "$AURT" simulate --scenario scenario.toml --out "logs/$robot/$night.csv" --quiet
+    done
+    ((robot == 0)) || echo "robot $robot,demo/fleet.toml,fleet-model/rd_calibrated.json,logs/$robot" >>robots.csv
+done
+sed -E 's|^calibration = .*|calibration = ["../logs/0/1.csv", "../logs/0/2.csv"]|; s|^validation = .*|validation = ["../logs/0/3.csv"]|' \
+    demo/experiment.toml >demo/fleet.toml
+"$AURT" run demo/fleet.toml --out fleet-model --quiet >/dev/null
+follow="python3 $FLEET $scratch/robots.csv --aurt $AURT"
+array_of 0-5 "$follow --out $scratch/fleet --index \$SLURM_ARRAY_TASK_ID"
+say "kill -9 of each \`aurt track\` that is seen, which fails its task, and scontrol requeue"
+kill_task() { pkill -KILL -f "^$AURT track .*--out $scratch/fleet/robot $(($1 + 1)) "; }
+kill_and_requeue
+status=0
+$follow --out fleet --table || status=$?
+$follow --out alone >/dev/null || (($? == status))
+same fleet alone
+echo "fleet and alone: the results of $(find alone -name track.json | wc -l) robots and the table are byte-identical"

@@ -35,7 +35,10 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
-    arguments.command.run(&mut Session { terminal, registry, definition: arguments::definition })
+    let mut session = Session { terminal, registry, definition: arguments::definition };
+    let outcome = arguments.command.run(&mut session);
+    terminal.print_notes(&session.registry.take_notes());
+    outcome
 }
 
 /// Exit status of a check that found something.

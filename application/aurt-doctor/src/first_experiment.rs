@@ -82,6 +82,7 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     let mut looked: Vec<Looked> = Vec::new();
     for source in &known.recordings {
         let one = look(source, &arm.joints)?;
+        guesses.extend(one.inspected.loaded.warnings().map(|w| format!("warning: {w}")));
         if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
             guesses.push(format!(
                 "{} holds the samples of {} and is left out",

@@ -301,6 +301,7 @@ mod tests {
     fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
         Verdict {
             schema: aurt_diagnosis::SCHEMA,
+            settings: aurt_diagnosis::SelectionOptions::default(),
             explained: None,
             remainder: Vec::new(),
             joint_names: Vec::new(),

@@ -53,7 +53,7 @@ struct Work<'a> {
 impl Work<'_> {
     fn fold(&self, fitted: &FitRows<'_>, held_out: &[usize]) -> Result<Fold, PointError> {
         let Settings { calibration: options, shapes, rows } = &self.settings;
-        let (model, calibration) = calibrate_shapes_rows(
+        let (model, mut calibration) = calibrate_shapes_rows(
             self.model,
             fitted,
             &self.scopes,
@@ -62,6 +62,7 @@ impl Work<'_> {
             options,
             shapes,
         )?;
+        calibration.warnings.extend(self.rows.warnings.iter().cloned());
         let joints = model.joints();
         let mut judged = Vec::new();
         for recording in held_out {

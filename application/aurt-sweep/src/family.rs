@@ -41,6 +41,8 @@ pub(crate) struct SharedRows<'r> {
     pub bodies: &'r RigidBodyDynamics,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
+    /// What to heed of the recordings.
+    pub warnings: &'r [String],
 }
 
 /// The robot model of an experiment on rigid bodies that are known already.
@@ -68,7 +70,7 @@ pub(crate) fn with_shared_rows<R>(
 ) -> Result<R, PointError> {
     let data = loader.load(&first.experiment, validate)?;
     let settings = loader.settings(&first.experiment);
-    let Data { calibration, judged, unit } = &data;
+    let Data { calibration, judged, unit, warnings } = &data;
     let bodies = first.experiment.rigid_body_dynamics()?;
     let model = point_model(&first.experiment, &bodies)?;
     let (fitted, held_out) =
@@ -85,7 +87,7 @@ pub(crate) fn with_shared_rows<R>(
         .into_iter()
         .map(|(chosen, judged)| Ok((FitRows::new(&fitted, &chosen, &settings.calibration)?, judged)))
         .collect::<Result<_, PointError>>()?;
-    Ok(work(&SharedRows { folds, judged: &held_out, bodies: &bodies, unit: *unit }))
+    Ok(work(&SharedRows { folds, judged: &held_out, bodies: &bodies, unit: *unit, warnings }))
 }
 
 #[cfg(test)]

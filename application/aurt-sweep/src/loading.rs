@@ -14,6 +14,8 @@ pub struct Data {
     pub judged: Vec<NamedRecording>,
     /// Unit of the measurement.
     pub unit: MeasurementUnit,
+    /// What to heed of the recordings.
+    pub warnings: Vec<String>,
 }
 
 /// How a point is fitted and judged.

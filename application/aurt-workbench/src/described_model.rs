@@ -140,6 +140,7 @@ fn of_description(
                 excited: true,
             })
             .collect(),
+        covariance: Vec::new(),
         load: LoadTorque::Fitted(values),
         sigma: vec![0.0; joints],
         samples_per_joint: vec![0; joints],

@@ -8,10 +8,10 @@ use aurt::{
 };
 use aurt_diagnosis::{
     Improvement, Investigation, Learnt, Method, Question, QuestionedRecording, RecordingSeries, Role,
-    Verdict, from_folder, improved_experiment, improvement, series, with_file_names,
+    SelectionOptions, Verdict, from_folder, improved_experiment, improvement, series, with_file_names,
 };
-use aurt_experiment::{Experiment, experiment::RecordingSource};
-use aurt_plugins::Registry;
+use aurt_experiment::{Complaint, Experiment, ExperimentErrors, experiment::RecordingSource};
+use aurt_plugins::{Entry, Node, NodeKind, Registry};
 use aurt_recording::{RobotJoints, Stretches};
 use aurt_report::{
     Page,
@@ -128,6 +128,7 @@ pub fn diagnose_experiment(
         })?;
     let named = diagnoser
         .settings(settings)
+        .selection(selection(experiment)?)
         .without(&options.without)
         .registry(registry.clone())
         .named(&experiment.path);
@@ -136,6 +137,30 @@ pub fn diagnose_experiment(
         let found = Found { experiment, options, question, investigation };
         found.diagnosis(registry, progress)
     })
+}
+
+/// What an effect must bring: `[diagnosis]` of an experiment, each key one of [`SelectionOptions`].
+pub(crate) fn selection(experiment: &Experiment) -> Result<SelectionOptions, Failure> {
+    let mut selection = SelectionOptions::default();
+    let mut problems = Vec::new();
+    let mut complain = |at: &Node, message: String, help: Option<String>| {
+        problems.push(Complaint { span: at.span.clone(), message, help }.located(&experiment.source_text));
+    };
+    for table in experiment.diagnosis.iter().filter(|table| !matches!(table.kind, NodeKind::Table(_))) {
+        complain(table, "`diagnosis` expects a table, write [diagnosis]".into(), None);
+    }
+    for Entry { key, value, .. } in experiment.diagnosis.iter().flat_map(Node::entries) {
+        match value.as_number().map(|number| selection.with(key, number)) {
+            Some(Ok(with)) => selection = with,
+            Some(Err(help)) => complain(value, format!("`{key}` of [diagnosis] cannot be this"), Some(help)),
+            None => complain(value, format!("`{key}` expects a number, found {}", value.kind_name()), None),
+        }
+    }
+    if problems.is_empty() {
+        return Ok(selection);
+    }
+    let (path, source_text) = (experiment.path.clone(), experiment.source_text.clone());
+    Err(Failure::Experiment(Box::new(ExperimentErrors { path, source_text, problems })))
 }
 
 /// What was asked and found, for whatever is to be made of it.

@@ -1,6 +1,6 @@
 //! Calibrated models as sources and files of other programs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use aurt_export::{
     Check, Export, Provenance, Source, c,
@@ -16,7 +16,7 @@ use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
 
-use crate::failure::Failure;
+use crate::{failure::Failure, output::OutputFolder};
 use aurt::CalibratedModel;
 
 /// What a model is exported to.
@@ -34,6 +34,44 @@ pub enum Target {
     Sdf,
     /// A functional mock-up unit.
     Fmu(Kind),
+}
+
+/// A calibrated model with the file that it is in, which exports name.
+#[derive(Debug, Clone)]
+pub struct ModelFile {
+    calibrated: CalibratedModel,
+    path: Option<PathBuf>,
+    document: Value,
+    blake3: String,
+}
+
+/// The name of a model that was not read from a file.
+const OWN_NAME: &str = "rd_calibrated.json";
+
+impl ModelFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it holds no calibrated model.
+    pub fn read(path: &Path, registry: &Registry) -> Result<Self, Failure> {
+        let calibrated = CalibratedModel::read(path, registry)?;
+        let (document, text) = read_json(path)?;
+        Ok(Self { calibrated, path: Some(path.to_owned()), document, blake3: hash(text.as_bytes()) })
+    }
+
+    /// A model in memory, with the file that saving makes of it.
+    ///
+    /// # Errors
+    /// If a part of the model cannot be expressed in JSON.
+    pub fn of(calibrated: CalibratedModel) -> Result<Self, Failure> {
+        let contents = calibrated.to_file()?;
+        let document = serde_json::from_slice(&contents).unwrap_or_default();
+        Ok(Self { calibrated, path: None, document, blake3: hash(&contents) })
+    }
+}
+
+fn hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
 }
 
 /// Files of a target.
@@ -62,6 +100,40 @@ impl From<Fmu> for Exported {
     }
 }
 
+impl Exported {
+    /// Writes the files into a folder, all or none; `inputs` are what must survive. Returns their paths.
+    ///
+    /// # Errors
+    /// [`Failure::Output`] where an archive or an input is in the way; what writing reports.
+    pub fn write(
+        &self,
+        out: &OutputFolder,
+        option: &'static str,
+        inputs: &[&Path],
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let paths: Vec<PathBuf> = self.files.iter().map(|(name, _)| out.path().join(name)).collect();
+        for path in &paths {
+            let refuse = |reason: &str, remedy: &str| {
+                let (reason, remedy) = (reason.to_owned(), remedy.to_owned());
+                Err(Failure::Output { option, path: path.clone(), reason, remedy })
+            };
+            // An archive of another kind or version has the same name, and importers keep what they have unpacked.
+            if path.extension().is_some_and(|extension| extension == "fmu") && path.exists() {
+                return refuse("exists", "name another folder, or remove the file");
+            }
+            if inputs.iter().any(|input| same_file(path, input)) {
+                return refuse("is an input of this command and would be overwritten", "name another folder");
+            }
+        }
+        out.write(&self.files)?;
+        Ok(paths)
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 impl Target {
     /// Its name, as the command takes it.
     #[must_use]
@@ -87,12 +159,12 @@ const SEED: u64 = 1;
 const REACH: f64 = 3.0;
 const ACCELERATION: f64 = 10.0;
 
-/// The files of a target, of the model in `path`, for a robot called `name`.
+/// The files of a target, of a model, for a robot called `name`.
 ///
 /// # Errors
-/// A file that is no calibrated model; [`Failure::Export`] for what the target cannot take.
-pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> Result<Exported, Failure> {
-    with_source(path, name, registry, |source, calibrated| {
+/// [`Failure::Export`] for what the target cannot take.
+pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported, Failure> {
+    with_source(model, name, |source, calibrated| {
         Ok(match target {
             Target::C => c::export(source, &checks(calibrated)?)?.into(),
             Target::Rust => rust::export(source, &checks(calibrated)?)?.into(),
@@ -104,23 +176,22 @@ pub fn export(path: &Path, name: &str, target: Target, registry: &Registry) -> R
     })
 }
 
-/// The dynamics of the model in `path` in the user's MuJoCo or URDF file `into`: the same file with other inertias and
+/// The dynamics of a model in the user's MuJoCo or URDF file `into`: the same file with other inertias and
 /// dynamics of joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
 ///
 /// # Errors
 /// As [`export`]; what is wrong with the file, or that it describes another robot.
 pub fn correct(
-    path: &Path,
+    model: &ModelFile,
     into: &Path,
     format: Format,
     [base, tip]: [Option<&str>; 2],
-    registry: &Registry,
 ) -> Result<Exported, Failure> {
     let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES).map_err(|source| {
         aurt_robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
     })?;
     let original = Original { text: &text, path: into, format, base, tip };
-    with_source(path, "robot", registry, |source, _| {
+    with_source(model, "robot", |source, _| {
         let Corrected { text, changed, lost, notes } = into::correct(source, &original)?;
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();
         let extension = match format {
@@ -132,20 +203,18 @@ pub fn correct(
     })
 }
 
-/// Gives `make` the model in `path` as exports need it.
+/// Gives `make` the model as exports need it.
 fn with_source(
-    path: &Path,
+    ModelFile { calibrated, path, document, blake3 }: &ModelFile,
     name: &str,
-    registry: &Registry,
     make: impl FnOnce(&Source<'_>, &CalibratedModel) -> Result<Exported, Failure>,
 ) -> Result<Exported, Failure> {
-    let calibrated = CalibratedModel::read(path, registry)?;
-    let (document, text) = read_json(path)?;
     let calibration = &calibrated.calibration;
+    let file = path.as_deref().unwrap_or(Path::new(OWN_NAME));
     let provenance = Provenance {
-        file: path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        file: file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
         schema: document.get("schema").and_then(Value::as_u64).unwrap_or_default(),
-        blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
+        blake3: blake3.clone(),
         aurt_version: document.get("aurt_version").and_then(Value::as_str).map(str::to_owned),
         recordings: calibration
             .recordings
@@ -168,7 +237,7 @@ fn with_source(
         standard: standard.as_deref(),
         provenance: &provenance,
     };
-    make(&source, &calibrated)
+    make(&source, calibrated)
 }
 
 /// States and what the model predicts there.

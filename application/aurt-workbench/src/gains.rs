@@ -65,10 +65,11 @@ pub fn drive_gains(
         load,
         options: &job.options,
     };
-    let gains = match question {
+    let mut gains = match question {
         Question::Estimate => aurt_calibration::estimate_gains(&of)?,
         Question::Expectation => aurt_calibration::decidable_gains(&of)?,
     };
+    gains.warnings.extend(assigned.iter().flat_map(|a| a.loaded.warnings()));
     let unit = assigned.first().map_or_else(MeasurementUnit::default, |a| a.loaded.recording.unit);
     let stated = experiment.robot.torque_constants_nm_per_a.clone();
     let is_whole = question == Question::Estimate && gains.joints.iter().all(|g| g.decided == Decided::Gain);

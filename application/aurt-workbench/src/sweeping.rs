@@ -40,24 +40,26 @@ fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Error> {
         preprocessing: &preprocessing,
         instrument: &instrument,
     };
-    let read = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Error> {
+    let each = |sources: &[RecordingSource], purpose| -> Result<Vec<Loaded>, Error> {
         sources.iter().map(|recording| pipeline.read(source(recording), purpose)).collect()
     };
     let prepare = |recordings: &[Loaded], purpose| -> Result<Vec<_>, Error> {
         recordings.iter().map(|loaded| pipeline.preprocess(loaded, purpose)).collect()
     };
-    let calibration = read(&experiment.recordings.calibration, Purpose::Calibration)?;
+    let calibration = each(&experiment.recordings.calibration, Purpose::Calibration)?;
     let held_out = match validate {
-        Validate::HeldOut => read(&experiment.recordings.validation, Purpose::Validation)?,
+        Validate::HeldOut => each(&experiment.recordings.validation, Purpose::Validation)?,
         Validate::LeaveOneOut => Vec::new(),
     };
     let judged = match validate {
         Validate::HeldOut => &held_out,
         Validate::LeaveOneOut => &calibration,
     };
+    let read = || calibration.iter().chain(&held_out);
     Ok(Data {
-        unit: pipeline.common_unit(calibration.iter().chain(&held_out))?.unwrap_or_default(),
+        unit: pipeline.common_unit(read())?.unwrap_or_default(),
         judged: prepare(judged, Purpose::Validation)?,
         calibration: prepare(&calibration, Purpose::Calibration)?,
+        warnings: read().flat_map(Loaded::warnings).collect(),
     })
 }

@@ -15,7 +15,7 @@ use crate::{
     rows::{Accumulated, Observed, accumulate_ranged, check, ranges},
     separability::Dependence,
     system::{estimate_coefficients, noise_scale, ones, variance, weights},
-    uncertainty::{calibrated_parameters, noise_bandwidth_factor},
+    uncertainty::{calibrated_parameters, covariance, noise_bandwidth_factor},
 };
 
 /// Estimates the model's coefficients from recordings: OLS for σ_j (equation 14), then WLS with weights
@@ -225,6 +225,7 @@ pub(crate) fn finished(
         warnings,
         about_physics,
         parameters,
+        covariance: covariance(&estimate.solution, bandwidth),
         sigma: estimate.sigma,
         samples_per_joint: system.factors().iter().map(JointFactor::rows).collect(),
         condition_number: estimate.solution.condition_number,

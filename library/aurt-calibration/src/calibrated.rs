@@ -17,6 +17,11 @@ pub struct Calibration {
     pub f_dyn_hz: f64,
     /// The coefficients, in the robot model's order.
     pub parameters: Vec<CalibratedParameter>,
+    /// Covariance of the coefficients, from which their deviations are: the lower triangle, row after row, in the order of
+    /// `parameters` and the products of their units; zero where a coefficient is not excited. Of `consistent` it is that of
+    /// the least squares before. Empty where it is not known or not finite.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<f64>,
     /// Weights of the load torque, to be used in prediction.
     pub load: LoadTorque,
     /// σ_j of equation (14), unit of the measurement.
@@ -56,5 +61,23 @@ impl Calibration {
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// The [`Self::covariance`] as a symmetric matrix n × n, row after row; `None` where it is not known. Rows and columns
+    /// of coefficients that are not excited are NaN.
+    #[must_use]
+    pub fn covariance_matrix(&self) -> Option<Vec<f64>> {
+        let n = self.parameters.len();
+        if self.covariance.len() != n * (n + 1) / 2 || n == 0 {
+            return None;
+        }
+        let mut matrix = vec![f64::NAN; n * n];
+        for r in (0..n).filter(|r| self.parameters[*r].excited) {
+            for c in (0..=r).filter(|c| self.parameters[*c].excited) {
+                let entry = self.covariance[r * (r + 1) / 2 + c];
+                (matrix[r * n + c], matrix[c * n + r]) = (entry, entry);
+            }
+        }
+        Some(matrix)
     }
 }

@@ -93,6 +93,17 @@ pub(crate) fn calibrated_parameters(
         .collect()
 }
 
+/// The lower triangle of the coefficients' covariance, row after row; empty unless all of it is finite.
+pub(crate) fn covariance(solution: &Solution, bandwidth_factor: f64) -> Vec<f64> {
+    let n = solution.coefficients.len();
+    let known = |k: usize| solution.excited[k];
+    let entry = |(r, c): (usize, usize)| {
+        if known(r) && known(c) { solution.covariance[c * n + r] * bandwidth_factor } else { 0.0 }
+    };
+    let lower: Vec<f64> = (0..n).flat_map(|r| (0..=r).map(move |c| (r, c))).map(entry).collect();
+    if lower.iter().all(|v| v.is_finite()) { lower } else { Vec::new() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::with_deviation;

@@ -1,4 +1,8 @@
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use aurt_traits::{ModelEntry, Slot};
 
@@ -19,6 +23,8 @@ pub struct Registry {
     before_library: Option<fn(&Path)>,
     /// Which libraries may be loaded because a file names them.
     trust: Trust,
+    /// What to say of saved models by former names.
+    former_names: Arc<Mutex<BTreeSet<String>>>,
 }
 
 #[derive(Debug, Clone)]
@@ -50,6 +56,16 @@ impl Registry {
     /// As [`Self::linked`], and a list of trusted libraries that is damaged.
     pub fn of_user() -> Result<Self, Error> {
         Ok(Self { trust: Trust::of_user()?, ..Self::linked()? })
+    }
+
+    /// What to say of the files of models that this registry and its clones have read: models by former names.
+    #[must_use]
+    pub fn take_notes(&self) -> BTreeSet<String> {
+        std::mem::take(&mut *self.former_names.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    pub(crate) fn note(&self, note: String) {
+        self.former_names.lock().unwrap_or_else(PoisonError::into_inner).insert(note);
     }
 
     /// Loads a dynamic library and adds its models; all of them or, if one is refused, none. A library that is loaded

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, Read};
 
-use crate::csv::families::is_time;
+use crate::csv::families::is_time_name;
 use crate::csv::table::{MOST_COLUMNS, Table};
 use crate::error::RecordingError;
 use crate::format::Visit;
@@ -165,7 +165,7 @@ impl ArrayFile<'_> {
             let Some(name) = array.name.as_ref().map(|n| n.to_lowercase()) else { return false };
             match &selected {
                 Some(selected) => *selected == name,
-                None => is_time(&name),
+                None => is_time_name(&name),
             }
         };
         let stamps = self.arrays.iter().filter(holds_time).find_map(|a| a.axes().filter(|x| x[1] == 1));

@@ -79,7 +79,7 @@ mod written;
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
 pub use branches::BranchMotion;
-pub use csv::Csv;
+pub use csv::{Csv, families::is_time_name};
 pub use error::RecordingError;
 pub use format::{RecordingFormat, RecordingInput};
 pub use formats::{FORMATS, is_recording_folder};

@@ -47,7 +47,13 @@ pub fn read_running(
     let input = RecordingInput { path: name, beginning, bytes: 0, file };
     let last = format_of(&input).read(input, &options, piece_rows, visit)?;
     visit(&last)?;
-    Ok(last.report)
+    Ok(of_pieces(last.report, &options))
+}
+
+/// The report on a recording that was handed over in pieces: of the motion beside the chain what measurements contain.
+fn of_pieces(report: ReadReport, options: &ReadOptions) -> ReadReport {
+    let branches = options.joints.as_ref().map_or_else(Vec::new, |robot| robot.moving(&report.branches, &[]));
+    ReadReport { branches, ..report }
 }
 
 /// Rows of a piece of a recording that is read piece by piece.
@@ -72,7 +78,7 @@ pub(crate) fn read_pieces(
     }
     let last = read_in_pieces(path, options, PIECE_ROWS, visit)?;
     visit(&last)?;
-    Ok(last.report)
+    Ok(of_pieces(last.report, options))
 }
 
 impl Recording {

@@ -118,6 +118,13 @@ fn check(model: &RobotModel, calibration: &Calibration) -> Result<(), String> {
             model.parameters().len()
         ));
     }
+    let (n, entries) = (model.parameters().len(), calibration.covariance.len());
+    if entries != 0 && entries != n * (n + 1) / 2 {
+        let expected = n * (n + 1) / 2;
+        return Err(format!(
+            "`calibration.covariance` has {entries} entries, but the lower triangle of {n} parameters has {expected}"
+        ));
+    }
     if calibration.ranges.len() != model.joints() {
         return Err(format!(
             "`calibration.ranges` has {} entries, but its model has {} joints",

@@ -135,6 +135,11 @@ impl Loaded {
         Ok(Self { source: Source::of(recording), recording: recording.clone().of_robot(joints)? })
     }
 
+    /// What to heed of it, under its label: motion beside the chain.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.recording.report.warnings().map(|warning| format!("{}: {warning}", self.source.label))
+    }
+
     /// The time of every row of the file, in s. Rows that were dropped as corrupt have none that can be trusted;
     /// they take the middle between their neighbours.
     ///

@@ -167,10 +167,7 @@ impl Job {
             &self.options,
             &ShapeOptions::default(),
         )?;
-        let of_file = |Assigned { loaded, .. }: &Assigned| -> Vec<String> {
-            loaded.recording.report.warnings().map(|w| format!("{}: {w}", loaded.source.label)).collect()
-        };
-        calibration.warnings.extend(recordings.iter().flat_map(of_file));
+        calibration.warnings.extend(recordings.iter().flat_map(|r| r.loaded.warnings()));
         let calibrated = CalibratedModel {
             model,
             calibration,
@@ -298,6 +295,23 @@ impl CalibratedModel {
             joints: RobotJoints::of(&**self.model.rigid_body()),
             preprocessing: &self.preprocessing,
             instrument: &self.instrument,
+        }
+    }
+
+    /// Refuses what a recording measured in another unit than the model's; one without measurement has none.
+    ///
+    /// # Errors
+    /// [`Error::MixedUnits`].
+    pub fn check_unit(&self, loaded: &Loaded) -> Result<(), Error> {
+        let ours = self.calibration.unit;
+        match self.pipeline().unit(loaded) {
+            Some(theirs) if theirs != ours => Err(Error::MixedUnits {
+                first: "the calibrated model".into(),
+                first_unit: ours,
+                other: loaded.source.file.clone(),
+                other_unit: theirs,
+            }),
+            _ => Ok(()),
         }
     }
 

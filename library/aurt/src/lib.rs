@@ -120,6 +120,7 @@ mod calibrating;
 pub mod data;
 mod diagnoser;
 pub mod effects;
+mod equation_of_motion;
 mod error;
 pub mod fitting;
 pub mod origins;
@@ -152,6 +153,7 @@ pub use crate::{
     calibrating::{Calibrator, Settings},
     diagnoser::{Diagnoser, Diagnosis, Explanation, is_found},
     effects::{Effect, EffectKind},
+    equation_of_motion::EquationOfMotion,
     error::Error,
     fitting::Outcome,
     predictor::Predictor,

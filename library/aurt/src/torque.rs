@@ -2,8 +2,8 @@
 
 use aurt_calibration::Calibration;
 use aurt_traits::{
-    ArmSeries, ArmTerm, ColumnGroup, Columns, JointSeries, JointStack, LoadTorque, ModelError, MotionView,
-    RobotModel,
+    ArmSeries, ArmTerm, ColumnGroup, Columns, Invariant, JointSeries, JointStack, LoadTorque, ModelError,
+    MotionView, RigidBodyRegressor, RobotModel,
 };
 
 use crate::{calibrated_file::CalibratedModel, error::Error};
@@ -160,11 +160,11 @@ impl<'m> TorqueSeries<'m> {
             None if self.reads_load => self.load.copy_from_slice(&self.torque),
             None => {}
         }
-        self.add_terms(true, motion, stride)?;
+        self.add_terms(true, motion, stride, &**bodies, |_| true)?;
         for joint in 0..joints {
             self.add_friction(joint, motion, stride)?;
         }
-        self.add_terms(false, motion, stride)?;
+        self.add_terms(false, motion, stride, &**bodies, |_| true)?;
         self.state.started = true;
         Ok((&self.torque, stride))
     }
@@ -197,12 +197,38 @@ impl<'m> TorqueSeries<'m> {
         Ok(())
     }
 
-    /// Adds the arm terms that are loads, or those that are not.
-    fn add_terms(&mut self, loads: bool, motion: MotionView<'_>, stride: usize) -> Result<(), ModelError> {
+    /// As [`Self::next`] of `bodies`, those of the model under any gravity, and of arm terms without memory; without the
+    /// friction of joints.
+    pub(crate) fn without_friction(
+        &mut self,
+        motion: MotionView<'_>,
+        bodies: &dyn RigidBodyRegressor,
+    ) -> Result<(&[f64], usize), ModelError> {
+        let (joints, stride) = (self.model.joints(), motion.samples());
+        self.torque.resize(joints * stride, 0.0);
+        self.load.resize(joints * stride, 0.0);
+        bodies.torque(motion, &self.standard, &mut self.torque, stride);
+        bodies.torque(motion, self.load_standard.as_ref().unwrap_or(&self.standard), &mut self.load, stride);
+        for loads in [true, false] {
+            self.add_terms(loads, motion, stride, bodies, |term| {
+                term.invariants().contains(Invariant::Memoryless)
+            })?;
+        }
+        Ok((&self.torque, stride))
+    }
+
+    /// Adds the arm terms that are loads, or those that are not, of those that `choose` takes.
+    fn add_terms(
+        &mut self,
+        loads: bool,
+        motion: MotionView<'_>,
+        stride: usize,
+        bodies: &dyn RigidBodyRegressor,
+        choose: impl Fn(&dyn ArmTerm) -> bool,
+    ) -> Result<(), ModelError> {
         let (model, samples) = (self.model, motion.samples());
-        let bodies = &**model.rigid_body();
         let terms = model.arm_terms().iter().enumerate();
-        for (k, term) in terms.filter(|(_, term)| term.is_load() == loads) {
+        for (k, term) in terms.filter(|(_, term)| term.is_load() == loads && choose(&***term)) {
             // Terms that are loads are evaluated before the load torque is complete, and see none of it.
             let group = model.group(ColumnGroup::ArmTerm(k));
             let acting = term.joints(model.joints());

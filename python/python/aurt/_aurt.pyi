@@ -1,4 +1,6 @@
+from datetime import datetime, timedelta
 from os import PathLike
+from pathlib import Path
 from typing import Any, Callable, Literal, Sequence, TypedDict, Union, final, overload
 
 import numpy
@@ -7,28 +9,39 @@ from numpy.typing import ArrayLike, NDArray
 from .friction import FrictionModel
 
 __all__ = [
+    "Checkup",
     "Error",
+    "Exported",
+    "Gains",
     "Model",
     "Predictor",
     "Recording",
     "Report",
     "Robot",
     "Structure",
+    "Sweep",
+    "Tracking",
     "Verdict",
     "__version__",
     "calibrate",
     "calibrate_experiment",
+    "check",
+    "check_experiment",
     "diagnose",
     "diagnose_experiment",
     "excite",
+    "gains",
     "robots",
     "simulate",
+    "sweep",
+    "track",
 ]
 
 __version__: str
 
 _Path = Union[str, PathLike[str]]
 _Array = NDArray[numpy.float64]
+_Stamps = Union[ArrayLike, Sequence[datetime], Sequence[timedelta]]
 _Progress = Union[bool, Callable[[str], Any], None]
 # A data frame where pandas is installed, else a list of dicts.
 _Rows = Any
@@ -134,7 +147,7 @@ class Recording:
     @overload
     def __new__(
         cls,
-        t: ArrayLike,
+        t: _Stamps,
         q: ArrayLike,
         dq: ArrayLike | None = None,
         *,
@@ -154,6 +167,8 @@ class Recording:
     def duration_s(self) -> float: ...
     @property
     def t(self) -> _Array: ...
+    @property
+    def origin_s(self) -> float: ...
     @property
     def q(self) -> _Array: ...
     @property
@@ -194,6 +209,10 @@ class Model:
     @property
     def coefficients(self) -> _Array: ...
     @property
+    def covariance(self) -> _Array:
+        """The covariance of the coefficients, in the order of `parameters` and the products of their units."""
+
+    @property
     def errors(self) -> _Rows: ...
     @property
     def sigma(self) -> _Array: ...
@@ -201,11 +220,30 @@ class Model:
     def warnings(self) -> list[str]: ...
     @property
     def structure(self) -> Structure: ...
-    def torque(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, t: ArrayLike | None = None) -> _Array:
+    def torque(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, t: _Stamps | None = None) -> _Array:
         """Torques (or currents) for every sample; friction with memory starts at the first and needs the times."""
 
     def predict(self, recording: Recording) -> _Array:
         """What the model predicts at every stamp of a recording; (samples, joints)."""
+
+    def mass_matrix(self, q: ArrayLike) -> _Array:
+        """The mass matrices M(q), (samples, joints, joints), in the unit of predictions per rad/s² (kg m² for Nm)."""
+
+    def gravity(self, q: ArrayLike) -> _Array:
+        """The torques of weight g(q), (samples, joints), in the unit of predictions."""
+
+    def export(
+        self,
+        target: Literal["c", "rust", "mjcf", "urdf", "sdf", "fmu"],
+        out: _Path,
+        *,
+        name: str = "robot",
+        kind: Literal["inverse", "forward"] | None = None,
+        into: _Path | None = None,
+        base: str | None = None,
+        tip: str | None = None,
+    ) -> Exported:
+        """Writes the model for another program into the folder `out`, as `aurt export` does."""
 
     def predictor(self) -> Predictor:
         """A predictor for single samples, in a control loop."""
@@ -318,12 +356,114 @@ def diagnose(
     """Says what recordings show that a model lacks: with a target, what has changed in it; without, what is missing in the
     recordings that the model is calibrated on."""
 
+@final
+class Exported:
+    """What an export wrote."""
+
+    @property
+    def files(self) -> list[Path]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def changed(self) -> list[str]: ...
+    @property
+    def lost(self) -> list[str]: ...
+
+@final
+class Checkup:
+    """What a check came to: findings to be heeded before anyone calibrates on the recordings."""
+
+    @property
+    def found(self) -> bool: ...
+    @property
+    def findings(self) -> list[str]: ...
+    @property
+    def mistakes(self) -> _Rows: ...
+    @property
+    def suitable_f_dyn_hz(self) -> float | None: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def reports(self) -> list[Report]: ...
+
+def check(
+    recordings: Recording | Sequence[Recording],
+    *,
+    robot: Robot | Structure | None = None,
+    f_dyn_hz: float | None = None,
+    progress: _Progress = None,
+) -> Checkup:
+    """Checks recordings before anyone calibrates on them, as `aurt check` does."""
+
+def check_experiment(path: _Path, *, f_dyn_hz: float | None = None, progress: _Progress = None) -> Checkup:
+    """Checks the setup of an experiment and its recordings."""
+
+@final
+class Tracking:
+    """How a machine has changed since its calibration: friction, gains and load, with alarms."""
+
+    @property
+    def changed(self) -> bool: ...
+    @property
+    def alarms(self) -> _Rows: ...
+    @property
+    def drift(self) -> _Rows: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def report(self) -> Report: ...
+    def _repr_html_(self) -> str: ...
+
+def track(
+    experiment: _Path,
+    model: Model | _Path,
+    recordings: Recording | _Path | Sequence[Recording | _Path],
+    *,
+    window_s: float = 5.0,
+    false_alarm_h: float = 720.0,
+    friction_half_life_s: float = 60.0,
+    gain_half_life_s: float = 120.0,
+    load_half_life_s: float = 20.0,
+    joint_names: Sequence[str] | None = None,
+    topic: str | None = None,
+    progress: _Progress = None,
+) -> Tracking:
+    """Follows a calibrated machine over time, as `aurt track` does."""
+
+@final
+class Gains:
+    """Gains of the drives as recordings show them."""
+
+    @property
+    def joints(self) -> _Rows: ...
+    @property
+    def reference(self) -> int | None: ...
+    @property
+    def measured_in(self) -> str | None: ...
+    @property
+    def torque_constants_nm_per_a(self) -> list[float] | None: ...
+    @property
+    def instrument_gains(self) -> list[float] | None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def to_dict(self) -> dict[str, Any]: ...
+
+def gains(
+    experiment: _Path,
+    *,
+    mass_kg: float | None = None,
+    mass_std_kg: float = 0.0,
+    centre_of_mass_m: Sequence[float] | None = None,
+    expect: bool = False,
+    progress: _Progress = None,
+) -> Gains:
+    """Estimates the gains of the drives, as `aurt gains` does."""
+
 def calibrate_experiment(path: _Path, *, progress: _Progress = None) -> Model:
     """Calibrates as an experiment's file says."""
 
 def diagnose_experiment(path: _Path, *, progress: _Progress = None) -> Verdict:
     """Diagnoses as an experiment's file says."""
 
+@final
 class Sweep:
     """The points of a sweep, best first."""
 

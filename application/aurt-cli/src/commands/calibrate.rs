@@ -43,7 +43,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "JSON")]
     model: PathBuf,
     /// Recordings
-    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
+    #[arg(long, value_name = "RECORDING", num_args = 1.., required = true)]
     data: Vec<PathBuf>,
     /// Gravitational acceleration in the base frame, if other than the model was compiled for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]

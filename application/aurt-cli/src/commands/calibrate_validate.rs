@@ -44,7 +44,7 @@ pub struct CalibrateValidate {
     #[arg(long, value_name = "JSON")]
     model: PathBuf,
     /// Recording
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "RECORDING")]
     data: PathBuf,
     /// Gravitational acceleration in the base frame, if other than the model was compiled for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]

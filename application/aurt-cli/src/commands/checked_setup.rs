@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use aurt::{RecordingResult, fitting::Assigned};
-use aurt_doctor::doctor::{self, Examination, Subject};
+use aurt_doctor::{
+    checkup::Checkup,
+    doctor::{self, Examination, Subject},
+};
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{failure::Failure, output::OutputFile};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
@@ -43,51 +46,28 @@ pub fn place(fixed: Option<&Path>, experiment: Option<&Experiment>) -> Result<Op
     OutputFile::new("--fixed", path, &[&experiment.path]).map(Some)
 }
 
-/// Examines a setup, adds what is found to a report, and writes the corrected experiment where that is asked for.
+/// Writes the corrected experiment, if mistakes of its setup were found, and says so in a report.
 ///
 /// # Errors
-/// If the setup cannot be examined or the file not be written.
-pub fn checked(
-    subject: &Subject,
-    experiment: Option<&Experiment>,
-    fixed: Option<&OutputFile>,
-    registry: &Registry,
-    terminal: &Terminal,
+/// If the file cannot be written.
+pub fn correct(
+    checkup: &Checkup,
+    experiment: &Experiment,
+    fixed: &OutputFile,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    if !subject.recordings.iter().any(|r| r.loaded.recording.measurement.is_some()) {
+    let Some((subject, examination)) = checkup.subject.as_ref().zip(checkup.examination.as_ref()) else {
+        return Ok(());
+    };
+    if examination.steps.is_empty() {
         return Ok(());
     }
-    let examination = doctor::examine(subject, registry)?;
-    report.text.push_str(&text_of(&examination, terminal));
-    report.json["setup"] = examination.to_json();
-    add_findings(&mut report.json, &examination.sentences());
-    report.findings |= examination.is_serious() || examination.hardly().is_some();
-    if let Some((fixed, experiment)) = fixed.zip(experiment)
-        && !examination.steps.is_empty()
-    {
-        let (text, left) = doctor::corrected(experiment, subject, &examination)?;
-        fixed.write(text.as_bytes())?;
-        report.text.push_str(&format!("\nwritten\n  {}\n", fixed.path().display()));
-        report.text.extend(left.iter().map(|l| wrapped(&format!("to be done by hand: {l}"))));
-        report.json["fixed"] = json!({ "file": fixed.path(), "by_hand": left });
-    }
+    let (text, left) = doctor::corrected(experiment, subject, examination)?;
+    fixed.write(text.as_bytes())?;
+    report.text.push_str(&format!("\nwritten\n  {}\n", fixed.path().display()));
+    report.text.extend(left.iter().map(|l| wrapped(&format!("to be done by hand: {l}"))));
+    report.json["fixed"] = json!({ "file": fixed.path(), "by_hand": left });
     Ok(())
-}
-
-/// What an examination came to, for people.
-pub fn text_of(examination: &Examination, terminal: &Terminal) -> String {
-    let sentences = examination.sentences();
-    let found = examination.is_serious();
-    let emphasis = if found { Emphasis::Warning } else { Emphasis::Title };
-    let mut text = format!("\n{}\n", terminal.emphasise(emphasis, "robot and recordings together"));
-    text.push_str(&wrapped(&examination.summary()));
-    text.extend(sentences.iter().map(|s| wrapped(s)));
-    if sentences.is_empty() {
-        let said = examination.hardly().unwrap_or_else(|| examination.nothing().into());
-        text.push_str(&wrapped(&said));
-    }
-    text
 }
 
 /// What makes a calibrated model doubtful.
@@ -138,18 +118,12 @@ impl Doubts {
             text.insert(0, '\n');
         }
         if let Some(examination) = examination {
-            text.push_str(&text_of(examination, terminal));
+            text.push_str(&examination.to_text(terminal.style()));
         }
         report.text.push_str(&text);
         let mut findings: Vec<String> = said.into_iter().cloned().collect();
         findings.extend(examination.iter().flat_map(|e| e.sentences()));
         report.json["findings"] = json!(findings);
         report.json["setup"] = json!(examination.map(Examination::to_json));
-    }
-}
-
-fn add_findings(json: &mut Value, sentences: &[String]) {
-    if let Some(list) = json["findings"].as_array_mut() {
-        list.extend(sentences.iter().map(|s| json!(s)));
     }
 }

@@ -27,7 +27,7 @@ use crate::{
 #[command(after_help = "Example:\n  aurt compile-rbd --mdh mdh.csv --gravity 0 0 -9.81 --out rbd.json")]
 pub struct CompileRbd {
     /// Table of modified Denavit–Hartenberg parameters, one row per joint
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "MDH.csv")]
     mdh: PathBuf,
     /// Gravitational acceleration in the base frame, m/s²; describes how the base is mounted
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]

@@ -36,7 +36,7 @@ pub struct CompileRd {
     #[arg(long, value_name = "POWER", num_args = 1.., required_unless_present = "experiment")]
     friction_viscous_powers: Vec<u32>,
     /// Experiment file to take `[joint_dynamics]` and `[[arm_terms]]` from
-    #[arg(long, value_name = "TOML", conflicts_with_all = ["friction_torque_model", "friction_viscous_powers"])]
+    #[arg(long, value_name = "EXPERIMENT.toml", conflicts_with_all = ["friction_torque_model", "friction_viscous_powers"])]
     experiment: Option<PathBuf>,
     /// File for the robot dynamics
     #[arg(long, value_name = "JSON")]

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use aurt_diagnosis::Learnt;
+use aurt_diagnosis::{Learnt, effects};
 use aurt_doctor::doctor::{self, Examination, Subject};
 use aurt_experiment::Experiment;
 use aurt_output::pretty;
-use aurt_plugins::Registry;
+use aurt_plugins::{Registry, suggestion};
 use aurt_report::{rendering::text::wrapped, reports};
 use aurt_workbench::{
     described_model::{ChainEnds, GivenModel},
@@ -18,7 +18,7 @@ use aurt_workbench::{
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, checked_setup, plots::PlotOptions};
+use super::{Session, plots::PlotOptions};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
     rendering::terminal::{Report, Terminal},
@@ -52,6 +52,9 @@ pub struct Diagnose {
     /// Exclude an effect from the diagnosis; may be given several times
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// Examine these effects alone; may be given several times
+    #[arg(long, value_name = "EFFECT", conflicts_with = "without")]
+    only: Vec<String>,
     /// Take confidence from this file of `aurt-lab prove --learn` instead of the program's own
     #[arg(long, value_name = "LEARNT.json")]
     learnt: Option<PathBuf>,
@@ -82,6 +85,7 @@ impl Diagnose {
             base: None,
             tip: None,
             without: Vec::new(),
+            only: Vec::new(),
             learnt: None,
             compare: false,
             verdict_only: false,
@@ -106,7 +110,7 @@ impl Diagnose {
         let improve_for = (!self.verdict_only).then(|| folder.path().to_owned());
         let options = DiagnosisOptions {
             frozen: given.map(|given| given.calibrated),
-            without: self.without.clone(),
+            without: self.excluded(registry)?,
             learnt,
             compare: self.compare,
             improve_for,
@@ -139,7 +143,7 @@ impl Diagnose {
         let mut text = diagnosis.to_text(terminal.style());
         let setup = if self.verdict_only { None } else { mistaken(&experiment, registry)? };
         if let Some(examination) = &setup {
-            text = format!("{}\n{text}", checked_setup::text_of(examination, terminal).trim_start());
+            text = format!("{}\n{text}", examination.to_text(terminal.style()).trim_start());
         }
         text.extend(notes.iter().map(|note| wrapped(&format!("note: {note}"))));
         if let Some(improved) = &diagnosis.improved {
@@ -159,6 +163,28 @@ impl Diagnose {
         json["outputs"] = json!(written);
         json["setup"] = json!(setup.as_ref().map(Examination::to_json));
         Ok(Report { text, json, findings: diagnosis.is_found() || setup.is_some() })
+    }
+}
+
+impl Diagnose {
+    /// The effects and registered models that are not examined.
+    fn excluded(&self, registry: &Registry) -> Result<Vec<String>, Failure> {
+        let (option, names) =
+            if self.only.is_empty() { ("--without", &self.without) } else { ("--only", &self.only) };
+        let models: Vec<&str> = registry.models().map(|m| m.name.as_str()).collect();
+        let known = || effects::ALL.into_iter().map(|e| e.id).chain(models.iter().copied());
+        if let Some(name) = names.iter().find(|name| !known().any(|k| k == **name)) {
+            let meant = suggestion::likely(name, known()).map(|k| format!("did you mean `{k}`? "));
+            return Err(Failure::Argument {
+                option,
+                reason: format!("there is no effect or registered model `{name}`"),
+                remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
+            });
+        }
+        if self.only.is_empty() {
+            return Ok(self.without.clone());
+        }
+        Ok(known().filter(|name| !self.only.iter().any(|only| only == name)).map(str::to_owned).collect())
     }
 }
 

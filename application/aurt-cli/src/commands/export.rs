@@ -1,10 +1,10 @@
 //! `aurt export`: calibrated models for other programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
-    exporting::{Format, Kind, Target, correct, export},
+    exporting::{Format, Kind, ModelFile, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
@@ -53,7 +53,7 @@ pub struct Export {
     fmi: Option<FmiName>,
     /// Your MuJoCo or URDF file, with which the model was calibrated: written as FILE_calibrated with corrected
     /// dynamics; comments, shapes and everything else stay
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "XML|URDF")]
     into: Option<PathBuf>,
     /// Body or link of that file at which the chain starts, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
@@ -141,35 +141,17 @@ impl Export {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
+        let model = ModelFile::read(&self.model, &session.registry)?;
         let made = match self.original()? {
             Some((file, format)) => {
                 let ends = [self.base.as_deref(), self.tip.as_deref()];
-                correct(&self.model, file, format, ends, &session.registry)?
+                correct(&model, file, format, ends)?
             }
-            None => export(&self.model, &self.name, target, &session.registry)?,
+            None => export(&model, &self.name, target)?,
         };
-        let paths: Vec<PathBuf> = made.files.iter().map(|(name, _)| out.path().join(name)).collect();
-        // An archive of another kind or version has the same name, and importers keep what they have unpacked.
-        let existing = paths.iter().find(|p| self.target == TargetName::Fmu && p.exists());
-        if let Some(path) = existing {
-            return Err(Failure::Output {
-                option: "--out",
-                path: path.clone(),
-                reason: "exists".into(),
-                remedy: "name another folder, or remove the file".into(),
-            });
-        }
-        // An input in the folder must survive.
-        let is_input = |p: &&PathBuf| same_file(p, &self.model) || self.into.iter().any(|i| same_file(p, i));
-        if let Some(path) = paths.iter().find(is_input) {
-            return Err(Failure::Output {
-                option: "--out",
-                path: path.clone(),
-                reason: "is an input of this command and would be overwritten".into(),
-                remedy: "name another folder".into(),
-            });
-        }
-        out.write(&made.files)?;
+        let inputs: Vec<&Path> =
+            [Some(&self.model), self.into.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+        let paths = made.write(&out, "--out", &inputs)?;
 
         let mut text = format!("{} of {}\n", target.name(), self.model.display());
         text.extend(made.notes.iter().map(|n| wrapped(&format!("note: {n}"))));
@@ -187,8 +169,4 @@ impl Export {
         });
         Ok(Report { text, json, findings: false })
     }
-}
-
-fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

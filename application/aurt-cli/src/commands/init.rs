@@ -14,7 +14,7 @@ use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, checked_setup::text_of, compile_rbd::Rows, data_options::ReadingOptions};
+use super::{Session, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
     rendering::terminal::Report,
     values::{Constants, Gravity, parse_gravity, parse_torque_constants},
@@ -31,7 +31,7 @@ use crate::{
 )]
 pub struct Init {
     /// The recordings
-    #[arg(value_name = "LOG", required = true)]
+    #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
     /// The robot: a name that `aurt robots` lists, a .urdf, or a table of modified Denavit–Hartenberg parameters (.csv)
     #[arg(long, value_name = "NAME|FILE")]
@@ -84,7 +84,7 @@ impl Init {
         let mut text = format!("written\n  {}\n", out.path().display());
         text.extend(draft.guesses.iter().map(|g| wrapped(g)));
         if let Some(examination) = &draft.examination {
-            text.push_str(&text_of(examination, session.terminal));
+            text.push_str(&examination.to_text(session.terminal.style()));
         }
         text.push_str(&format!("\nnext\n  aurt run {} --out results\n", out.path().display()));
         let json = json!({

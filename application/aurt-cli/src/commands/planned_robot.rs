@@ -29,7 +29,7 @@ pub struct PlannedRobotOptions {
     #[arg(long, value_name = "LINK", requires = "robot")]
     tip: Option<String>,
     /// Table of modified Denavit–Hartenberg parameters of yours
-    #[arg(long, value_name = "CSV", requires = "limits")]
+    #[arg(long, value_name = "MDH.csv", requires = "limits")]
     mdh: Option<PathBuf>,
     /// Gravitational acceleration in the base frame, m/s²
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
@@ -39,7 +39,7 @@ pub struct PlannedRobotOptions {
     mdh_rows: Rows,
     /// Table of joint limits, a row each: lower_rad, upper_rad, velocity_rad_s, acceleration_rad_s2; by
     /// default those of the description
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "LIMITS.csv")]
     limits: Option<PathBuf>,
     /// Velocity limit of joints whose description states none; m/s for prismatic joints
     #[arg(long, value_name = "RAD/S", conflicts_with_all = ["mdh", "limits"])]

@@ -31,7 +31,7 @@ pub struct Predict {
     #[arg(long, value_name = "JSON")]
     model: PathBuf,
     /// The motion
-    #[arg(long, value_name = "CSV")]
+    #[arg(long, value_name = "RECORDING")]
     data: PathBuf,
     /// Gravitational acceleration in the base frame, if other than the model was calibrated for
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]

@@ -32,16 +32,16 @@ pub struct Simulate {
     #[arg(long, value_name = "JSON")]
     model: Option<PathBuf>,
     /// The motion that the model is to follow
-    #[arg(long, value_name = "CSV", conflicts_with_all = ["torques", "scenario"])]
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["torques", "scenario"])]
     motion: Option<PathBuf>,
     /// A recording whose measured currents or torques drive the model
-    #[arg(long, value_name = "CSV", conflicts_with = "scenario")]
+    #[arg(long, value_name = "RECORDING", conflicts_with = "scenario")]
     torques: Option<PathBuf>,
     /// Bandwidth of the controller that follows a motion
     #[arg(long, value_name = "HZ", default_value = "10", value_parser = parse_positive)]
     bandwidth_hz: f64,
     /// A simulated robot, its motion and what is in it
-    #[arg(long, value_name = "TOML")]
+    #[arg(long, value_name = "SCENARIO.toml")]
     scenario: Option<PathBuf>,
     /// File for the result
     #[arg(long, value_name = "CSV")]
@@ -113,6 +113,9 @@ impl Simulate {
         let purpose = if measured { Purpose::Validation } else { Purpose::Prediction };
         let pipeline = calibrated.pipeline();
         let loaded = pipeline.read(self.reading.source(file), purpose)?;
+        if measured {
+            calibrated.check_unit(&loaded)?;
+        }
         let prepared = pipeline.preprocess(&loaded, purpose)?;
         let mut notes = loaded.recording.report.notes();
         notes.extend(prepared.data.report.notes());

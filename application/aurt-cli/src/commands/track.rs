@@ -1,9 +1,6 @@
 //! `aurt track`: how a machine has changed since its calibration.
 
-use std::{
-    io::Write,
-    path::{Path, PathBuf},
-};
+use std::{io::Write, path::PathBuf};
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
@@ -13,7 +10,7 @@ use aurt_workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
     reports::track,
-    tracking::{Alarm, STANDARD_INPUT, TrackOptions, recordings_of, track},
+    tracking::{Alarm, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of, track},
 };
 use clap::Args;
 use serde_json::json;
@@ -67,9 +64,6 @@ pub struct Track {
     plots: PlotOptions,
 }
 
-/// Windows are not shorter than this.
-const SHORTEST_WINDOW_S: f64 = 1.0;
-
 impl Track {
     /// Tracks.
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
@@ -83,7 +77,8 @@ impl Track {
                 remedy: format!("choose {SHORTEST_WINDOW_S} s or more"),
             });
         }
-        let recordings = recordings_of(&self.recordings)?;
+        let recordings: Vec<Followed> =
+            recordings_of(&self.recordings)?.into_iter().map(Followed::File).collect();
         let experiment = Experiment::read(&self.experiment, registry)?;
         let calibrated = CalibratedModel::read(&self.model, registry)?;
         let options = TrackOptions {
@@ -95,7 +90,7 @@ impl Track {
         let own = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         let progress = terminal.progress(own + recordings.len());
         // Whoever watches a machine that runs on hears of an alarm at once, not when its rows end.
-        let is_running = recordings.iter().any(|r| r.as_path() == Path::new(STANDARD_INPUT));
+        let is_running = recordings.iter().any(Followed::is_running);
         let mut said = |alarm: &Alarm| {
             if is_running {
                 // The exit status tells all the same where standard error is closed.

@@ -1,7 +1,7 @@
 //! Where reports, notes and failures go, and whether they are coloured.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     io::{ErrorKind, IsTerminal, Write},
     path::PathBuf,
     time::Duration,
@@ -86,6 +86,14 @@ impl Terminal {
                 format!("{}: removed {parts} of files that a killed command had left\n", folder.display());
             // Nothing is left to do where standard error is closed.
             let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(&text));
+        }
+    }
+
+    /// Says what to know of files that were read.
+    pub fn print_notes(&self, notes: &BTreeSet<String>) {
+        for note in notes.iter().filter(|_| !self.quiet) {
+            // Nothing is left to do where standard error is closed.
+            let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(&format!("note: {note}\n")));
         }
     }
 

@@ -20,6 +20,7 @@ mod joined;
 mod learnt;
 mod long_recordings;
 mod machine_output;
+mod matrix;
 mod model_schema;
 mod names;
 mod outputs;

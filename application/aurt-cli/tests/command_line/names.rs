@@ -211,7 +211,8 @@ fn a_model_file_with_the_former_name_of_a_model_predicts_the_same() {
     assert_ne!(old, model);
     folder.write("old.json", &old);
     let predict = ["predict", "--data", "tuesday.mcap", "--unit", "A", "--out", "p.csv", "--model"];
-    folder.aurt(predict.iter().chain(&["old.json"])).succeeded();
+    let said = folder.aurt(predict.iter().chain(&["old.json"])).succeeded().stderr();
+    assert_eq!(said, "note: the coulomb model `none` is called `constant` now; both names mean the same\n");
     assert!(apart(&folder.read("p.csv"), &folder.read("results/predicted_tuesday.csv")) < 1e-9);
 }
 

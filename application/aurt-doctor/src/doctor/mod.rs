@@ -23,6 +23,10 @@ mod usual;
 mod wording;
 
 use aurt_plugins::Registry;
+use aurt_report::rendering::{
+    style::{Emphasis, Style},
+    text::wrapped,
+};
 use serde_json::{Value, json};
 
 pub use self::{
@@ -132,6 +136,20 @@ impl Examination {
             joints.join(", "),
             self.trials
         )
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn to_text(&self, style: Style) -> String {
+        let sentences = self.sentences();
+        let emphasis = if self.is_serious() { Emphasis::Warning } else { Emphasis::Title };
+        let mut text = format!("\n{}\n", style.emphasise(emphasis, "robot and recordings together"));
+        text.push_str(&wrapped(&self.summary()));
+        text.extend(sentences.iter().map(|s| wrapped(s)));
+        if sentences.is_empty() {
+            text.push_str(&wrapped(&self.hardly().unwrap_or_else(|| self.nothing().into())));
+        }
+        text
     }
 
     /// For programs.

@@ -12,9 +12,9 @@ use aurt::{
 };
 use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_experiment::{Experiment, experiment::Geometry};
-use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription};
+use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};
 use aurt_recording::{Recording, preprocess};
-use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
+use aurt_traits::{ArmTerm, MeasurementUnit, RigidBodyRegressor, RobotModel};
 use aurt_workbench::{experiments, failure::Failure};
 
 /// Samples of all recordings of one role that a trial looks at.
@@ -75,6 +75,31 @@ impl Subject {
             arm_terms: Vec::new(),
             scopes: TermScopes::everywhere(),
         }
+    }
+
+    /// A robot given by its rigid bodies; `None` if these are no chain.
+    pub fn of_bodies(
+        bodies: &dyn RigidBodyRegressor,
+        recordings: Vec<Assigned>,
+        f_dyn_hz: f64,
+    ) -> Option<Self> {
+        let any: &dyn Any = bodies;
+        let (chain, couplings) = match any.downcast_ref::<CoupledChain>() {
+            Some(coupled) => (coupled.chain(), coupled.couplings().to_vec()),
+            None => (any.downcast_ref::<SerialChain>()?, Vec::new()),
+        };
+        Some(Self {
+            joints: chain.joints().to_vec(),
+            couplings,
+            table: None,
+            name: None,
+            gravity_m_s2: chain.gravity_m_s2(),
+            recordings,
+            preprocessing: Preprocessing::new(f_dyn_hz),
+            instrument: Instrument::default(),
+            arm_terms: Vec::new(),
+            scopes: TermScopes::everywhere(),
+        })
     }
 
     /// The robot and the recordings of an experiment.

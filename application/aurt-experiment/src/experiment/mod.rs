@@ -72,6 +72,8 @@ pub struct Experiment {
     pub calibration: Calibration,
     /// `libraries` of `[plugins]`: the dynamic libraries that were loaded for this experiment.
     pub libraries: Vec<PathBuf>,
+    /// `[diagnosis]`, as it was written.
+    pub diagnosis: Option<Node>,
     /// `[sweep]`, as it was written.
     pub sweep: Option<Node>,
     /// What a person should know of how the file was read.
@@ -168,7 +170,7 @@ fn read_sections(
         .section("calibration")
         .map(|section| Calibration::read(section, robot.as_ref()))
         .unwrap_or_default();
-    let sweep = top.take("sweep").cloned();
+    let [diagnosis, sweep] = ["diagnosis", "sweep"].map(|key| top.take(key).cloned());
     top.finish();
     let experiment = robot.zip(joint_dynamics).map(|(robot, joint_dynamics)| Experiment {
         path: path.to_owned(),
@@ -182,6 +184,7 @@ fn read_sections(
         preprocess,
         calibration,
         libraries,
+        diagnosis,
         sweep,
         notes: reader.notes(),
     });

@@ -188,6 +188,7 @@ impl Loader for TestLoader {
             calibration: Self::read(experiment, &recordings.calibration, true)?,
             judged: Self::read(experiment, judged, false)?,
             unit: MeasurementUnit::NewtonMetre,
+            warnings: Vec::new(),
         })
     }
 

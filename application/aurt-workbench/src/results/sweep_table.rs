@@ -85,6 +85,12 @@ pub fn to_text(ranking: &Ranking, style: Style) -> String {
             text.push_str(&wrapped(&format!("{} {}: {}", failed.number, failed.name, failed.error)));
         }
     }
+    // What holds for all points holds for their recordings; each point's own warnings are in the report.
+    let is_shared = |w: &&String| ranking.ranked.iter().all(|r| r.warnings.contains(w));
+    for warning in ranking.ranked.first().iter().flat_map(|r| &r.warnings).filter(is_shared) {
+        let word = style.emphasise(Emphasis::Warning, "warning");
+        text.push_str(&wrapped(&format!("{word}: {warning}")));
+    }
     if !ranking.missing.is_empty() {
         text.push_str(&format!("\n{}\n", style.emphasise(Emphasis::Warning, "points without a result")));
         text.push_str(&wrapped(&ranges(&ranking.missing)));

@@ -7,7 +7,7 @@ use aurt_simulation::inject::{Added, Injection, Presence, Split};
 use aurt_traits::RobotModel;
 
 use super::claims::Claims;
-use crate::{experiments::calibration_options, failure::Failure, injected};
+use crate::{diagnosing::selection, experiments::calibration_options, failure::Failure, injected};
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub struct Subject {
     pub split: Split,
     model: RobotModel,
     calibration: CalibrationOptions,
+    selection: SelectionOptions,
     /// The recordings as they are, in the order of [`Self::places`].
     recordings: Vec<QuestionedRecording>,
 }
@@ -61,6 +62,7 @@ impl Subject {
             split: Split { presence, turn: 0, calibration, target, validation },
             model: experiment.robot_model()?,
             calibration: calibration_options(experiment),
+            selection: selection(experiment)?,
             recordings: Vec::new(),
         };
         subject.recordings = subject.with(&[])?;
@@ -121,7 +123,7 @@ impl Subject {
             unit: real.unit,
             f_dyn_hz: real.options.f_dyn_hz,
             calibration: self.calibration,
-            selection: SelectionOptions::default(),
+            selection: self.selection,
             without: &[],
         }
     }

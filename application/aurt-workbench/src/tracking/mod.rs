@@ -3,7 +3,10 @@
 mod follower;
 mod running;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use aurt::{
     CalibratedModel, Progress,
@@ -116,10 +119,29 @@ pub struct Tracked {
     pub notes: Vec<String>,
 }
 
+/// A recording of the machine that is followed.
+#[derive(Debug, Clone)]
+pub enum Followed {
+    /// A file, or [`STANDARD_INPUT`].
+    File(PathBuf),
+    /// A recording in memory.
+    Recording(Arc<Recording>),
+}
+
+impl Followed {
+    /// Whether its rows come on standard input.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        matches!(self, Self::File(path) if path.as_path() == Path::new(STANDARD_INPUT))
+    }
+}
+
+/// Windows are not shorter than this, s.
+pub const SHORTEST_WINDOW_S: f64 = 1.0;
 /// The name of rows that come on standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// Follows a calibrated machine through recordings in time order; [`STANDARD_INPUT`] stands for rows as they come. The
+/// Follows a calibrated machine through recordings in time order. The
 /// recordings of the experiment are the unchanged machine. `said` hears of each alarm as soon as it is certain.
 ///
 /// # Errors
@@ -128,7 +150,7 @@ pub fn track(
     experiment: &Experiment,
     calibrated: &CalibratedModel,
     registry: &Registry,
-    recordings: &[PathBuf],
+    recordings: &[Followed],
     options: TrackOptions,
     progress: &Progress,
     said: &mut dyn FnMut(&Alarm),
@@ -153,11 +175,13 @@ pub fn track(
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
     // Recordings of each motion.
     let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
+    let mut notes: Vec<String> = Vec::new();
     let mut ended_s = f64::NEG_INFINITY;
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
         let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
         let [first_s, last_s] = span_s(&loaded);
+        notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
             Some(motion) => motion.push(recording),
@@ -169,6 +193,7 @@ pub fn track(
     let reference =
         DriftReference { model: &model, coefficients: &all, load: &load, options: &calibration.options };
     let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
+    follower.notes = notes;
     let mut motions = Vec::new();
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
@@ -184,9 +209,13 @@ pub fn track(
     let baseline = Baseline::learn(&motions)?;
     follower.chart(&baseline);
     // Files of one machine are alike: what the experiment says of columns and units holds for these.
-    for path in recordings {
-        let is_running = path.as_path() == Path::new(STANDARD_INPUT);
-        let label = if is_running { "standard input".to_owned() } else { path.display().to_string() };
+    for followed in recordings {
+        let is_running = followed.is_running();
+        let label = match followed {
+            Followed::File(_) if is_running => "standard input".to_owned(),
+            Followed::File(path) => path.display().to_string(),
+            Followed::Recording(recording) => recording.file.display().to_string(),
+        };
         progress.step(label.clone());
         // Files that belong to a recording of the experiment do not belong to these.
         let alone = |recorded: &RecordedAs| RecordedAs {
@@ -196,12 +225,18 @@ pub fn track(
         let (unit, columns, recorded) = template
             .as_ref()
             .map_or_else(Default::default, |t| (t.unit, t.columns.clone(), alone(&t.recorded)));
-        let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
-        if is_running {
-            Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
-            continue;
-        }
-        let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+        let loaded = match followed {
+            Followed::Recording(recording) => Loaded::of(recording, &calibrated.pipeline().joints)?,
+            Followed::File(path) => {
+                let source = Source { file: path.clone(), label, window_s: None, unit, columns, recorded };
+                if is_running {
+                    Running::new(&mut follower, &reference, &baseline, calibrated, source).follow(said)?;
+                    continue;
+                }
+                calibrated.pipeline().read(source, Purpose::Calibration)?
+            }
+        };
+        follower.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
         follower.begin(recording.name.clone(), span_s(&loaded));
@@ -276,16 +311,8 @@ fn left_out(
 fn prepared_of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<NamedRecording, Failure> {
     let pipeline = calibrated.pipeline();
     let file = &loaded.source.file;
-    let unit = pipeline.unit(loaded).ok_or_else(|| CalibrationError::NoMeasurement { file: file.clone() })?;
-    if unit != calibrated.calibration.unit {
-        return Err(aurt::Error::MixedUnits {
-            first: Path::new("the calibrated model").to_owned(),
-            first_unit: calibrated.calibration.unit,
-            other: file.clone(),
-            other_unit: unit,
-        }
-        .into());
-    }
+    pipeline.unit(loaded).ok_or_else(|| CalibrationError::NoMeasurement { file: file.clone() })?;
+    calibrated.check_unit(loaded)?;
     Ok(pipeline.preprocess(loaded, Purpose::Calibration)?)
 }
 

@@ -62,6 +62,9 @@ pub struct Prove {
     /// Do not diagnose cases once more with their candidate removed
     #[arg(long)]
     no_removal: bool,
+    /// Diagnose every single once more with its effect's candidate alone: what that does not see is not in the data
+    #[arg(long)]
+    oracle: bool,
     /// Write the scoreboard of what has been diagnosed so far, and diagnose no further cases
     #[arg(long)]
     so_far: bool,
@@ -127,6 +130,7 @@ impl Prove {
             let options = Options {
                 keep: self.keep,
                 without: !self.no_removal,
+                oracle: self.oracle,
                 shard,
                 program: program.clone(),
                 trust: session.registry.trusted(),

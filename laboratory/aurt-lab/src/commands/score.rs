@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::{
     commands::Report,
     product::{Failure, OutputFile, pretty},
-    proof::{Verdicts, read_scores},
+    proof::{Verdicts, add_oracle, read_scores},
     score::Scoreboard,
 };
 use clap::Args;
@@ -27,6 +27,9 @@ pub struct Score {
     /// Folder with a folder for each case
     #[arg(long, value_name = "DIR")]
     verdicts: PathBuf,
+    /// Folder with verdicts of diagnoses that examined each single's effect alone (`aurt diagnose --only EFFECT`)
+    #[arg(long, value_name = "DIR")]
+    oracle: Option<PathBuf>,
     /// File for the scoreboard and every case's score, as JSON
     #[arg(long, value_name = "FILE.json")]
     out: Option<PathBuf>,
@@ -36,7 +39,10 @@ impl Score {
     /// Scores.
     pub fn run(&self) -> Result<Report, Failure> {
         let output = self.out.as_ref().map(|path| OutputFile::new("--out", path, &[])).transpose()?;
-        let scores = read_scores(&self.sealed, &self.verdicts, &Verdicts::Own)?;
+        let mut scores = read_scores(&self.sealed, &self.verdicts, &Verdicts::Own)?;
+        if let Some(oracle) = &self.oracle {
+            add_oracle(&mut scores, &self.sealed, &self.verdicts, oracle)?;
+        }
         let board = Scoreboard::of(&scores);
         let text = format!("{} verdicts\n\n{}", scores.len(), board.markdown());
         let json = json!({ "command": "score", "board": board, "cases": scores });

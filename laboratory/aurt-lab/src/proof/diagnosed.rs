@@ -24,6 +24,8 @@ pub struct Options {
     pub keep: bool,
     /// Whether every single is diagnosed once more without its candidate.
     pub without: bool,
+    /// Whether every single is diagnosed once more with its candidate alone.
+    pub oracle: bool,
     /// The part of the cases that is made here.
     pub shard: Shard,
     /// The program that diagnoses, `aurt`.
@@ -81,13 +83,15 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
     let planned = &source.planned()[index];
     let folder = place.cases().join(&name);
     let verdict = place.verdicts().join(&name);
-    let blind = planned
-        .effects
-        .first()
-        .filter(|_| options.without && planned.case_type == CaseType::Single)
-        .map(|effect| (place.removed().join(&name), effect));
+    let single = planned.effects.first().filter(|_| planned.case_type == CaseType::Single);
+    let again: Vec<(PathBuf, [&str; 2])> =
+        [(options.without, place.removed(), "--without"), (options.oracle, place.oracle(), "--only")]
+            .into_iter()
+            .filter(|(asked, ..)| *asked)
+            .filter_map(|(_, out, option)| Some((out.join(&name), [option, single?])))
+            .collect();
     let unmade = place.unmade().join(format!("{name}.txt"));
-    if unmade.exists() || is_done(&verdict) && blind.as_ref().is_none_or(|(folder, _)| is_done(folder)) {
+    if unmade.exists() || is_done(&verdict) && again.iter().all(|(folder, _)| is_done(folder)) {
         return forget(&folder, options);
     }
     if let Err(reason) = make(source, index, &name, place)? {
@@ -97,8 +101,8 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
     if !is_done(&verdict) {
         diagnose(&folder, &verdict, &["--compare"], options)?;
     }
-    if let Some((out, effect)) = blind.filter(|(out, _)| !is_done(out)) {
-        diagnose(&folder, &out, &["--without", effect], options)?;
+    for (out, arguments) in again.iter().filter(|(out, _)| !is_done(out)) {
+        diagnose(&folder, out, arguments, options)?;
     }
     forget(&folder, options)
 }
@@ -189,7 +193,12 @@ pub fn complaints(place: &Place) -> Result<BTreeMap<String, String>, Failure> {
     for path in entries(&place.unmade()) {
         found.insert(stem(&path), format!("could not be made: {}", read(&path)?));
     }
-    for (folder, what) in [(place.removed(), " without its candidate"), (place.verdicts(), "")] {
+    let folders = [
+        (place.removed(), " without its candidate"),
+        (place.oracle(), " with its candidate alone"),
+        (place.verdicts(), ""),
+    ];
+    for (folder, what) in folders {
         for path in entries(&folder).iter().map(|p| p.join(FAILED)).filter(|p| p.exists()) {
             let case = path.parent().map(stem).unwrap_or_default();
             found.insert(format!("{case}{what}"), read(&path)?);

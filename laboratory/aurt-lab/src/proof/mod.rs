@@ -23,7 +23,7 @@ pub use place::{Place, Proof};
 pub use plans::small;
 pub use program::program;
 pub use report::{Proven, report};
-pub use scores::{Verdicts, read_scores};
+pub use scores::{Verdicts, add_oracle, read_scores};
 pub use shard::{Shard, collect};
 pub use source::{Ingredients, Source};
 pub use worlds::source;

@@ -70,6 +70,11 @@ impl Place {
         self.root.join("removed")
     }
 
+    /// Folder of the verdicts of diagnoses that examine nothing but what is in the case.
+    pub fn oracle(&self) -> PathBuf {
+        self.root.join("oracle")
+    }
+
     /// Folder of the recordings without effects, while they are needed.
     pub fn references(&self) -> PathBuf {
         self.root.join("references")
@@ -81,8 +86,8 @@ impl Place {
     }
 
     /// Folders that hold results.
-    pub fn results(&self) -> [PathBuf; 4] {
-        [self.sealed(), self.verdicts(), self.removed(), self.unmade()]
+    pub fn results(&self) -> [PathBuf; 5] {
+        [self.sealed(), self.verdicts(), self.removed(), self.oracle(), self.unmade()]
     }
 
     /// Makes the folders for a proof and writes down which it is.

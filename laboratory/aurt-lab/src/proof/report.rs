@@ -9,7 +9,11 @@ use crate::{
 };
 use serde_json::{Map, Value, json};
 
-use super::{Place, Proof, Verdicts, diagnosed::complaints, scores::scores_so_far};
+use super::{
+    Place, Proof, Verdicts,
+    diagnosed::complaints,
+    scores::{add_oracle, scores_so_far},
+};
 
 /// The simpler methods of `comparison.json`, by their keys in it.
 const METHODS: [&str; 3] = ["best_single", "lasso", "stlsq"];
@@ -40,7 +44,8 @@ pub fn report(out: &Path, skipped: &BTreeMap<World, String>) -> Result<Proven, F
     for world in World::ALL {
         let place = Place::new(out, world);
         let Some(proof) = place.proof()? else { continue };
-        let own = scores_so_far(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
+        let mut own = scores_so_far(&place.sealed(), &place.verdicts(), &Verdicts::Own)?;
+        add_oracle(&mut own, &place.sealed(), &place.verdicts(), &place.oracle())?;
         let unmade = complaints(&place)?;
         let _ = writeln!(text, "{}", head(world, &proof, own.len()));
         worlds.insert(

@@ -25,6 +25,11 @@ pub enum Verdicts {
         /// Folder of the verdicts of the diagnosis.
         own: PathBuf,
     },
+    /// Those of diagnoses that examined the effect alone; references are verdicts of the diagnosis.
+    Oracle {
+        /// Folder of the verdicts of the diagnosis.
+        own: PathBuf,
+    },
     /// Those of another method on the same cases.
     Method(String),
 }
@@ -73,7 +78,9 @@ pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result
             Some(name) => {
                 if !references.contains_key(name) {
                     let (place, of) = match whose {
-                        Verdicts::Removed { own } => (own.as_path(), &Verdicts::Own),
+                        Verdicts::Removed { own } | Verdicts::Oracle { own } => {
+                            (own.as_path(), &Verdicts::Own)
+                        }
                         _ => (verdicts, whose),
                     };
                     references.insert(name.clone(), self::claim(&place.join(reference_folder(name)), of)?);
@@ -90,6 +97,21 @@ pub fn scores_so_far(sealed: &Path, verdicts: &Path, whose: &Verdicts) -> Result
         scores.push(score(&truth, &claim, removed.map(|e| e.effect.as_str()), known));
     }
     Ok(scores)
+}
+
+/// Adds to scores what the oracle saw of their cases; `own` has the verdicts of the diagnosis, `oracle` those of diagnoses
+/// that examined the true effect alone.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn add_oracle(scores: &mut [CaseScore], sealed: &Path, own: &Path, oracle: &Path) -> Result<(), Failure> {
+    let whose = Verdicts::Oracle { own: own.to_owned() };
+    for of_oracle in scores_so_far(sealed, oracle, &whose)? {
+        if let Some(score) = scores.iter_mut().find(|s| s.case == of_oracle.case) {
+            score.seen = Some(of_oracle.sees());
+        }
+    }
+    Ok(())
 }
 
 /// What a folder says of a case.

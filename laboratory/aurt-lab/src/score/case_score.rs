@@ -7,6 +7,7 @@ use super::compared::compare;
 use super::neighbours::neighbours;
 use super::news::{Background, News, Sameness, meet};
 use super::parameters::{ParameterError, parameter_errors};
+use super::share::Share;
 use crate::{
     case::{CaseType, Truth, World},
     effects::kind,
@@ -57,6 +58,11 @@ pub struct CaseScore {
     pub right_family: bool,
     /// Whether the true labels stand anywhere.
     pub anywhere: bool,
+    /// Whether the true effect is claimed where it alone is examined, on its joints and in its kinds of recordings; of
+    /// singles that were diagnosed so.
+    pub seen: Option<bool>,
+    /// Joints on which a black box lowers the held-out error of the improved model by more than a twentieth.
+    pub rival_better: Share,
     /// Whether the joints are the true ones exactly; of singles and pairs.
     pub joints_right: Option<bool>,
     /// Whether the kinds of recordings are right; of singles and pairs whose label stands anywhere.
@@ -147,6 +153,8 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         with_alternatives: if is_of_vocabulary { strict.with_alternatives } else { right },
         right_family: if is_of_vocabulary { family_is_right(truth, &order) } else { right },
         anywhere: if is_of_vocabulary { strict.anywhere } else { right },
+        seen: None,
+        rival_better: claim.rival_better(),
         joints_right: is_of_vocabulary.then_some(strict.joints),
         presence_right: (is_of_vocabulary && strict.anywhere).then_some(strict.presence),
         beside: strict.beside,
@@ -161,6 +169,14 @@ pub fn score(truth: &Truth, claim: &Claim, removed: Option<&str>, reference: Opt
         parameter_errors: if removed.is_none() { parameter_errors(truth, claim) } else { Vec::new() },
         recovered: if removed.is_none() { recovered(truth, claim) } else { None },
         findings: if removed.is_none() { findings(truth, claim, &background) } else { Vec::new() },
+    }
+}
+
+impl CaseScore {
+    /// Whether the true effect is claimed, on its joints and in its kinds of recordings, whatever else is.
+    #[must_use]
+    pub fn sees(&self) -> bool {
+        self.anywhere && self.joints_right != Some(false) && self.presence_right != Some(false)
     }
 }
 

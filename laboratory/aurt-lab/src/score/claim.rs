@@ -6,6 +6,8 @@ use serde_json::Value;
 
 use aurt_simulation::SimulationError;
 
+use super::share::Share;
+
 /// The answer of a verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -66,7 +68,28 @@ pub struct Claim {
     /// Residuals on held-out data.
     #[serde(default)]
     pub held_out: ClaimedHeldOut,
+    /// What is left beside the claims, joint by joint.
+    #[serde(default)]
+    pub remainder: Vec<ClaimedRemainder>,
 }
+
+/// What is left of a joint's held-out error beside the claims.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ClaimedRemainder {
+    /// Share of its square that a black box predicts.
+    #[serde(default)]
+    pub predictable: Option<ClaimedShare>,
+}
+
+/// A share, without its deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct ClaimedShare {
+    /// The share.
+    pub value: f64,
+}
+
+/// The black box is better where it lowers the error by more than a twentieth: 1 − 0.95² of its square.
+const BETTER: f64 = 0.0975;
 
 /// An effect that a verdict names.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -166,7 +189,14 @@ impl Claim {
             structure: None,
             effects: Vec::new(),
             held_out: ClaimedHeldOut::default(),
+            remainder: Vec::new(),
         }
+    }
+
+    /// Joints on which a black box is better than the improved model, of those on which it was judged.
+    #[must_use]
+    pub fn rival_better(&self) -> Share {
+        Share::counted(self.remainder.iter().filter_map(|r| r.predictable), |p| p.value > BETTER)
     }
 
     /// The answer to what has changed, or to what is missing in all recordings.

@@ -75,6 +75,7 @@ impl Scoreboard {
         line("candidate removed: unexplained or a neighbour", &|b| share(b.removed));
         line("candidate removed: unnoticed (0 is right)", &|b| share(b.removed_unnoticed));
         line("claims that are not true, of a case of any kind (0 is right)", &|b| number(b.beside));
+        line("joints on which a black box is better by 5 % (0 is right)", &|b| share(b.rival_better));
         line("Brier score of the printed confidence (0 is right)", &|b| decimals(b.reliability.brier));
         line("Brier score of confidence learnt on the other worlds", &|b| {
             decimals(b.reliability_learnt_elsewhere.as_ref()?.brier)
@@ -180,8 +181,10 @@ impl Scoreboard {
 type Cell = fn(&Singles) -> Option<String>;
 
 /// What is counted of singles, each for itself.
-const SINGLES: [(&str, Cell); 13] = [
+const SINGLES: [(&str, Cell); 15] = [
     ("**all right**", |s| shown(s.right)),
+    ("seen by the oracle: claimed where it alone is examined", |s| shown(s.seen)),
+    ("**efficiency**: all right, of those seen by the oracle", |s| shown(s.efficiency)),
     ("all right, inseparable labels as one", |s| shown(s.right_class)),
     ("first label, whatever the verdict", |s| shown(s.first_label)),
     ("first label, inseparable labels as one", |s| shown(s.first_label_class)),

@@ -14,6 +14,10 @@ use crate::{case::CaseType, strength::Strength};
 pub struct Singles {
     /// All of it right: verdict, first label, joints, presence, no other claim.
     pub right: Share,
+    /// The true effect is claimed where it alone is examined; of those that were diagnosed so.
+    pub seen: Share,
+    /// All right, of those.
+    pub efficiency: Share,
     /// The same, effects that no recording tells apart counted as one.
     pub right_class: Share,
     /// First label right, whatever the verdict.
@@ -60,6 +64,8 @@ impl Singles {
         let errors: Vec<_> = scores.iter().flat_map(|s| &s.parameter_errors).collect();
         Self {
             right: share(|s| s.right),
+            seen: Share::counted(scores.iter().filter_map(|s| s.seen), |seen| *seen),
+            efficiency: Share::counted(scores.iter().filter(|s| s.seen == Some(true)), |s| s.right),
             right_class: share(|s| s.right_class),
             first_label: share(|s| s.first_label),
             first_label_class: share(|s| s.first_label_class),
@@ -134,6 +140,8 @@ pub struct WorldBoard {
     pub removed_unnoticed: Share,
     /// Claims that are not true, mean of a case of any kind.
     pub beside: Option<f64>,
+    /// Joints on which a black box is better than the improved model by more than a twentieth.
+    pub rival_better: Share,
     /// Effect by effect.
     pub effects: Vec<EffectRow>,
     /// What was called something else, most frequent first.
@@ -182,6 +190,10 @@ impl WorldBoard {
             removed: share(&removed, |s| s.right),
             removed_unnoticed: share(&removed, |s| s.answer == Answer::NoMismatch),
             beside: mean(own.iter().filter(|s| !s.known_before).map(|s| s.beside as f64)),
+            rival_better: Share {
+                count: own.iter().map(|s| s.rival_better.count).sum(),
+                of: own.iter().map(|s| s.rival_better.of).sum(),
+            },
             effects: effect_rows(&singles),
             confusion: confusion(&singles),
             reliability: Reliability::of(&findings, |f| f.confidence),

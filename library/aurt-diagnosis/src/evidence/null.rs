@@ -2,8 +2,10 @@
 //!
 //! The residual of a model is circularly shifted against the columns, in every recording by the same share of its length.
 //! It keeps its memory and its size, joints keep what ties them, and what it has to do with the columns is gone, unless
-//! the motion repeats after just that time. The best score of all hypotheses
-//! then gives the significance of a score, corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
+//! the motion repeats after just that time. Where it does after most shifts, as short excitations do, pieces of a second get
+//! signs at random as well, the same for all joints: what the residual has to do with the columns is then gone from their
+//! sum, and its memory up to a second stays. The best score of all hypotheses then gives the significance of a score,
+//! corrected for the number of hypotheses. The moments of the columns stay; only their products with the residual are new.
 
 use aurt_calibration::products_of_columns;
 use rayon::prelude::*;
@@ -68,6 +70,30 @@ struct OfJoint {
 /// A shift after which some joint's velocity resembles itself this much (correlation) leaves the residual where it was.
 const REPEATS: f64 = 0.5;
 
+/// Pieces that get a sign each, s: long against the memory of the filters, of which f_dyn = 10 Hz makes a tenth of it.
+const PIECE_S: f64 = 1.0;
+
+/// How the residual is separated from the columns.
+#[derive(Debug, Clone, PartialEq)]
+struct Surrogates {
+    /// Shifts, as shares of each recording's length.
+    shares: Vec<f64>,
+    /// Whether pieces get signs, too.
+    signed: bool,
+}
+
+impl Surrogates {
+    /// The shifts after which the motion does not repeat, or, where these are fewer than half of those asked for, all with
+    /// signs.
+    fn of(recordings: &[RecordingRows], partition: &Partition, count: usize) -> Self {
+        let all: Vec<f64> = (0..count).map(|s| (s + 1) as f64 / (count + 1) as f64).collect();
+        let apart: Vec<f64> =
+            all.par_iter().copied().filter(|share| !repeats(recordings, partition, *share)).collect();
+        let signed = 2 * apart.len() < count;
+        Self { shares: if signed { all } else { apart }, signed }
+    }
+}
+
 /// Whether the motion repeats after a share of every recording's length.
 fn repeats(recordings: &[RecordingRows], partition: &Partition, share: f64) -> bool {
     recordings.iter().enumerate().any(|(r, recording)| {
@@ -86,23 +112,19 @@ fn fitted_end(partition: &Partition, recording: usize) -> usize {
     partition.fitted().filter(|p| p.0 == recording).map(|p| p.2).max().unwrap_or(0)
 }
 
-/// What the groups do by chance beside a nested model, under at most `shifts` shifts of a residual,
-/// `[recording][joint][row]`: those after which the motion does not repeat.
+/// What the groups do by chance beside a nested model, under at most `count` surrogates of a residual,
+/// `[recording][joint][row]`.
 pub(crate) fn by_chance(
     problem: &Problem,
     nested: &[Switch],
     groups: &[Group],
     weights: &[f64],
     residual: (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
-    shifts: usize,
+    count: usize,
 ) -> Vec<ByChance> {
-    let shares: Vec<f64> = (0..shifts)
-        .into_par_iter()
-        .map(|s| (s + 1) as f64 / (shifts + 1) as f64)
-        .filter(|share| !repeats(residual.0, residual.1, *share))
-        .collect();
-    let shifts = shares.len();
-    let shifted = Shifted::all(residual, &shares);
+    let surrogates = Surrogates::of(residual.0, residual.1, count);
+    let shifts = surrogates.shares.len();
+    let shifted = Shifted::all(residual, &surrogates);
     let places = problem.places(nested);
     let folds: Vec<Fold<'_>> = (0..problem.blocks())
         .into_par_iter()
@@ -124,10 +146,10 @@ pub(crate) fn by_chance(
 }
 
 impl Shifted {
-    /// A residual under shifts by shares of each recording's length.
+    /// The surrogates of a residual.
     fn all(
         (recordings, partition, residual): (&[RecordingRows], &Partition, &[Vec<Vec<f64>>]),
-        shares: &[f64],
+        Surrogates { shares, signed }: &Surrogates,
     ) -> Vec<Self> {
         // The shifted series of a joint, one after the other.
         let turned: Vec<Vec<Vec<f64>>> = recordings
@@ -137,9 +159,18 @@ impl Shifted {
             .map(|(r, (recording, residual))| {
                 let end = fitted_end(partition, r);
                 let of_joint = |(joint, series): (&JointRows, &Vec<f64>)| {
-                    let by = |share: &f64| (share * end as f64).round() as usize;
-                    let of_share = |share| turned(&series[..end], &joint.counts[..end], by(share));
-                    shares.iter().flat_map(of_share).collect()
+                    let of_share = |(s, share): (usize, &f64)| {
+                        let by = (share * end as f64).round() as usize;
+                        let mut turned = turned(&series[..end], &joint.counts[..end], by);
+                        let piece = (PIECE_S * recording.rate_hz).max(1.0) as usize;
+                        for (k, piece) in turned.chunks_mut(piece).enumerate().filter(|_| *signed) {
+                            if is_turned_over([s, r, k]) {
+                                piece.iter_mut().for_each(|v| *v = -*v);
+                            }
+                        }
+                        turned
+                    };
+                    shares.iter().enumerate().flat_map(of_share).collect()
                 };
                 recording.joints.iter().zip(residual).map(of_joint).collect()
             })
@@ -198,6 +229,18 @@ impl Product {
     fn zero(columns: usize) -> Self {
         Self { right: vec![0.0; columns], square: 0.0 }
     }
+}
+
+/// Whether a piece of a recording has the other sign under a shift: a bit of a hash (the finaliser of SplitMix64; Steele,
+/// Lea, Flood 2014), so that results repeat.
+fn is_turned_over(place: [usize; 3]) -> bool {
+    let mixed = place.iter().fold(0x9e37_79b9_7f4a_7c15_u64, |state, part| {
+        let z = state.wrapping_add(*part as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    });
+    mixed & 1 == 1
 }
 
 /// A series turned in a circle, of the same power over the rows that count.

@@ -15,9 +15,10 @@ use serde::{Deserialize, Serialize};
 
 use self::boosting::{Boosted, Edges, Growth};
 use self::features::{names, of_rows};
-use crate::recordings::rows::RecordingRows;
+use crate::recordings::{partition::FEWEST_ROWS, rows::RecordingRows};
 
-/// Length of the stretches that stop the growth in turn, and of those between which shares vary, s.
+/// Length of the stretches that stop the growth in turn, and of those between which shares vary, s; of short recordings an
+/// eighth of all, so that there are some, and the fewest rows that say something of their own error.
 const STRETCH_S: f64 = 2.0;
 
 /// Rows of a joint that are fitted; of more, every k-th is.
@@ -109,11 +110,13 @@ impl Rows {
         let counted = |r: &Residual<'_>| r.rows.joints[joint].counts.iter().filter(|c| **c).count();
         let every = recordings.iter().map(counted).sum::<usize>().div_ceil(most).max(1);
         let mut rows = Self::default();
+        let rows_of_all: usize = recordings.iter().map(|r| r.rows.rows()).sum();
         let mut first_stretch = 0;
         for recording in recordings.iter().filter(|r| r.rows.rows() > 0) {
             let features = of_rows(recording.rows, joint, recording.load_torque[joint].clone());
             rows.features.resize(features.len(), Vec::new());
-            let stretch = (STRETCH_S * recording.rows.rate_hz).max(1.0) as usize;
+            let long = (STRETCH_S * recording.rows.rate_hz) as usize;
+            let stretch = (rows_of_all / (2 * FEWEST_STRETCHES)).min(long).max(FEWEST_ROWS);
             let kept = (0..recording.rows.rows()).filter(|k| recording.rows.joints[joint].counts[*k]);
             for row in kept.step_by(every) {
                 for (all, own) in rows.features.iter_mut().zip(&features) {

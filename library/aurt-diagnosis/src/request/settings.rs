@@ -1,4 +1,8 @@
+use std::collections::BTreeMap;
+
+use aurt_plugins::suggestion;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// What an effect must bring to be accepted. Scores are in nats: Σ_j ½ n_eff log(MSE_before / MSE_after) on held-out
 /// blocks.
@@ -46,6 +50,42 @@ pub struct SelectionOptions {
     pub free_share: f64,
 }
 
+/// Settings that are no shares: they may exceed one.
+const NO_SHARES: [&str; 5] = ["score", "most", "rounds", "tie_nats", "null_shifts"];
+
+impl SelectionOptions {
+    /// The settings' names and values.
+    #[must_use]
+    pub fn named(&self) -> BTreeMap<String, Value> {
+        serde_json::to_value(self).ok().and_then(|all| serde_json::from_value(all).ok()).unwrap_or_default()
+    }
+
+    /// The same with another value of one setting.
+    ///
+    /// # Errors
+    /// Why a setting cannot have the value: there is none of that name, it is a share or a whole number.
+    pub fn with(&self, name: &str, value: f64) -> Result<Self, String> {
+        let mut named = self.named();
+        let Some(own) = named.get_mut(name) else {
+            return Err(suggestion::help(
+                name,
+                "settings",
+                Self::default().named().keys().map(String::as_str),
+            ));
+        };
+        let most = if NO_SHARES.contains(&name) { f64::INFINITY } else { 1.0 };
+        if !(value >= 0.0 && value <= most && value.is_finite()) {
+            let range = if most == 1.0 { "a share, from 0 to 1" } else { "a number from 0" };
+            return Err(format!("it is {range}, and {value} is none"));
+        }
+        *own = if own.is_u64() { json!(value as u64) } else { json!(value) };
+        if own.as_f64() != Some(value) {
+            return Err(format!("it is a whole number, and {value} is none"));
+        }
+        serde_json::from_value(json!(named)).map_err(|error| error.to_string())
+    }
+}
+
 impl Default for SelectionOptions {
     fn default() -> Self {
         Self {
@@ -64,6 +104,28 @@ impl Default for SelectionOptions {
             null_quantile: 0.95,
             confirm: 0.3,
             free_share: 0.02,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SelectionOptions;
+
+    #[test]
+    fn settings_are_set_by_name_within_their_ranges() {
+        let options = SelectionOptions::default();
+        assert_eq!(options.named().len(), 15);
+        assert_eq!(options.with("confirm", 0.05).unwrap(), SelectionOptions { confirm: 0.05, ..options });
+        assert_eq!(options.with("rounds", 2.0).unwrap(), SelectionOptions { rounds: 2, ..options });
+        for (name, value, said) in [
+            ("score", -1.0, "from 0"),
+            ("confirm", 1.5, "share"),
+            ("rounds", 2.5, "whole"),
+            ("scor", 9.0, "`score`"),
+        ] {
+            let refused = options.with(name, value).unwrap_err();
+            assert!(refused.contains(said), "{name}: {refused}");
         }
     }
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use crate::investigation::WORSE;
 use crate::parameters::Parameters;
 use crate::remainder::{Remainder, Share};
+use crate::request::SelectionOptions;
 use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
@@ -36,6 +37,9 @@ pub struct Verdict {
     /// Names of the joints, base first; empty where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
+    /// What an effect had to bring.
+    #[serde(default)]
+    pub settings: SelectionOptions,
     /// The answer: where there are targets beside other recordings, of what has changed in them; else of what is missing.
     pub verdict: Answer,
     /// Of what is missing in all recordings, where [`Self::verdict`] is about what has changed.

@@ -90,6 +90,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let (answer, structure) = answers(investigation, &effects, &registered_models, &errors, something);
     let mut verdict = Verdict {
         schema: SCHEMA,
+        settings: question.selection,
         unit: question.unit,
         joint_names: question.model.rigid_body().joint_names().to_vec(),
         verdict: answer,

@@ -18,7 +18,7 @@ use super::models::{
     Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
     gantry, half_of_gravity,
 };
-use super::{provenance, source};
+use super::{named_by_other_people, provenance, source};
 
 pub fn files(fmu: &Fmu) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(&fmu.bytes)).unwrap();
@@ -200,7 +200,9 @@ fn largest(a: impl Iterator<Item = f64>) -> f64 {
 #[test]
 fn an_inverse_unit_gives_the_torques_of_the_model() {
     let provenance = provenance();
-    for (case, name) in [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")] {
+    let cases = [(case(arm(), true), "arm"), (case_with_memory(arm()), "arm with memory")];
+    for (case, name) in cases.into_iter().chain([(named_by_other_people(), "arm with names of other people")])
+    {
         let stored = checks_along_a_path(&case, 300);
         let fmu = export(&source(&case, &provenance), Kind::Inverse).unwrap();
         let lines: String = stored.iter().map(|c| line(&[&c.q_rad, &c.qd_rad_s, &c.qdd_rad_s2])).collect();
@@ -312,6 +314,7 @@ fn a_forward_unit_moves_as_the_simulation_does() {
         (case(gantry(), true), "gantry"),
         (case_with_memory(arm()), "arm with memory"),
         (case_with_memory(gantry()), "gantry with memory"),
+        (named_by_other_people(), "arm with names of other people"),
     ] {
         // Friction that grows faster than its load would lock the joints.
         let base = case.model.base().len();

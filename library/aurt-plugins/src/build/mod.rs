@@ -250,7 +250,9 @@ fn compatible(a: &str, b: &str) -> bool {
 fn build_saved<M: SlotModel + ?Sized>(registry: &Registry, table: &Value) -> Result<Box<M>, Vec<BuildError>> {
     let mut table = table.clone();
     let plugin = table.as_object_mut().and_then(|keys| keys.remove(PLUGIN_KEY));
-    let built = build::<M>(registry, &Node::from(&table), Form::Saved);
+    let node = Node::from(&table);
+    Registry::former_name(M::SLOT, &node).into_iter().for_each(|note| registry.note(note));
+    let built = build::<M>(registry, &node, Form::Saved);
     let Some(saved) = plugin.as_ref().map(saved_library) else { return built };
     let named = table.get("model").and_then(Value::as_str);
     let now = named.and_then(|name| registry.model(M::SLOT, name).ok());

@@ -35,7 +35,7 @@ pub(super) const TIME_PAIRS: [[&str; 2]; 5] = [
 ];
 
 /// Whether an array of that name holds time stamps.
-pub(crate) fn is_time(name: &str) -> bool {
+pub fn is_time_name(name: &str) -> bool {
     let prefix = NameParts::of(name).prefix;
     TIME.contains(&prefix.as_str()) || TIME_IN.iter().any(|(known, _)| *known == prefix)
 }

@@ -51,6 +51,8 @@ impl LongRecording {
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self, RecordingError> {
         let mut long: Option<Self> = None;
         let report = read_pieces(path, options, &mut |piece| {
+            let ours = options.joints.as_ref().map(|robot| piece.clone().of_robot(robot)).transpose()?;
+            let piece = ours.as_deref().unwrap_or(piece);
             let long = match &mut long {
                 Some(long) => long,
                 None => long.insert(Self::new(
@@ -64,9 +66,7 @@ impl LongRecording {
         })?;
         let found = "no row follows the header".into();
         let long = long.ok_or(RecordingError::NoRows { path: path.to_owned(), found })?;
-        let branches =
-            options.joints.as_ref().map_or_else(Vec::new, |robot| robot.moving(&report.branches, &[]));
-        Ok(Self { report: ReadReport { branches, ..report }, ..long })
+        Ok(Self { report, ..long })
     }
 
     /// Appends samples. Velocities are skipped.

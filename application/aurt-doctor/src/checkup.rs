@@ -1,0 +1,351 @@
+//! What recordings are good for, before anyone calibrates on them, and which usual mistakes of the setup they show.
+
+use std::{path::Path, sync::Arc};
+
+use aurt::{
+    Role,
+    data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    fitting::Assigned,
+};
+use aurt_experiment::Experiment;
+use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_plugins::Registry;
+use aurt_rbd::{MdhTable, RobotDescription};
+use aurt_recording::{Recording, RobotJoints};
+use aurt_report::{
+    Page,
+    rendering::{
+        style::{Emphasis, Style},
+        text::wrapped,
+    },
+};
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
+use aurt_workbench::{experiments, failure::Failure};
+use serde_json::{Value, json};
+
+use crate::{
+    doctor::{self, Examination, Subject},
+    inspection::{
+        inspected::{Inspected, rest},
+        joints::suitable_f_dyn_hz,
+        judged::{Judged, plain_friction},
+    },
+    report::Checked,
+};
+
+/// f_dyn unless asked for otherwise, and the share of the sampling rate that it must stay below.
+const DEFAULT_F_DYN_HZ: f64 = 10.0;
+const F_DYN_SHARE_OF_RATE: f64 = 0.05;
+
+/// What is known of the robot.
+#[derive(Debug, Clone, Copy)]
+pub enum Known<'a> {
+    /// Nothing.
+    Nothing,
+    /// A table, and the gravitational acceleration in its base frame, m/s².
+    Table(&'a MdhTable, [f64; 3]),
+    /// Its rigid bodies.
+    Bodies(&'a Arc<dyn RigidBodyRegressor>),
+    /// An experiment.
+    Experiment(&'a Experiment),
+}
+
+/// A recording that is to be checked.
+#[derive(Debug, Clone)]
+pub enum Given {
+    /// A file.
+    File(Box<Source>),
+    /// A recording in memory.
+    Recording(Arc<Recording>),
+}
+
+/// What is to be checked.
+#[derive(Debug)]
+pub struct Question<'a> {
+    /// The robot.
+    pub robot: Known<'a>,
+    /// Recordings to be calibrated on together; those of an experiment are checked beside them.
+    pub recordings: Vec<Given>,
+    /// Highest frequency of the robot's dynamics, Hz, if it is asked for.
+    pub f_dyn_hz: Option<f64>,
+    /// The models that can be named.
+    pub registry: &'a Registry,
+}
+
+/// What a check came to.
+pub struct Checkup {
+    /// Each recording with what its motion excites by itself.
+    alone: Vec<Seen>,
+    /// What all that is fitted excites together, where there are several.
+    together: Option<Judged>,
+    /// The setup, where the robot is known.
+    pub subject: Option<Subject>,
+    /// Which usual mistakes it shows, where something was measured.
+    pub examination: Option<Examination>,
+}
+
+/// Checks recordings, and the setup if the robot is known.
+///
+/// # Errors
+/// What is wrong with a file, joints that are not the robot's, and what makes a recording unfit.
+pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
+    let Question { robot, recordings, f_dyn_hz, registry } = question;
+    let rigid_body = match robot {
+        Known::Nothing => None,
+        Known::Table(table, gravity_m_s2) => Some(table.rigid_body(gravity_m_s2)?),
+        Known::Bodies(bodies) => Some(bodies.clone()),
+        Known::Experiment(experiment) => Some(experiment.robot.rigid_body().map_err(Failure::from)?),
+    };
+    let mut joints = rigid_body.as_ref().map(|body| RobotJoints::of(&**body));
+    let mut assigned = Vec::new();
+    for (given, role) in sources(robot).chain(recordings.into_iter().map(|r| (r, Role::Calibration))) {
+        let loaded = match given {
+            Given::File(source) => Loaded::read(*source, joints.as_ref(), Purpose::Prediction)?,
+            Given::Recording(recording) => {
+                let own =
+                    || RobotJoints { names: recording.joints.names().to_vec(), ..recording.joints().into() };
+                Loaded::of(&recording, &joints.clone().unwrap_or_else(own))?
+            }
+        };
+        joints = joints.or_else(|| Some(loaded.recording.robot_joints()));
+        assigned.push(Assigned { loaded, role });
+    }
+    let of_experiment = match robot {
+        Known::Experiment(experiment) => Some(experiment.preprocess.f_dyn_hz),
+        _ => None,
+    };
+    let f_dyn_hz = f_dyn_hz.or(of_experiment).unwrap_or_else(|| highest_f_dyn_hz(&assigned));
+    let preprocessing = Preprocessing { trim_rest: false, ..Preprocessing::new(f_dyn_hz) };
+    let pipeline = Pipeline {
+        joints: joints.unwrap_or_default(),
+        preprocessing: &preprocessing,
+        instrument: &Instrument::default(),
+    };
+    let unit = pipeline.common_unit(assigned.iter().map(|a| &a.loaded))?;
+    let subject = match robot {
+        Known::Nothing => None,
+        Known::Table(table, gravity_m_s2) => {
+            Some(Subject::of_table(table, gravity_m_s2, assigned.clone(), f_dyn_hz))
+        }
+        Known::Bodies(bodies) => Subject::of_bodies(&**bodies, assigned.clone(), f_dyn_hz),
+        Known::Experiment(experiment) => Some(Subject::of_experiment(experiment, assigned.clone())?),
+    };
+    let roles: Vec<Role> = assigned.iter().map(|a| a.role).collect();
+    let inspected: Vec<Inspected> =
+        assigned.into_iter().map(|a| Inspected::new(a.loaded, &preprocessing)).collect::<Result<_, _>>()?;
+    let excitation = Excitation { registry, rigid_body, unit, preprocessing: &preprocessing };
+    let together = if inspected.len() > 1 {
+        let fitted = inspected.iter().zip(&roles).filter(|(_, r)| **r == Role::Calibration);
+        excitation.of(&fitted.map(|(one, _)| one).collect::<Vec<_>>())?
+    } else {
+        None
+    };
+    let alone = inspected
+        .into_iter()
+        .map(|one| Ok(Seen { judged: excitation.of(&[&one])?, one }))
+        .collect::<Result<_, Failure>>()?;
+    let measured = |s: &&Subject| s.recordings.iter().any(|r| r.loaded.recording.measurement.is_some());
+    let examination = subject.as_ref().filter(measured).map(|s| doctor::examine(s, registry)).transpose()?;
+    Ok(Checkup { alone, together, subject, examination })
+}
+
+/// What an experiment is about to use, and what for.
+fn sources(robot: Known<'_>) -> impl Iterator<Item = (Given, Role)> {
+    let recordings = match robot {
+        Known::Experiment(experiment) => Some(&experiment.recordings),
+        _ => None,
+    };
+    let file = |r| Given::File(Box::new(experiments::source(r)));
+    recordings.into_iter().flat_map(move |recordings| {
+        let calibration = recordings.calibration.iter().map(move |r| (file(r), Role::Calibration));
+        calibration.chain(recordings.validation.iter().map(move |r| (file(r), Role::Validation)))
+    })
+}
+
+impl Checkup {
+    /// Whether something should be heeded.
+    #[must_use]
+    pub fn has_findings(&self) -> bool {
+        let setup = self.examination.as_ref();
+        !self.of_recordings().is_empty() || setup.is_some_and(|e| e.is_serious() || e.hardly().is_some())
+    }
+
+    /// What should be heeded, in sentences.
+    #[must_use]
+    pub fn findings(&self) -> Vec<String> {
+        let mut findings = self.of_recordings();
+        findings.extend(self.examination.iter().flat_map(Examination::sentences));
+        findings
+    }
+
+    /// Of these, what recordings by themselves give rise to.
+    fn of_recordings(&self) -> Vec<String> {
+        let several = match self.alone.as_slice() {
+            [only] => return only.findings(),
+            several => several,
+        };
+        let joints = several.first().map_or(0, |s| s.one.joints.len());
+        let moves: Vec<bool> = (0..joints)
+            .map(|j| several.iter().any(|s| s.one.joints.get(j).is_some_and(|r| r.moves())))
+            .collect();
+        let mut findings: Vec<String> = several.iter().flat_map(|s| s.one.faults()).collect();
+        findings.extend(rest(&moves));
+        findings.extend(self.together.iter().flat_map(Judged::findings));
+        findings
+    }
+
+    /// The f_dyn that suits all motions, Hz: the fastest motion and the slowest clock decide.
+    #[must_use]
+    pub fn suitable_f_dyn_hz(&self) -> Option<f64> {
+        if let [only] = self.alone.as_slice() {
+            return only.one.suitable_f_dyn_hz();
+        }
+        let slowest_hz =
+            self.alone.iter().map(|s| s.one.prepared.report.rate_hz).fold(f64::INFINITY, f64::min);
+        suitable_f_dyn_hz(self.alone.iter().flat_map(|s| &s.one.joints), slowest_hz)
+    }
+
+    /// For people.
+    #[must_use]
+    pub fn to_text(&self, style: Style) -> String {
+        let (mut text, several) = (String::new(), self.alone.len() > 1);
+        for seen in &self.alone {
+            text.push_str(&seen.one.to_text(seen.judged.as_ref(), style));
+            if several {
+                text.push('\n');
+            }
+        }
+        if several {
+            let title = style.emphasise(Emphasis::Title, &format!("all {} together", self.alone.len()));
+            text.push_str(&format!("{title}\n"));
+            text.extend(self.together.iter().map(Judged::to_text));
+        }
+        text.extend(self.suitable_f_dyn_hz().map(|f| {
+            wrapped(&format!("for an experiment on such motions: f_dyn_hz = {f} under [preprocess]"))
+        }));
+        text.push_str(&self.heeded(if several { "them together" } else { "it" }, style));
+        text.extend(self.examination.iter().map(|examination| examination.to_text(style)));
+        text
+    }
+
+    fn heeded(&self, what: &str, style: Style) -> String {
+        let findings = self.of_recordings();
+        if findings.is_empty() {
+            let title = style.emphasise(Emphasis::Title, "findings");
+            let measured = self.alone.iter().all(|s| s.one.loaded.recording.measurement.is_some());
+            let said = if measured {
+                format!("ready to calibrate on {what}")
+            } else {
+                format!("ready to predict for {what}; calibration needs measured currents or torques")
+            };
+            return format!("\n{title}\n{}", wrapped(&said));
+        }
+        let heading = style.emphasise(Emphasis::Warning, "findings");
+        let lines: String = findings.iter().map(|f| wrapped(f)).collect();
+        format!("\n{heading}\n{lines}")
+    }
+
+    /// For programs.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let mut json = if let [only] = self.alone.as_slice() {
+            only.one.to_json(only.judged.as_ref(), &only.findings())
+        } else {
+            let f_dyn_hz = self.suitable_f_dyn_hz();
+            json!({
+                "recordings": self.alone.iter().map(Seen::to_json).collect::<Vec<_>>(),
+                "together": {
+                    "suitable_f_dyn_hz": f_dyn_hz,
+                    "excitation": self.together.as_ref().map(Judged::to_json),
+                },
+                "suitable_f_dyn_hz": f_dyn_hz,
+            })
+        };
+        json["findings"] = json!(self.findings());
+        if let Some(examination) = &self.examination {
+            json["setup"] = examination.to_json();
+        }
+        json
+    }
+
+    /// A page for each recording, with a name that no other has.
+    #[must_use]
+    pub fn pages(&self) -> Vec<(String, Page)> {
+        let mut taken: Vec<String> = Vec::new();
+        for seen in &self.alone {
+            taken.push(own_name(&seen.one, &taken));
+        }
+        taken.into_iter().zip(self.alone.iter().map(Seen::page)).collect()
+    }
+}
+
+/// What recordings excite, where the geometry is known.
+struct Excitation<'a> {
+    registry: &'a Registry,
+    rigid_body: Option<Arc<dyn RigidBodyRegressor>>,
+    unit: Option<MeasurementUnit>,
+    preprocessing: &'a Preprocessing,
+}
+
+impl Excitation<'_> {
+    /// Which parameters of rigid bodies, Coulomb and viscous friction the motions determine.
+    fn of(&self, recordings: &[&Inspected]) -> Result<Option<Judged>, Failure> {
+        let Some(rigid_body) = &self.rigid_body else { return Ok(None) };
+        let dynamics = RigidBodyDynamics::new(rigid_body.clone(), BASE_PARAMETER_SEED)?;
+        let stacks = vec![plain_friction(self.registry)?; rigid_body.joints()];
+        let model = dynamics.with_joint_dynamics(stacks, Vec::new())?;
+        let still = recordings.iter().map(|r| r.still(self.preprocessing)).collect::<Result<Vec<_>, _>>()?;
+        let measured = recordings.iter().all(|r| r.loaded.recording.measurement.is_some());
+        Judged::new(model, &still, self.unit.filter(|_| measured), self.preprocessing.f_dyn_hz).map(Some)
+    }
+}
+
+/// A recording with what its motion excites by itself.
+struct Seen {
+    one: Inspected,
+    judged: Option<Judged>,
+}
+
+impl Seen {
+    /// What should be heeded if it is calibrated on alone.
+    fn findings(&self) -> Vec<String> {
+        let mut findings = self.one.faults();
+        findings.extend(rest(&self.one.joints.iter().map(|j| j.moves()).collect::<Vec<_>>()));
+        findings.extend(self.judged.iter().flat_map(Judged::findings));
+        findings
+    }
+
+    fn to_json(&self) -> Value {
+        self.one.to_json(self.judged.as_ref(), &self.findings())
+    }
+
+    fn page(&self) -> Page {
+        let findings = self.findings();
+        Checked {
+            name: self.one.label(),
+            recording: &self.one.loaded.recording,
+            prepared: &self.one.prepared,
+            joints: &self.one.joints,
+            excited: self.judged.as_ref().map(Judged::named),
+            findings: &findings,
+            notes: &self.one.notes(),
+            suitable_f_dyn_hz: self.one.suitable_f_dyn_hz(),
+            document: &self.to_json(),
+        }
+        .page()
+    }
+}
+
+/// A name for a recording's own folder that no other has.
+fn own_name(one: &Inspected, taken: &[String]) -> String {
+    let stem = Path::new(one.label()).file_stem().map_or_else(|| "recording".into(), |s| s.to_string_lossy());
+    let names = (1..).map(|k| if k == 1 { stem.to_string() } else { format!("{stem}_{k}") });
+    names.into_iter().find(|n| !taken.contains(n)).unwrap_or_default()
+}
+
+/// The f_dyn to look with: what is usual, less where the slowest recording asks for it.
+fn highest_f_dyn_hz(assigned: &[Assigned]) -> f64 {
+    let rate_hz = |a: &Assigned| 1.0 / doctor::median_period_s(&a.loaded.recording.time_s);
+    let slowest_hz = assigned.iter().map(rate_hz).fold(f64::INFINITY, f64::min);
+    (DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * slowest_hz) * 1e3).round() / 1e3
+}

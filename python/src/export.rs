@@ -1,0 +1,105 @@
+//! Models for other programs.
+
+use std::path::{Path, PathBuf};
+
+use aurt::CalibratedModel;
+use aurt_workbench::{
+    exporting::{self, Format, Kind, ModelFile, Target},
+    failure::Failure,
+    output::OutputFolder,
+};
+use pyo3::prelude::*;
+
+use crate::{error::refused, settings::choice};
+
+/// What an export wrote.
+#[pyclass(frozen, get_all, module = "aurt")]
+pub struct Exported {
+    /// Paths of the files.
+    files: Vec<PathBuf>,
+    /// What a person should know of them.
+    notes: Vec<String>,
+    /// What was changed in the file that was corrected.
+    changed: Vec<String>,
+    /// What of the model the target cannot express.
+    lost: Vec<String>,
+}
+
+#[pymethods]
+impl Exported {
+    fn __repr__(&self) -> String {
+        let files: Vec<String> = self.files.iter().map(|file| file.display().to_string()).collect();
+        format!("<aurt.Exported: {}; {} things not exported>", files.join(", "), self.lost.len())
+    }
+}
+
+/// An export that is asked for.
+pub struct Order {
+    target: Target,
+    name: String,
+    into: Option<(PathBuf, Format)>,
+    ends: [Option<String>; 2],
+}
+
+impl Order {
+    /// An export as a user asks for it.
+    ///
+    /// # Errors
+    /// What does not go together.
+    pub fn new(
+        target: &str,
+        kind: Option<&str>,
+        into: Option<PathBuf>,
+        ends: [Option<String>; 2],
+        name: &str,
+    ) -> PyResult<Self> {
+        let kinds = [("inverse", Kind::Inverse), ("forward", Kind::Forward)];
+        let kind = kind.map(|kind| choice("kind", kind, &kinds)).transpose()?;
+        let targets = [
+            ("c", Target::C),
+            ("rust", Target::Rust),
+            ("mjcf", Target::Mjcf),
+            ("urdf", Target::Urdf),
+            ("sdf", Target::Sdf),
+            ("fmu", Target::Fmu(kind.unwrap_or(Kind::Inverse))),
+        ];
+        let target = choice("target", target, &targets)?;
+        match (target, kind) {
+            (Target::Fmu(_), None) => {
+                return Err(refused("the target \"fmu\" needs kind=\"inverse\" or kind=\"forward\""));
+            }
+            (Target::Fmu(_), Some(_)) | (_, None) => {}
+            (_, Some(_)) => return Err(refused("kind is of the target \"fmu\" alone; leave it out")),
+        }
+        let format = match target {
+            Target::Mjcf => Some(Format::Mjcf),
+            Target::Urdf => Some(Format::Urdf),
+            _ => None,
+        };
+        if into.is_some() && format.is_none() {
+            return Err(refused("into is of the targets \"mjcf\" and \"urdf\" alone; leave it out"));
+        }
+        if into.is_none() && ends.iter().any(Option::is_some) {
+            return Err(refused("base and tip name bodies of the file `into`, which is missing"));
+        }
+        Ok(Self { target, name: name.to_owned(), into: into.zip(format), ends })
+    }
+
+    /// Exports.
+    ///
+    /// # Errors
+    /// What the target cannot take, and where files cannot be.
+    pub fn carry_out(&self, model: &CalibratedModel, out: &Path) -> Result<Exported, Failure> {
+        let out = OutputFolder::new("out", out)?;
+        let model = ModelFile::of(model.clone())?;
+        let made = match &self.into {
+            Some((file, format)) => {
+                exporting::correct(&model, file, *format, self.ends.each_ref().map(Option::as_deref))?
+            }
+            None => exporting::export(&model, &self.name, self.target)?,
+        };
+        let inputs: Vec<&Path> = self.into.iter().map(|(file, _)| file.as_path()).collect();
+        let files = made.write(&out, "out", &inputs)?;
+        Ok(Exported { files, notes: made.notes, changed: made.changed, lost: made.lost })
+    }
+}
