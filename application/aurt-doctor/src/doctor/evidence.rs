@@ -11,7 +11,7 @@ const FALSE_ACCUSATIONS: f64 = 0.005;
 pub const TESTS: usize = 3;
 /// Gain from which on a setup is told. What the model leaves out makes some wrong setups surely better than the right one, but
 /// by less (docs/mistakes.md).
-pub const LEAST_GAIN: f64 = 0.15;
+pub const LEAST_GAIN: f64 = 0.3;
 
 /// Vuong's comparison (1989, *Econometrica* 57) of two setups that are fitted to the same rows and judged on others.
 ///
@@ -20,7 +20,7 @@ pub const LEAST_GAIN: f64 = 0.15;
 /// alike. Where the other setup is no better but for what no setup models, the mean over its standard error is Student's t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
-    /// Mean over rows and joints of the logarithm of the likelihood ratio: of ln(r before / r after).
+    /// Mean over rows of the logarithm of the likelihood ratio: Σ_j ln(r_j before / r_j after).
     pub gain: f64,
     /// Its standard error.
     pub deviation: f64,
@@ -34,13 +34,12 @@ impl Evidence {
     pub fn of<'s>(pairs: impl IntoIterator<Item = (Option<&'s Score>, &'s Score)>) -> Option<Self> {
         let mut differences = Vec::new();
         for (before, after) in pairs {
-            let joints = after.joints.iter().flatten().count().max(1) as f64;
             for (k, part) in after.parts.iter().enumerate() {
                 let rows = part.first().map_or(0, Vec::len);
                 let batches = rows.isqrt();
                 let own = after.likelihoods(k, batches);
                 let others = before.map_or_else(|| vec![0.0; batches], |b| b.likelihoods(k, batches));
-                differences.extend(own.iter().zip(others).map(|(a, b)| (a - b) / joints));
+                differences.extend(own.iter().zip(others).map(|(a, b)| a - b));
             }
         }
         let batches = differences.len();
@@ -54,6 +53,11 @@ impl Evidence {
     /// For programs.
     pub fn to_json(self) -> Value {
         json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })
+    }
+
+    /// Whether it is more than chance, and more than what a model leaves out makes up for.
+    pub fn is_enough(&self) -> bool {
+        self.gain >= LEAST_GAIN && self.is_sure(1)
     }
 
     /// Whether the gain is more than chance, if it is the best of so many.

@@ -7,11 +7,11 @@ use super::{
     mistake::{Mistake, Table},
     setup::{Setup, Subject},
     trial::{Bench, Score},
-    usual::{of_file, usual},
+    usual::usual,
 };
 
 /// Setups in which one recording judges and all others are fitted; none of a single recording.
-fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
+pub fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
     let files = setup.files();
     if files.len() < 2 {
         return Vec::new();
@@ -28,9 +28,12 @@ fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
 
 /// How much likelier another setup makes stretches of recordings, each predicted from the rest of its own recording.
 ///
-/// What changed between recordings, a load for one, is the same in both setups here.
-pub fn within(bench: &Bench, setup: &Setup, other: &Setup, file: Option<usize>) -> Option<Evidence> {
-    let files = file.map_or_else(|| setup.files(), |f| vec![f]);
+/// What changed between recordings, a load for one, is the same in both setups here. `whole` is the setup in which nothing is
+/// undone, with all of its recordings.
+pub fn within(bench: &Bench, whole: &Setup, setups: [&Setup; 2], file: Option<usize>) -> Option<Evidence> {
+    let files = file.map_or_else(|| whole.files(), |f| vec![f]);
+    let whole_of = |s: &Setup| s.undone.iter().fold(whole.clone(), |whole, mistake| mistake.undone(&whole));
+    let [setup, other] = setups.map(|s| bench.modelled(&whole_of(s)));
     let pairs: Vec<(Setup, Setup)> =
         files.iter().flat_map(|f| setup.stretches(*f).into_iter().zip(other.stretches(*f))).collect();
     let scores: Vec<(Option<Score>, Score)> = pairs
@@ -38,45 +41,6 @@ pub fn within(bench: &Bench, setup: &Setup, other: &Setup, file: Option<usize>) 
         .filter_map(|(before, after)| Some((bench.score(&before), bench.score(&after)?)))
         .collect();
     Evidence::of(scores.iter().map(|(before, after)| (before.as_ref(), after)))
-}
-
-/// A mistake in one recording, with how the others predict that without it.
-pub struct InOne {
-    pub mistake: Mistake,
-    /// The setup in which the recording judges.
-    pub setup: Setup,
-    pub evidence: Evidence,
-    /// The errors of the recording before and after.
-    pub errors: [f64; 2],
-}
-
-/// The mistake in one recording that takes the error with which the others predict it to the smallest share.
-///
-/// A model fitted to all recordings takes up part of what is wrong with one of them, and what is held out may not have it at
-/// all: the recording itself, predicted from the others, shows it whole.
-pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne> {
-    let tried: Vec<Vec<InOne>> = folds(setup)
-        .into_iter()
-        .map(|(file, fold)| {
-            let mistakes = of_file(fold.moving_joints(), file);
-            *trials += mistakes.len() + 1;
-            let Some(before) = bench.score(&fold) else { return Vec::new() };
-            mistakes
-                .into_par_iter()
-                .filter_map(|mistake| {
-                    let after = bench.score(&mistake.undone(&fold)).filter(|s| s.total < before.total)?;
-                    let evidence = Evidence::of([(Some(&before), &after)])?;
-                    Some(InOne {
-                        mistake,
-                        setup: fold.clone(),
-                        evidence,
-                        errors: [before.total, after.total],
-                    })
-                })
-                .collect()
-        })
-        .collect();
-    tried.into_iter().flatten().max_by(|a, b| a.evidence.gain.total_cmp(&b.evidence.gain))
 }
 
 /// How another robot predicts each recording from the others, against the one that was set up.
@@ -103,7 +67,7 @@ impl Likelier {
 /// What some recording is less likely with is left out.
 pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
     let bench = &bench.comparing();
-    let setup = &setup.without_model();
+    let setup = &bench.modelled(setup);
     let now: Option<Vec<Score>> = folds(setup).iter().map(|(_, fold)| bench.score(fold)).collect();
     let Some(now) = now.filter(|n| !n.is_empty()) else { return Vec::new() };
     let mistakes: Vec<Mistake> = usual(subject, setup).into_iter().filter(is_of_the_robot).collect();

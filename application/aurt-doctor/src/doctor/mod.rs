@@ -92,8 +92,10 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         presliding_friction: presliding_friction(registry)?,
         often_left_out: often_left_out(registry)?,
         compares: false,
-    };
-    let found = search(subject, &bench, &Setup::of(subject)?, thorough);
+    }
+    .completed();
+    let [brief, whole] = [Setup::of(subject, true)?, Setup::of(subject, false)?];
+    let found = search(subject, &bench, [&brief, &whole], thorough);
     Ok(Examination {
         before: found.before,
         after: found.after,
@@ -227,9 +229,12 @@ impl Examination {
             ));
         }
         if !fed.is_empty() {
+            let (joints, what) = match fed.len() {
+                1 => ("joint", "sign of its position and measurement"),
+                _ => ("joints", "signs of their positions and measurements"),
+            };
             said.push(format!(
-                "The friction that fits joints {} gives power instead of taking it: check the signs of their positions and \
-                 measurements.",
+                "The friction that fits {joints} {} gives power instead of taking it: check the {what}.",
                 fed.join(", ")
             ));
         }

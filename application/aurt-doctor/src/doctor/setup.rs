@@ -17,7 +17,9 @@ use aurt_recording::{Recording, preprocess};
 use aurt_traits::{ArmTerm, MeasurementUnit, RigidBodyRegressor, RobotModel};
 use aurt_workbench::{experiments, failure::Failure};
 
-/// Samples of all recordings of one role that a trial looks at.
+use super::mistake::Mistake;
+
+/// Samples of all recordings of one role that a trial looks at, and of each recording that a test does.
 const MOST_SAMPLES: usize = 1800;
 /// Samples per period of f_dyn that thinned recordings keep: the position filter at 5 f_dyn needs more than ten.
 const SAMPLES_PER_PERIOD: f64 = 12.0;
@@ -25,6 +27,8 @@ const SAMPLES_PER_PERIOD: f64 = 12.0;
 const FITTED_SHARE: f64 = 0.7;
 /// Stretches of a recording that are predicted from each other.
 const STRETCHES: usize = 3;
+/// Of the speed of a recording, what counts as rest.
+const SLOW_SHARE: f64 = 0.1;
 /// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
 /// f_dyn of a trial, at most, Hz.
@@ -185,6 +189,8 @@ pub struct Setup {
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
     pub parts: Vec<Part>,
+    /// What was undone in it.
+    pub undone: Vec<Mistake>,
     /// The model of these links and joints, once it was asked for; nothing in it if there is none.
     pub model: OnceLock<Option<Arc<RobotModel>>>,
 }
@@ -202,6 +208,9 @@ pub struct Part {
     pub recording: Arc<Recording>,
     /// How it is preprocessed.
     pub options: Arc<Preprocessing>,
+    /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
+    /// the recording as it is, so that the same rows count whatever the units of angles and stamps.
+    pub slow_rad_s: f64,
     prepared: OnceLock<Option<Arc<NamedRecording>>>,
 }
 
@@ -225,17 +234,19 @@ impl Part {
             fitted: self.fitted,
             recording,
             options,
+            slow_rad_s: self.slow_rad_s,
             prepared: OnceLock::new(),
         }
     }
 }
 
 impl Setup {
-    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each does.
+    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each does. Those of one
+    /// role have so many samples together if it is `brief`, each so many otherwise.
     ///
     /// # Errors
     /// If a window holds no samples.
-    pub fn of(subject: &Subject) -> Result<Self, Failure> {
+    pub fn of(subject: &Subject, brief: bool) -> Result<Self, Failure> {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
         let pipeline = Pipeline {
@@ -249,7 +260,7 @@ impl Setup {
         for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
             let whole = window(&assigned.loaded)?;
             let options = pipeline.options(whole.unit, Purpose::Calibration);
-            let most = MOST_SAMPLES / counted(assigned.role).max(1);
+            let most = if brief { MOST_SAMPLES / counted(assigned.role).max(1) } else { MOST_SAMPLES };
             let thin = Thin::new(&whole, &options, most);
             let recording = thin.recording(&whole);
             let options = thin.options(&options);
@@ -257,12 +268,14 @@ impl Setup {
                 Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
             });
             let label = assigned.loaded.source.label.clone();
+            let slow_rad_s = SLOW_SHARE * speed_rad_s(&recording);
             let part = |range: std::ops::Range<usize>, fitted| Part {
                 file,
                 label: label.clone(),
                 fitted,
                 recording: Arc::new(cut(&recording, range)),
                 options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
+                slow_rad_s,
                 prepared: OnceLock::new(),
             };
             let samples = recording.samples();
@@ -278,13 +291,9 @@ impl Setup {
             couplings: subject.couplings.clone(),
             gravity_m_s2: subject.gravity_m_s2,
             parts,
+            undone: Vec::new(),
             model: OnceLock::new(),
         })
-    }
-
-    /// The same before a model with other friction is asked for.
-    pub fn without_model(&self) -> Self {
-        Self { model: OnceLock::new(), ..self.clone() }
     }
 
     /// Number of joints that move on their own.
@@ -307,7 +316,7 @@ impl Setup {
                 ..first.with(stretch.clone(), options.clone())
             };
             let parts = stretches.iter().enumerate().map(part).collect();
-            Self { parts, ..self.without_model() }
+            Self { parts, ..self.clone() }
         };
         (0..STRETCHES).map(judged_by).collect()
     }
@@ -325,6 +334,16 @@ fn window(loaded: &Loaded) -> Result<Recording, Failure> {
         Some(window) => loaded.recording.window(window)?,
         None => loaded.recording.clone().into(),
     })
+}
+
+/// The root mean square over all joints, rad/s.
+fn speed_rad_s(recording: &Recording) -> f64 {
+    let speeds = recording.position_rad.iter().flat_map(|q| {
+        let steps = q.windows(2).zip(recording.time_s.windows(2));
+        steps.map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0])).filter(|v| v.is_finite())
+    });
+    let (count, sum) = speeds.fold((1.0, 0.0), |(count, sum), v| (count + 1.0, sum + v * v));
+    (sum / count).sqrt()
 }
 
 /// How a recording is thinned.

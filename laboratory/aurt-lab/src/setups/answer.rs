@@ -90,6 +90,7 @@ impl Answer {
         let (findings, mistakes) =
             (texts(&json["findings"], None), texts(&json["setup"]["mistakes"], Some("sentence")));
         let mut said = findings;
+        said.extend(json["setup"]["doubt"].as_str().map(str::to_owned));
         if output.status.code() != Some(0) {
             said.push(
                 String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" "),

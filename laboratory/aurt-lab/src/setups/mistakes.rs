@@ -252,9 +252,7 @@ fn constants_exchanged(setup: &mut Setup, random: &mut Random) -> Option<(String
         return None;
     }
     constants.swap(a, b);
-    let mut cures = joint_words(a, &["constant"]);
-    cures.extend(joint_words(b, &["constant"]));
-    Some((format!("joints {a} and {b}"), cures))
+    Some((format!("joints {a} and {b}"), vec![vec![format!("the torque constants of joints {a} and {b}")]]))
 }
 
 fn constant_off(setup: &mut Setup, random: &mut Random) -> Option<(String, Vec<Vec<String>>)> {
