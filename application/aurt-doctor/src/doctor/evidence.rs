@@ -11,7 +11,7 @@ const FALSE_ACCUSATIONS: f64 = 0.005;
 pub const TESTS: usize = 3;
 /// Gain from which on a setup is told. What the model leaves out makes some wrong setups surely better than the right one, but
 /// by less (docs/mistakes.md).
-pub const LEAST_GAIN: f64 = 0.3;
+const LEAST_GAIN: f64 = 1.0;
 
 /// Vuong's comparison (1989, *Econometrica* 57) of two setups that are fitted to the same rows and judged on others.
 ///

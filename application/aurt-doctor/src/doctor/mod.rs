@@ -1,13 +1,13 @@
 //! The setup doctor: whether a robot's description and its recordings belong together, and which of the usual mistakes
 //! would explain it if they do not.
 //!
-//! A trial undoes one mistake, calibrates rigid bodies with plain friction on a thinned part of the recordings and judges
-//! the fit on what is held out. The error of a setup is the root of the mean over joints of Σe²/Σy², of which a joint
-//! contributes 1 at most, and 1 where friction that feeds power into the joint would be needed: a model with
-//! all signs turned fits as well, but cannot be.
+//! A trial undoes one mistake, calibrates rigid bodies with rotors, offsets of the measurement and plain friction on a
+//! thinned part of the recordings and judges the fit on what is held out, where joints move. The error of a setup is the
+//! root of the mean over joints of Σe²/Σy², of which a joint contributes 1 at most, and 1 where friction that feeds power
+//! into the joint would be needed: a model with all signs turned fits as well, but cannot be.
 //!
-//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 30 % at some joint that moves; otherwise the
-//! likely ones, each alone. A mistake is told by a test of the likelihood of what is held out, of which the rate of false
+//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 20 % at some joint that moves; otherwise the
+//! likely ones, and the others if one of these would be told. A mistake is told by a test of the likelihood of what is held out, of which the rate of false
 //! accusations is stated ([`evidence`]); undoing it must lower the error.
 
 mod columns;
@@ -84,16 +84,20 @@ pub fn examine_calibrated(
 }
 
 fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Result<Examination, Failure> {
+    let mut arm_terms = subject.arm_terms.clone();
+    for term in often_left_out(registry)? {
+        if arm_terms.iter().all(|there| there.name() != term.name()) {
+            arm_terms.push(term);
+        }
+    }
     let bench = Bench {
         friction: plain_friction(registry)?,
-        arm_terms: subject.arm_terms.clone(),
+        arm_terms,
         scopes: subject.scopes.clone(),
         loaded_friction: loaded_friction(registry)?,
         presliding_friction: presliding_friction(registry)?,
-        often_left_out: often_left_out(registry)?,
         compares: false,
-    }
-    .completed();
+    };
     let [brief, whole] = [Setup::of(subject, true)?, Setup::of(subject, false)?];
     let found = search(subject, &bench, [&brief, &whole], thorough);
     Ok(Examination {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    evidence::{Evidence, LEAST_GAIN, TESTS},
+    evidence::{Evidence, TESTS},
     explained::LEAST_EXPLAINED,
     folds::{folds, likelier, within},
     mistake::{Mistake, Reading},
@@ -20,6 +20,8 @@ const DOUBTFUL: f64 = 0.5;
 const PAIRED: usize = 4;
 /// Pairs are tried where the error is at least this.
 const PAIRS_FROM: f64 = 0.4;
+/// Of mistakes of which the gain is within this of the best one, the most usual is told.
+const ALIKE: f64 = 0.3;
 /// Fitted values are told if they take the error to at most this share of that with the values tried.
 const ROUND: f64 = 0.85;
 /// A fitted value is better by this gain at least.
@@ -112,7 +114,7 @@ struct Search<'a> {
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
 #[derive(Debug, Clone, Copy)]
 pub enum Thorough {
-    /// If a joint's error is at least 30 %.
+    /// If a joint's error is at least 20 %.
     AnyJoint,
     /// If that over all joints is at least 50 %; below, none is tried.
     AllJoints,
@@ -251,9 +253,10 @@ impl Search<'_> {
         loop {
             let most = open.iter().map(|(e, _)| e.gain).max_by(f64::total_cmp)?;
             // Of those that are nearly as good the most usual one.
-            let (across, first) = *open.iter().find(|(e, _)| e.gain >= most - LEAST_GAIN)?;
-            let is_behind =
-                |t: &Tried| Evidence::of([(Some(&t.score), &first.score)]).is_some_and(|e| e.is_enough());
+            let (across, first) = *open.iter().find(|(e, _)| e.gain >= most - ALIKE)?;
+            let is_behind = |t: &Tried| {
+                Evidence::of([(Some(&t.score), &first.score)]).is_some_and(|e| e.gain > ALIKE && e.is_sure(1))
+            };
             let others = open.iter().filter(|(_, t)| t.mistakes != first.mistakes && !is_behind(t));
             let alike = others.filter_map(|(_, t)| t.last().cloned()).collect();
             let best = Tried { alike, ..first.clone() };
@@ -309,11 +312,13 @@ impl Search<'_> {
         matches!(self.tested(setups, mistake, across, errors), Tested::Told)
     }
 
-    /// What else than the mistake could explain the data: friction that builds up over a distance comes late, rotors and load make
-    /// up for bodies that are elsewhere.
+    /// What else than the mistake could explain the data: friction that builds up over a distance comes late, and friction that
+    /// grows with the load makes up for bodies that are elsewhere or columns in another order.
     fn bench_for(&self, mistake: &Mistake) -> Bench {
         match mistake {
-            Mistake::Gravity { .. } | Mistake::Geometry { .. } => self.bench.comparing(),
+            Mistake::Gravity { .. }
+            | Mistake::Geometry { .. }
+            | Mistake::Reading { what: Reading::Order { .. }, .. } => self.bench.comparing(),
             Mistake::Reading { what: Reading::Delay(_), .. } => self.bench.presliding(),
             Mistake::Reading { .. } => self.bench.clone(),
         }
@@ -444,7 +449,7 @@ impl Search<'_> {
     /// The first of those that are nearly the likeliest, with the rest of these.
     fn likeliest(&self, tried: &[Tried]) -> Option<Tried> {
         let least = tried.iter().map(|t| t.score.logarithm()).min_by(f64::total_cmp)?;
-        let mut near = tried.iter().filter(|t| t.score.logarithm() <= least + LEAST_GAIN);
+        let mut near = tried.iter().filter(|t| t.score.logarithm() <= least + ALIKE);
         let first = near.next()?;
         Some(Tried { alike: near.filter_map(|t| t.last().cloned()).collect(), ..first.clone() })
     }

@@ -23,7 +23,7 @@ use super::mistake::Mistake;
 const MOST_SAMPLES: usize = 1800;
 /// Samples per period of f_dyn that thinned recordings keep: the position filter at 5 f_dyn needs more than ten.
 const SAMPLES_PER_PERIOD: f64 = 12.0;
-/// Share of a recording that is fitted where none is held out; the rest judges.
+/// Share of the motion of a recording that is fitted where none is held out; the rest judges.
 const FITTED_SHARE: f64 = 0.7;
 /// Stretches of a recording that are predicted from each other.
 const STRETCHES: usize = 3;
@@ -241,7 +241,7 @@ impl Part {
 }
 
 impl Setup {
-    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each does. Those of one
+    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does. Those of one
     /// role have so many samples together if it is `brief`, each so many otherwise.
     ///
     /// # Errors
@@ -268,7 +268,10 @@ impl Setup {
                 Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
             });
             let label = assigned.loaded.source.label.clone();
-            let slow_rad_s = SLOW_SHARE * speed_rad_s(&recording);
+            let speeds = speeds_rad_s(&recording);
+            let squares: f64 = speeds.iter().flatten().map(|v| v * v).sum();
+            let count = speeds.iter().map(Vec::len).sum::<usize>().max(1);
+            let slow_rad_s = SLOW_SHARE * (squares / count as f64).sqrt();
             let part = |range: std::ops::Range<usize>, fitted| Part {
                 file,
                 label: label.clone(),
@@ -282,7 +285,10 @@ impl Setup {
             if is_held_out {
                 parts.push(part(0..samples, assigned.role == Role::Calibration));
             } else {
-                let fitted = (samples as f64 * FITTED_SHARE) as usize;
+                let moves = |k: &usize| speeds.iter().any(|v| v[*k].abs() > slow_rad_s);
+                let moving: Vec<usize> = (0..samples.saturating_sub(1)).filter(moves).collect();
+                let last = (moving.len() as f64 * FITTED_SHARE) as usize;
+                let fitted = moving.get(last).map_or(samples, |k| k + 1);
                 parts.extend([part(0..fitted, true), part(fitted..samples, false)]);
             }
         }
@@ -336,14 +342,14 @@ fn window(loaded: &Loaded) -> Result<Recording, Failure> {
     })
 }
 
-/// The root mean square over all joints, rad/s.
-fn speed_rad_s(recording: &Recording) -> f64 {
-    let speeds = recording.position_rad.iter().flat_map(|q| {
-        let steps = q.windows(2).zip(recording.time_s.windows(2));
-        steps.map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0])).filter(|v| v.is_finite())
-    });
-    let (count, sum) = speeds.fold((1.0, 0.0), |(count, sum), v| (count + 1.0, sum + v * v));
-    (sum / count).sqrt()
+/// From each sample to the next, per joint, rad/s; 0 where the stamps tell none.
+fn speeds_rad_s(recording: &Recording) -> Vec<Vec<f64>> {
+    let speed = |(q, t): (&[f64], &[f64])| {
+        let speed = (q[1] - q[0]) / (t[1] - t[0]);
+        if speed.is_finite() { speed } else { 0.0 }
+    };
+    let of = |q: &Vec<f64>| q.windows(2).zip(recording.time_s.windows(2)).map(speed).collect();
+    recording.position_rad.iter().map(of).collect()
 }
 
 /// How a recording is thinned.

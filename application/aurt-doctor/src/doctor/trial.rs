@@ -25,7 +25,7 @@ const LEAST_MOVING: f64 = 0.1;
 pub struct Bench {
     /// Friction of a joint: a Coulomb coefficient and a viscous one.
     pub friction: JointStack,
-    /// What the model has beside.
+    /// What the model has beside, with what experiments often leave out.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
     /// In which recordings each of them acts.
     pub scopes: TermScopes,
@@ -33,8 +33,6 @@ pub struct Bench {
     pub loaded_friction: JointStack,
     /// Friction that builds up over a distance: after a reversal it comes late.
     pub presliding_friction: JointStack,
-    /// What experiments often leave out.
-    pub often_left_out: Vec<Box<dyn ArmTerm>>,
     /// Whether robots are compared: with a load from a first fit.
     pub compares: bool,
 }
@@ -114,13 +112,6 @@ impl Bench {
     /// The bench on which a delay is none of friction.
     pub fn presliding(&self) -> Self {
         Self { friction: self.presliding_friction.clone(), ..self.clone() }
-    }
-
-    /// The same with what experiments often leave out.
-    pub fn completed(&self) -> Self {
-        let is_there = |name: &str| self.arm_terms.iter().any(|term| term.name() == name);
-        let left_out = self.often_left_out.iter().filter(|term| !is_there(term.name()));
-        Self { arm_terms: self.arm_terms.iter().chain(left_out).cloned().collect(), ..self.clone() }
     }
 
     /// A setup with the model of this bench, once for all that is cut from it.
