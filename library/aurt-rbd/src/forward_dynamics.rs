@@ -28,9 +28,11 @@ impl ChainDynamics {
         self.velocities_and_bias_forces(qd_rad_s);
         self.articulate(torque_nm);
 
-        let mut angular = Vector3::zeros();
-        let mut linear = -Vector3::from(self.chain.gravity_m_s2());
-        for (i, link) in self.scratch.iter().enumerate() {
+        let base = [Vector3::zeros(), -Vector3::from(self.chain.gravity_m_s2()), Vector3::zeros()];
+        for i in 0..joints {
+            let parent = self.chain.parent(i);
+            let [mut angular, mut linear, _] = parent.map_or(base, |p| self.scratch[p].motion);
+            let link = &mut self.scratch[i];
             let into = link.rotation.transpose();
             linear = into * (linear + angular.cross(&link.origin)) + link.bias_linear;
             angular = into * angular + link.bias_angular;
@@ -40,20 +42,23 @@ impl ChainDynamics {
             let (turning, sliding) = joint_velocity(joint.kind, rate_dot);
             angular += turning;
             linear += sliding;
+            link.motion = [angular, linear, Vector3::zeros()];
             qdd_rad_s2[i] = joint.sign * rate_dot;
         }
     }
 
     /// Outward: spatial velocities, velocity-product accelerations, bias forces and the links' inertias.
     fn velocities_and_bias_forces(&mut self, qd_rad_s: &[f64]) {
-        let mut angular = Vector3::zeros();
-        let mut linear = Vector3::zeros();
-        for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
-            let joint = &self.chain.joints()[i];
+        for (i, body) in self.links.iter().enumerate() {
+            let parent = self.chain.parent(i);
+            let [mut angular, mut linear, _] =
+                parent.map_or([Vector3::zeros(); 3], |p| self.scratch[p].motion);
+            let (link, joint) = (&mut self.scratch[i], &self.chain.joints()[i]);
             let (turning, sliding) = joint_velocity(joint.kind, joint.sign * qd_rad_s[i]);
             let into = link.rotation.transpose();
             linear = into * (linear + angular.cross(&link.origin)) + sliding;
             angular = into * angular + turning;
+            link.motion = [angular, linear, Vector3::zeros()];
             link.bias_angular = angular.cross(&turning);
             link.bias_linear = linear.cross(&turning) + angular.cross(&sliding);
             let h = &body.first_moment;
@@ -76,9 +81,7 @@ impl ChainDynamics {
             link.axis_force = axis_force;
             link.axis_inertia = on_axis(joint.kind, &axis_moment, &axis_force) + self.rotor_inertia_kg_m2[i];
             link.axis_torque = joint.sign * torque_nm[i] - on_axis(joint.kind, &link.moment, &link.force);
-            if i == 0 {
-                break;
-            }
+            let Some(parent) = self.chain.parent(i) else { continue };
             let inverse = 1.0 / link.axis_inertia;
             let passed_on = Articulated {
                 j: j - axis_moment * axis_moment.transpose() * inverse,
@@ -92,7 +95,7 @@ impl ChainDynamics {
             let (rotation, origin) = (link.rotation, link.origin);
             let carried = passed_on.in_previous(&rotation, &origin);
             let force = rotation * force;
-            let previous = &mut self.scratch[i - 1];
+            let previous = &mut self.scratch[parent];
             previous.articulated.j += carried.j;
             previous.articulated.h += carried.h;
             previous.articulated.m += carried.m;

@@ -7,8 +7,8 @@ use crate::dynamics::on_axis;
 impl ChainDynamics {
     /// Joint torques τ(q, q̇, q̈) in Nm, by the recursive Newton–Euler algorithm (Luh, Walker, Paul, 1980).
     ///
-    /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from the previous
-    /// one's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
+    /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from those of its
+    /// parent's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
     /// its origin. Inward, forces and moments add up, and a revolute joint carries their moment about its axis, a
     /// prismatic one their force along it.
     ///
@@ -44,11 +44,11 @@ impl ChainDynamics {
         assert_eq!(torque_nm.len(), self.joints(), "joint torques");
         self.place(q_rad);
         let axis = Vector3::z();
-        let mut omega = Vector3::zeros();
-        let mut omega_dot = Vector3::zeros();
-        let mut accel = -Vector3::from(self.chain.gravity_m_s2());
-        for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
-            let joint = &self.chain.joints()[i];
+        let base = [Vector3::zeros(), Vector3::zeros(), -Vector3::from(self.chain.gravity_m_s2())];
+        for (i, body) in self.links.iter().enumerate() {
+            let parent = self.chain.parent(i);
+            let [mut omega, mut omega_dot, mut accel] = parent.map_or(base, |p| self.scratch[p].motion);
+            let (link, joint) = (&mut self.scratch[i], &self.chain.joints()[i]);
             let (qd, qdd) = (joint.sign * qd_rad_s[i], joint.sign * qdd_rad_s2(i));
             let into = link.rotation.transpose();
             let r = &link.origin;
@@ -65,6 +65,7 @@ impl ChainDynamics {
                     accel += 2.0 * omega.cross(&(axis * qd)) + axis * qdd;
                 }
             }
+            link.motion = [omega, omega_dot, accel];
             let h = &body.first_moment;
             link.force = body.mass * accel + omega_dot.cross(h) + omega.cross(&omega.cross(h));
             link.moment = body.inertia * omega_dot + omega.cross(&(body.inertia * omega)) + h.cross(&accel);
@@ -74,9 +75,9 @@ impl ChainDynamics {
             let rotor = self.rotor_inertia_kg_m2[i] * qdd_rad_s2(i);
             let joint = &self.chain.joints()[i];
             torque_nm[i] = joint.sign * on_axis(joint.kind, &link.moment, &link.force) + rotor;
-            if i > 0 {
+            if let Some(parent) = self.chain.parent(i) {
                 let force = link.rotation * link.force;
-                let previous = &mut self.scratch[i - 1];
+                let previous = &mut self.scratch[parent];
                 previous.force += force;
                 previous.moment += link.rotation * link.moment + link.origin.cross(&force);
             }
