@@ -228,7 +228,8 @@ fn every_fault_has_its_place_and_remedy() {
         ),
         (
             two_links(&format!("<joint name=\"j\" type=\"floating\">{ends}</joint>")),
-            "joint j: is floating, which serial chains cannot have; choose a base behind it: `b`",
+            "joint j: is floating, and models have joints of one degree of freedom on a fixed base (one that moves would need its pose \
+             and the forces of its contacts); choose a base behind it: `b`",
         ),
         (
             two_links(&format!(
