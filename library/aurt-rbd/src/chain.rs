@@ -144,7 +144,18 @@ impl SerialChain {
     /// Whether every joint sits on the link of the joint before.
     #[must_use]
     pub fn is_serial(&self) -> bool {
-        self.joints.iter().all(|joint| joint.parent == Parent::Previous)
+        self.check_serial().is_ok()
+    }
+
+    /// Refuses trees.
+    ///
+    /// # Errors
+    /// [`RbdError::Tree`] with the first joint that does not sit on the link of the joint before.
+    pub fn check_serial(&self) -> Result<(), RbdError> {
+        match self.joints.iter().position(|joint| joint.parent != Parent::Previous) {
+            Some(joint) => Err(RbdError::Tree { joint }),
+            None => Ok(()),
+        }
     }
 
     /// Gravitational acceleration in the base frame, m/s².
