@@ -16,29 +16,28 @@ impl ChainDynamics {
         for (link, body) in self.scratch.iter_mut().zip(&self.links) {
             link.articulated = body.articulated();
         }
-        mass_matrix_kg_m2.fill(0.0);
-        for i in (0..joints).rev() {
-            let composite = self.scratch[i].articulated;
-            let joint = &self.chain.joints()[i];
+        if !self.chain.is_serial() {
+            mass_matrix_kg_m2.fill(0.0);
+        }
+        let (all, scratch) = (self.chain.joints(), &mut self.scratch[..]);
+        for (i, joint) in all.iter().enumerate().rev() {
+            let composite = scratch[i].articulated;
             let (moment, force) = composite.along_axis(joint.kind);
             let own = on_axis(joint.kind, &moment, &force);
             mass_matrix_kg_m2[i * joints + i] = own + self.rotor_inertia_kg_m2[i];
             let (mut moment, mut force) = (moment * joint.sign, force * joint.sign);
             // The force that accelerates the links from i on, as each joint that carries them feels it.
-            let mut child = i;
-            while let Some(j) = self.chain.parent(child) {
-                let link = &self.scratch[child];
+            for step in self.chain.path(i).windows(2).rev() {
+                let (j, link, joint) = (step[0], &scratch[step[1]], &all[step[0]]);
                 force = link.rotation * force;
                 moment = link.rotation * moment + link.origin.cross(&force);
-                let joint = &self.chain.joints()[j];
                 let entry = joint.sign * on_axis(joint.kind, &moment, &force);
                 mass_matrix_kg_m2[i * joints + j] = entry;
                 mass_matrix_kg_m2[j * joints + i] = entry;
-                child = j;
             }
-            if let Some(parent) = self.chain.parent(i) {
-                let carried = composite.in_previous(&self.scratch[i].rotation, &self.scratch[i].origin);
-                let previous = &mut self.scratch[parent].articulated;
+            if let Some(parent) = joint.parent.of(i) {
+                let carried = composite.in_previous(&scratch[i].rotation, &scratch[i].origin);
+                let previous = &mut scratch[parent].articulated;
                 previous.j += carried.j;
                 previous.h += carried.h;
                 previous.m += carried.m;
