@@ -1,7 +1,7 @@
 //! A torso with two arms: the model is of one, and the other moves; or of both.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt::{data::Loaded, prelude::*, traits::Motion};
+use aurt::{Drive, data::Loaded, friction::arm_terms::payload::Payload, prelude::*, traits::Motion};
 use aurt_recording::{ReadOptions, RecordedJoints, RobotJoints, read_recording};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -194,6 +194,33 @@ fn both_arms_are_one_tree_and_a_load_is_on_the_hand_that_carries_it() {
     assert_eq!((load.effect.as_str(), load.parameters["link"].value.as_f64()), ("payload", Some(1.0)));
     let mass = load.parameters["mass_kg"].value.as_f64().unwrap();
     assert!((mass - 1.5).abs() < 0.1, "{mass}");
+}
+
+#[test]
+fn a_calibrated_tree_is_saved_moves_and_asks_for_the_link_of_a_load() {
+    let whole = Robot::from_urdf(&urdf(4.0), None, None, GRAVITY).unwrap();
+    let model = || whole.model().friction(Friction::coulomb());
+    let calibrate = |model| Calibrator::new(model).calibration(&read(&whole, 1.0, 0.7)).calibrate();
+    let calibrated = calibrate(model().build().unwrap()).unwrap().calibrated;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rd_calibrated.json");
+    std::fs::write(&path, calibrated.to_file().unwrap()).unwrap();
+    let again = CalibratedModel::load(&path).unwrap();
+    let held_out = read(&whole, 2.0, 0.7);
+    let predicted = |of: &CalibratedModel| of.predict_at_stamps(&held_out).unwrap();
+    assert_eq!(predicted(&again), predicted(&calibrated));
+
+    let moved = again.moved(&held_out, Drive::Motion { bandwidth_hz: 10.0 }, &Progress::silent()).unwrap();
+    let size = |series: &[f64]| series.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    for (joint, reach) in [0.4, 0.7, 0.9, 0.8].into_iter().enumerate() {
+        let found = size(&moved.position_rad[joint]);
+        assert!((found - reach).abs() < 0.02, "joint {joint} moves by {found}, not {reach}");
+    }
+
+    let with = |link| model().arm_term(Payload { link, parameters: None }).build().unwrap();
+    let error = calibrate(with(None)).unwrap_err().to_string();
+    assert!(error.contains("the robot is a tree, and its last link 3 does not load joint 1"), "{error}");
+    assert!(calibrate(with(Some(1))).is_ok());
 }
 
 #[test]
