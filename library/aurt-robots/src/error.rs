@@ -85,7 +85,7 @@ pub enum RobotError {
         /// The name that was probably meant.
         meant: Option<String>,
         /// The names of the file, or the first of many.
-        known: Vec<String>,
+        known: Box<[String]>,
     },
     /// Several chains, none of which was asked for.
     #[error("{}: several chains start at `{base}`; choose one by its tip: {}", path.display(), tips.join(", "))]

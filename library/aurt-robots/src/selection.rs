@@ -224,7 +224,7 @@ fn find<'n>(
         which,
         name: name.into(),
         meant: meant.map(Into::into),
-        known,
+        known: known.into(),
     })
 }
 

@@ -74,7 +74,7 @@ pub(super) fn tree(
         }
         text.push_str("/>\n");
         // A last link ends at its centre of mass, as far as the model knows.
-        let end = on(Some(j)).last().map_or(body.com_m, |next| frames[next].origin_m);
+        let end = on(Some(j)).next_back().map_or(body.com_m, |next| frames[next].origin_m);
         let length = end.iter().map(|v| v * v).sum::<f64>().sqrt();
         if length > 1e-3 {
             let _ = writeln!(
