@@ -22,8 +22,8 @@ use crate::{DrivenArm, bodies::Bodies};
 
 /// Sweeps of the search for the sliding joints, and the change of velocity in rad/s at which it ends.
 const SWEEPS: (usize, f64) = (200, 1e-12);
-/// Speed in m/s above which the floor's friction is that of sliding.
-const FLOOR_SLIDES_M_S: f64 = 1e-3;
+/// Speed in m/s above which the floor's friction is that of sliding; below it, it is viscous.
+const FLOOR_SLIDES_M_S: f64 = 2e-4;
 
 /// The numbers of a joint's mechanics, in the order of their declaration.
 #[derive(Debug, Clone, Copy)]
@@ -143,10 +143,8 @@ impl<'a> Plant<'a> {
     fn step(&mut self, time_s: f64, h: f64, command: &dyn Fn(usize, Jet) -> Jet) {
         let n = self.q.len();
         let mut load = self.bias.clone();
-        if let Some((touch, _)) = &self.touch {
-            touch.press(&self.q, &self.qd, h, &mut load);
-        }
         let mut matrix = self.mass.clone();
+        let implicit = self.touch.as_ref().and_then(|(touch, _)| touch.press(&self.q, &self.qd, h, &mut load));
         let mut right = vec![Jet::ZERO; n];
         let mut level = vec![Jet::ZERO; n];
         for j in 0..n {
@@ -177,6 +175,9 @@ impl<'a> Plant<'a> {
                     right[k] += matrix[k * n + j] * self.qd[j];
                 }
             }
+        }
+        if let Some(implicit) = implicit {
+            matrix.iter_mut().zip(implicit).for_each(|(m, i)| *m += i);
         }
         let before = std::mem::take(&mut self.qd);
         let sliding = self.sliding(&matrix, &right, &level);
@@ -228,25 +229,30 @@ impl<'a> Plant<'a> {
 }
 
 impl Touch {
-    /// Adds the floor's forces, with the opposite sign, to the torques that the drives have to overcome.
-    fn press(&self, q: &[Jet], qd: &[Jet], h: f64, load: &mut [Jet]) {
-        let mut depth = -self.height;
-        for j in 0..q.len() {
-            depth -= self.rows[0][j] * (q[j] + qd[j] * (0.5 * h) - self.at[j]);
-        }
+    /// Subtracts the floor's forces at the positions from `load`, the torques that the drives have to overcome, and returns what
+    /// the floor adds to the matrix of a step: its elasticity and friction count at the end of the step. None without touch.
+    fn press(&self, q: &[Jet], qd: &[Jet], h: f64, load: &mut [Jet]) -> Option<Vec<Jet>> {
+        let n = q.len();
+        let along = |row: &[Jet], of: &dyn Fn(usize) -> Jet| (0..n).fold(Jet::ZERO, |sum, j| sum + row[j] * of(j));
+        let depth = -self.height - along(&self.rows[0], &|j| q[j] - self.at[j]);
         if depth.value <= 0.0 {
-            return;
+            return None;
         }
         let normal = self.stiffness * depth;
-        let speed = [1, 2].map(|d| (0..q.len()).fold(Jet::ZERO, |sum, j| sum + self.rows[d][j] * qd[j]));
-        let slides = (speed[0] * speed[0] + speed[1] * speed[1] + FLOOR_SLIDES_M_S * FLOOR_SLIDES_M_S).sqrt();
-        let drag = self.friction * normal / slides;
-        for j in 0..q.len() {
+        let [x, y] = [1, 2].map(|d| along(&self.rows[d], &|j| qd[j]).value);
+        let drag = self.friction * normal * (h / libm::hypot(x, y).max(FLOOR_SLIDES_M_S));
+        let weights = [self.stiffness * (h * h), drag, drag];
+        let mut matrix = vec![Jet::ZERO; n * n];
+        for j in 0..n {
             load[j] -= normal * self.rows[0][j];
-            for d in [0, 1] {
-                load[j] += drag * speed[d] * self.rows[d + 1][j];
+            for (row, weight) in self.rows.iter().zip(weights) {
+                let own = weight * row[j];
+                for k in 0..n {
+                    matrix[j * n + k] += own * row[k];
+                }
             }
         }
+        Some(matrix)
     }
 }
 
