@@ -13,7 +13,7 @@ fn main() {
         let mut drive = config["drive"].as_table().unwrap().clone();
         let mut mech = config["mechanics"].as_table().unwrap().clone();
         if let Some(o) = config.get(&format!("joint{j}")) {
-            for (k, v) in o.as_table().unwrap() { if mech.contains_key(k) || k.contains("stop") || k.starts_with("position_off") { mech.insert(k.clone(), v.clone()); } else { drive.insert(k.clone(), v.clone()); } }
+            for (k, v) in o.as_table().unwrap() { if Mechanics::default().numbers().iter().any(|p| p.parameter.name == *k) { mech.insert(k.clone(), v.clone()); } else { drive.insert(k.clone(), v.clone()); } }
         }
         DrivenJoint { drive: drive.try_into().unwrap(), mechanics: mech.try_into().unwrap() }
     };
@@ -40,6 +40,17 @@ fn main() {
     if config.get("quiet").is_none() {
     for x in &out.numbers { println!("  {:34} {:9.4} ± {:<9.4} {} (was {:.4} ± {:.4}){}", x.name, x.value, x.deviation, x.unit, x.start, x.start_deviation, if x.at_bound { " at bound" } else { "" }); }
     for u in &out.undetermined { println!("  {u} ({:.3})", u.information); } }
+    if let Some(path) = std::env::args().nth(2) {
+        let mut text = String::new();
+        for j in 0..n {
+            text += &format!("[joint{j}]\n");
+            for p in [out.arm.joints[j].drive.parameters(), out.arm.joints[j].mechanics.numbers()].concat() {
+                if p.value.abs() < 1e9 { text += &format!("{} = {:?}\n", p.parameter.name, p.value); }
+            }
+        }
+        if let Some(f) = &out.arm.floor { text += "[floor]\n"; for p in f.numbers() { text += &format!("{} = {:?}\n", p.parameter.name, p.value); } }
+        std::fs::write(path, text).unwrap();
+    }
     let judged = 5;
     let mut sums = [[0.0; 2]; 2];
     let mut cmd = [[0.0; 2]; 2];
