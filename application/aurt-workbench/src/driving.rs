@@ -38,10 +38,9 @@ impl CalibratedDrive {
     /// # Errors
     /// A file that cannot be read, or is damaged.
     pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
-        let unfit = |reason: String| {
-            Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"))
-        };
-        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(|e| unfit(e.to_string()))?;
+        let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
+        let text =
+            aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(|e| unfit(e.to_string()))?;
         let Ok(value) = serde_json::from_str::<Value>(&text) else { return Ok(None) };
         if value.get("drive_schema").is_none() {
             return Ok(None);
@@ -66,7 +65,10 @@ impl CalibratedDrive {
     /// A recording that cannot be read or used, a simulation that diverges.
     pub fn rollout_file(&self, source: Source) -> Result<(Vec<u8>, DriveRecording), Failure> {
         let read = read(source, &self.robot_joints())?;
-        let simulated = self.arm.rollout(&read.recording).map_err(|e| Failure::unfit(&read.file, e.to_string(), REMEDY))?;
+        let simulated = self
+            .arm
+            .rollout(&read.recording)
+            .map_err(|e| Failure::unfit(&read.file, e.to_string(), REMEDY))?;
         Ok((table(&read.recording, &simulated), read.recording))
     }
 }
@@ -110,7 +112,7 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     progress.step("simulating the closed loop");
     let fitted: Vec<DriveRecording> =
         recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
-    let mut options = Options::default();
+    let mut options = Options { piece_s: drive.piece_s, ..Options::default() };
     if let Some(deviation) = drive.position_deviation_rad {
         options.deviation_rad = deviation;
     }
@@ -123,9 +125,11 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let mut judged = Vec::new();
     for (k, read) in recordings.iter().enumerate() {
         progress.step(format!("rolling out {}", read.label));
-        let simulated = fit.arm.rollout(&read.recording).map_err(|e| of_drive(&e, experiment, &recordings[k..]))?;
+        let simulated =
+            fit.arm.rollout(&read.recording).map_err(|e| of_drive(&e, experiment, &recordings[k..]))?;
         judged.push(Judged::of(&fit.arm, read, &simulated));
-        let stem = Path::new(&read.label).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let stem =
+            Path::new(&read.label).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let mut name = format!("rollout_{stem}.csv");
         if outcome.files.iter().any(|(taken, _)| *taken == name) {
             name = format!("rollout_{stem}_{k}.csv");
@@ -133,7 +137,8 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
         outcome.files.push((name, table(&read.recording, &simulated)));
     }
     let model = CalibratedDrive { drive_schema: 1, joint_names: joints.names, arm: fit.arm.clone() };
-    let saved = serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+    let saved =
+        serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
     outcome.text = text(&fit, &judged, &notes);
     outcome.json = to_json(&fit, &judged, &notes);
@@ -168,7 +173,7 @@ fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) ->
         DriveError::Recording { recording, reason } if fitted.get(*recording).is_some() => {
             Failure::unfit(&fitted[*recording].file, reason.clone(), REMEDY)
         }
-        _ => Failure::unfit(&experiment.path, error.to_string(), "see `aurt explain drive` and the README of aurt-drives"),
+        _ => Failure::unfit(&experiment.path, error.to_string(), "see [drive] of the experiment"),
     }
 }
 
@@ -201,6 +206,7 @@ fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRe
         time_s: kept.iter().map(|k| recording.time_s[*k] - first).collect(),
         command: of(recording.measurement.as_ref()?),
         position_rad: of(&recording.position_rad),
+        ..DriveRecording::default()
     })
 }
 
@@ -235,7 +241,9 @@ impl Judged {
         let rms = |a: &[f64], b: &[f64]| {
             (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
         };
-        let pairs = |a: &[Vec<f64>]| -> Vec<f64> { a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, b)).collect() };
+        let pairs = |a: &[Vec<f64>]| -> Vec<f64> {
+            a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, b)).collect()
+        };
         let follows = arm.joints.iter().all(|j| j.drive.command() == Command::Position);
         Self {
             label: read.label.clone(),
@@ -278,7 +286,12 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> String {
         let kind = if recording.held_out { "held-out" } else { "fitted" };
         let rms: String = recording.rms.iter().map(|r| format!("{:8.2}", 1e3 * r)).collect();
         let command = recording.command_rms.map_or_else(String::new, |c| format!(", command {:.2}", 1e3 * c));
-        let _ = writeln!(text, "  {kind:9}{rms}  together {:.2}{command}  {}", 1e3 * over_joints(&recording.rms), recording.label);
+        let _ = writeln!(
+            text,
+            "  {kind:9}{rms}  together {:.2}{command}  {}",
+            1e3 * over_joints(&recording.rms),
+            recording.label
+        );
     }
     for (name, held_out) in [("fitted", false), ("held-out", true)] {
         if let Some(all) = together(judged, held_out, |j| Some(over_joints(&j.rms))) {

@@ -88,8 +88,13 @@ impl DrivenArm {
     /// Every complaint.
     pub fn validate(&self) -> Result<(), DriveError> {
         let joints = self.chain.joints().len();
-        let counts = [("drives", self.joints.len(), joints), ("standard parameters", self.standard_parameters.len(), 10 * joints)];
-        if let Some((what, found, expected)) = counts.into_iter().find(|(_, found, expected)| found != expected) {
+        let counts = [
+            ("drives", self.joints.len(), joints),
+            ("standard parameters", self.standard_parameters.len(), 10 * joints),
+        ];
+        if let Some((what, found, expected)) =
+            counts.into_iter().find(|(_, found, expected)| found != expected)
+        {
             return Err(DriveError::Count { what, expected, found });
         }
         let outside = |(name, p): (String, DriveParameter)| {
@@ -115,7 +120,8 @@ impl DrivenArm {
             let numbers = [joint.drive.parameters(), joint.mechanics.numbers()].concat();
             numbers.into_iter().map(move |p| format!("{}_{j}", p.parameter.name)).collect::<Vec<_>>()
         };
-        let floor = self.floor.iter().flat_map(|f| f.numbers()).map(|p| format!("floor_{}", p.parameter.name));
+        let floor =
+            self.floor.iter().flat_map(|f| f.numbers()).map(|p| format!("floor_{}", p.parameter.name));
         self.joints.iter().enumerate().flat_map(of).chain(floor).collect()
     }
 

@@ -238,8 +238,7 @@ fn in_base(standard: &[f64; 10], rotation: &[Vector; 3], origin: Vector, factor:
         std::array::from_fn(|c| (0..3).fold(Jet::ZERO, |sum, k| sum + rotation[r][k] * rows[k][c]))
     });
     let entry = |r: usize, c: usize| dot(turned[r], rotation[c]);
-    let h: Vector =
-        std::array::from_fn(|r| rotation[r][0] * mx + rotation[r][1] * my + rotation[r][2] * mz);
+    let h: Vector = std::array::from_fn(|r| rotation[r][0] * mx + rotation[r][1] * my + rotation[r][2] * mz);
     // About the base: I + (h·o + o·h) 1 − h oᵀ − o hᵀ + m (o·o 1 − o oᵀ).
     let twice = dot(h, origin) * 2.0 + dot(origin, origin) * m;
     let shifted = |r: usize, c: usize| {

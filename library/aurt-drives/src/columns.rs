@@ -29,10 +29,13 @@ pub(crate) struct Column {
 pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Column>, DriveError> {
     let names = arm.names();
     let numbers = arm.numbers();
-    let stem = |name: &str| name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0).to_owned();
+    let stem = |name: &str| {
+        name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0).to_owned()
+    };
     let mut columns: Vec<Column> = Vec::new();
     for key in &selection.estimate {
-        let places: Vec<usize> = (0..names.len()).filter(|k| names[*k] == *key || stem(&names[*k]) == *key).collect();
+        let places: Vec<usize> =
+            (0..names.len()).filter(|k| names[*k] == *key || stem(&names[*k]) == *key).collect();
         if places.is_empty() {
             let mut known: Vec<String> = names.iter().map(|n| stem(n)).collect();
             known.sort();
@@ -40,7 +43,8 @@ pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Colu
             return Err(DriveError::Unknown { name: key.clone(), known: known.join(", ") });
         }
         let shared = selection.shared.contains(key);
-        let groups: Vec<Vec<usize>> = if shared { vec![places] } else { places.into_iter().map(|p| vec![p]).collect() };
+        let groups: Vec<Vec<usize>> =
+            if shared { vec![places] } else { places.into_iter().map(|p| vec![p]).collect() };
         for places in groups {
             let number = &numbers[places[0]];
             let name = if shared { key.clone() } else { names[places[0]].clone() };

@@ -21,16 +21,24 @@ pub struct Undetermined {
 impl std::fmt::Display for Undetermined {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if let [name] = &self.names[..] {
-            return write!(f, "{name} is not determined by these recordings; its value is what was known before");
+            return write!(
+                f,
+                "{name} is not determined by these recordings; its value is what was known before"
+            );
         }
         let together = |k: usize| if self.changes[k] * self.changes[0] > 0.0 { "up" } else { "down" };
-        let list: Vec<String> = (0..self.names.len()).map(|k| format!("{} {}", self.names[k], together(k))).collect();
+        let list: Vec<String> =
+            (0..self.names.len()).map(|k| format!("{} {}", self.names[k], together(k))).collect();
         write!(f, "cannot be told apart by these recordings: {}", list.join(", "))
     }
 }
 
 /// The directions of `information` (in units of the columns' deviations) that the recordings leave open.
-pub(crate) fn undetermined(columns: &[Column], information: &DMatrix<f64>, fixed: &[bool]) -> Vec<Undetermined> {
+pub(crate) fn undetermined(
+    columns: &[Column],
+    information: &DMatrix<f64>,
+    fixed: &[bool],
+) -> Vec<Undetermined> {
     let free: Vec<usize> = (0..columns.len()).filter(|k| !fixed[*k]).collect();
     let reduced = DMatrix::from_fn(free.len(), free.len(), |r, c| information[(free[r], free[c])]);
     let eigen = reduced.symmetric_eigen();

@@ -47,7 +47,9 @@ pub enum DriveError {
         reason: String,
     },
     /// The simulation left all numbers.
-    #[error("the simulation of recording {recording} diverges at {time_s} s; give starts nearer to the robot, or a shorter step")]
+    #[error(
+        "the simulation of recording {recording} diverges at {time_s} s; give starts nearer to the robot, or a shorter step"
+    )]
     Diverged {
         /// Its place in the list, from 0.
         recording: usize,

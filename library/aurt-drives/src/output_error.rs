@@ -13,7 +13,10 @@
 //! Gautier, Janot, Vandanjon (2013), *A new closed-loop output error method for parameter identification of robot dynamics*,
 //! IEEE TCST; White (1980) for the deviations.
 
-use std::{sync::atomic::{AtomicU64, Ordering}, time::Instant};
+use std::{
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
 
 use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
@@ -32,6 +35,8 @@ pub struct Options {
     pub deviation_rad: f64,
     /// Longest step of the integrator in s.
     pub longest_step_s: f64,
+    /// Length of the pieces in s, each of which starts where the robot was (multiple shooting); whole recordings without.
+    pub piece_s: Option<f64>,
     /// Length of the blocks whose errors count as independent, in s.
     pub block_s: f64,
     /// Steps after which the search ends anyhow.
@@ -42,7 +47,14 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { deviation_rad: 5e-3, longest_step_s: LONGEST_STEP_S, block_s: 2.0, most_iterations: 40, tolerance: 2e-4 }
+        Self {
+            deviation_rad: 5e-3,
+            longest_step_s: LONGEST_STEP_S,
+            piece_s: None,
+            block_s: 2.0,
+            most_iterations: 40,
+            tolerance: 2e-4,
+        }
     }
 }
 
@@ -74,7 +86,7 @@ pub struct OutputErrorFit {
     pub numbers: Vec<EstimatedNumber>,
     /// Directions that the recordings leave open.
     pub undetermined: Vec<Undetermined>,
-    /// Rms of q_sim − q in rad, by recording and joint.
+    /// Rms of q_sim − q in rad, by recording, or piece, and joint.
     pub rms_rad: Vec<Vec<f64>>,
     /// Steps taken.
     pub iterations: usize,
@@ -103,6 +115,11 @@ pub fn output_error(
     for (k, recording) in recordings.iter().enumerate() {
         recording.check(arm.joints.len(), k)?;
     }
+    let pieces: Vec<DriveRecording> = match options.piece_s {
+        Some(piece_s) => recordings.iter().flat_map(|r| r.pieces(piece_s)).collect(),
+        None => recordings.to_vec(),
+    };
+    let recordings = &pieces[..];
     let problem = Problem { arm, columns: &columns, recordings, options, passes: AtomicU64::new(0) };
     let mut theta: Vec<f64> = columns.iter().map(|c| c.start.clamp(c.bounds[0], c.bounds[1])).collect();
     let mut at = problem.linearised(&theta)?;
@@ -111,7 +128,12 @@ pub fn output_error(
     while iterations < options.most_iterations && !converged {
         iterations += 1;
         let step = at.step(&columns, &theta, damping);
-        let trial: Vec<f64> = theta.iter().zip(&step).zip(&columns).map(|((t, s), c)| (t + s).clamp(c.bounds[0], c.bounds[1])).collect();
+        let trial: Vec<f64> = theta
+            .iter()
+            .zip(&step)
+            .zip(&columns)
+            .map(|((t, s), c)| (t + s).clamp(c.bounds[0], c.bounds[1]))
+            .collect();
         let cost = problem.cost(&trial).unwrap_or(f64::INFINITY);
         if cost < at.cost {
             // Near the end derivatives change with the branches of dry friction: two small steps in a row end the search.
@@ -194,7 +216,12 @@ impl Problem<'_> {
     }
 
     /// Errors q_sim − q in units of σ over a recording, sample by sample and joint by joint; slopes along the columns of `lanes`.
-    fn errors(&self, theta: &[f64], recording: usize, lanes: std::ops::Range<usize>) -> Result<Vec<Jet>, DriveError> {
+    fn errors(
+        &self,
+        theta: &[f64],
+        recording: usize,
+        lanes: std::ops::Range<usize>,
+    ) -> Result<Vec<Jet>, DriveError> {
         let mut numbers: Vec<Jet> = self.numbers(theta).into_iter().map(Jet::constant).collect();
         for (lane, column) in self.columns[lanes].iter().enumerate() {
             for place in &column.places {
@@ -203,7 +230,7 @@ impl Problem<'_> {
         }
         let measured = &self.recordings[recording];
         let mut errors = Vec::with_capacity(measured.time_s.len() * measured.position_rad.len());
-        let mut k = 0;
+        let mut k = measured.first;
         let visit = |q: &[Jet]| {
             let pairs = q.iter().zip(&measured.position_rad);
             errors.extend(pairs.map(|(q, m)| (*q + -m[k]) * (1.0 / self.options.deviation_rad)));
@@ -218,7 +245,8 @@ impl Problem<'_> {
 
     fn cost(&self, theta: &[f64]) -> Result<f64, DriveError> {
         let of = |r: usize| Ok(self.errors(theta, r, 0..0)?.iter().map(|e| loss(e.value).0).sum::<f64>());
-        let costs: Result<Vec<f64>, DriveError> = (0..self.recordings.len()).into_par_iter().map(of).collect();
+        let costs: Result<Vec<f64>, DriveError> =
+            (0..self.recordings.len()).into_par_iter().map(of).collect();
         Ok(costs?.iter().sum::<f64>() + self.prior(theta))
     }
 
@@ -261,9 +289,10 @@ impl Problem<'_> {
             scatter: DMatrix::zeros(columns, columns),
             rms_rad: vec![0.0; joints],
         };
-        let samples = measured.time_s.len();
+        let time_s = &measured.time_s[measured.first..];
+        let samples = time_s.len();
         let mut block = DVector::zeros(columns);
-        let mut next_s = measured.time_s[0] + self.options.block_s;
+        let mut next_s = time_s[0] + self.options.block_s;
         // Weighted rows are folded by the block: a product of matrices is faster than one of vectors at a time.
         let mut rows: Vec<f64> = Vec::new();
         for k in 0..samples {
@@ -282,8 +311,8 @@ impl Problem<'_> {
                     block[c] += rows[first + c] * root * error;
                 }
             }
-            if measured.time_s[k] >= next_s || k + 1 == samples {
-                next_s = measured.time_s[k] + self.options.block_s;
+            if time_s[k] >= next_s || k + 1 == samples {
+                next_s = time_s[k] + self.options.block_s;
                 let matrix = DMatrix::from_column_slice(columns, rows.len() / columns.max(1), &rows);
                 part.information += &matrix * matrix.transpose();
                 part.scatter += &block * block.transpose();

@@ -144,7 +144,8 @@ impl<'a> Plant<'a> {
         let n = self.q.len();
         let mut load = self.bias.clone();
         let mut matrix = self.mass.clone();
-        let implicit = self.touch.as_ref().and_then(|(touch, _)| touch.press(&self.q, &self.qd, h, &mut load));
+        let implicit =
+            self.touch.as_ref().and_then(|(touch, _)| touch.press(&self.q, &self.qd, h, &mut load));
         let mut right = vec![Jet::ZERO; n];
         let mut level = vec![Jet::ZERO; n];
         for j in 0..n {
@@ -206,7 +207,8 @@ impl<'a> Plant<'a> {
         for _ in 0..SWEEPS.0 {
             let mut change: f64 = 0.0;
             for j in 0..n {
-                let others: f64 = (0..n).filter(|k| *k != j).map(|k| matrix[j * n + k].value * velocity[k]).sum();
+                let others: f64 =
+                    (0..n).filter(|k| *k != j).map(|k| matrix[j * n + k].value * velocity[k]).sum();
                 let left = right[j].value - others;
                 let mut next = if left.abs() <= level[j].value {
                     0.0
@@ -233,7 +235,8 @@ impl Touch {
     /// the floor adds to the matrix of a step: its elasticity and friction count at the end of the step. None without touch.
     fn press(&self, q: &[Jet], qd: &[Jet], h: f64, load: &mut [Jet]) -> Option<Vec<Jet>> {
         let n = q.len();
-        let along = |row: &[Jet], of: &dyn Fn(usize) -> Jet| (0..n).fold(Jet::ZERO, |sum, j| sum + row[j] * of(j));
+        let along =
+            |row: &[Jet], of: &dyn Fn(usize) -> Jet| (0..n).fold(Jet::ZERO, |sum, j| sum + row[j] * of(j));
         let depth = -self.height - along(&self.rows[0], &|j| q[j] - self.at[j]);
         if depth.value <= 0.0 {
             return None;

@@ -11,7 +11,16 @@ pub struct DriveRecording {
     pub command: Vec<Vec<f64>>,
     /// Positions by joint, in rad.
     pub position_rad: Vec<Vec<f64>>,
+    /// The sample at which a rollout starts; what is before it is history of the command.
+    pub first: usize,
+    /// Velocities at that sample, in rad/s; none at rest.
+    pub first_velocity_rad_s: Vec<f64>,
 }
+
+/// Samples on either side from which the velocity at the start of a piece is taken.
+const AROUND: usize = 10;
+/// What a piece keeps of the command before its start, in s: the longest delay.
+const HISTORY_S: f64 = 0.5;
 
 impl DriveRecording {
     /// Whether the series can be those of `joints` joints.
@@ -22,9 +31,11 @@ impl DriveRecording {
         let fail = |reason: String| Err(DriveError::Recording { recording, reason });
         if self.command.len() != joints || self.position_rad.len() != joints {
             let (commands, positions) = (self.command.len(), self.position_rad.len());
-            return fail(format!("commands of {commands} and positions of {positions} joints, the robot has {joints}"));
+            return fail(format!(
+                "commands of {commands} and positions of {positions} joints, the robot has {joints}"
+            ));
         }
-        if self.time_s.len() < 3 {
+        if self.time_s.len() < self.first + 3 {
             return fail(format!("{} samples; at least 3 are needed", self.time_s.len()));
         }
         let series = || self.command.iter().chain(&self.position_rad);
@@ -35,10 +46,52 @@ impl DriveRecording {
             return fail("a value is not finite".into());
         }
         match self.time_s.windows(2).position(|w| w[1] <= w[0]) {
-            Some(k) => fail(format!("the stamp {} s does not follow {} s", self.time_s[k + 1], self.time_s[k])),
+            Some(k) => {
+                fail(format!("the stamp {} s does not follow {} s", self.time_s[k + 1], self.time_s[k]))
+            }
             None => Ok(()),
         }
     }
+
+    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity (the slope of a parabola
+    /// through the positions about it).
+    pub(crate) fn pieces(&self, piece_s: f64) -> Vec<Self> {
+        let n = self.time_s.len();
+        let at = |t: f64| self.time_s.partition_point(|s| *s < t);
+        let (begin, end) = (self.time_s[self.first], self.time_s[n - 1]);
+        let count = ((end - begin) / piece_s).round().max(1.0);
+        let edge = |k: f64| if k == 0.0 { self.first } else { at(begin + (end - begin) * k / count) };
+        let part = |k: usize| {
+            let (first, last) = (edge(k as f64), (edge((k + 1) as f64) + 1).min(n));
+            let from = at(self.time_s[first] - HISTORY_S);
+            let of = |series: &[Vec<f64>]| series.iter().map(|s| s[from..last].to_vec()).collect();
+            let velocity = |s: &Vec<f64>| slope(&self.time_s, s, first);
+            Self {
+                time_s: self.time_s[from..last].to_vec(),
+                command: of(&self.command),
+                position_rad: of(&self.position_rad),
+                first: first - from,
+                first_velocity_rad_s: if k == 0 {
+                    self.first_velocity_rad_s.clone()
+                } else {
+                    self.position_rad.iter().map(velocity).collect()
+                },
+            }
+        };
+        (0..count as usize).map(part).collect()
+    }
+}
+
+/// The slope at sample `k` of the line through the samples about it: that of a parabola too, since they lie evenly.
+fn slope(time_s: &[f64], series: &[f64], k: usize) -> f64 {
+    let around = AROUND.min(k).min(series.len() - 1 - k);
+    let (mut up, mut down) = (0.0, 0.0);
+    for i in k - around..=k + around {
+        let t = time_s[i] - time_s[k];
+        up += t * (series[i] - series[k]);
+        down += t * t;
+    }
+    if down > 0.0 { up / down } else { 0.0 }
 }
 
 /// Longest step of the integrator, s, unless asked otherwise: 1/8 of 20 ms.
@@ -46,7 +99,7 @@ pub const LONGEST_STEP_S: f64 = 2.5e-3;
 
 impl DrivenArm {
     /// The positions of a rollout: the arm starts at rest at the recording's first position and is driven by its commands
-    /// alone. One series a joint, with a value at each stamp.
+    /// alone. One series a joint, with a value at each stamp from the recording's first on.
     ///
     /// # Errors
     /// [`DriveError::Recording`] and [`DriveError::Diverged`], with the recording as number 0.
@@ -71,12 +124,14 @@ impl DrivenArm {
         longest_step_s: f64,
         mut visit: impl FnMut(&[Jet]),
     ) -> Result<(), f64> {
-        let first = |series: &[Vec<f64>]| -> Vec<f64> { series.iter().map(|s| s[0]).collect() };
-        let q = first(&recording.position_rad).into_iter().map(Jet::constant).collect();
-        let mut plant = Plant::new(self, numbers, q, &first(&recording.command));
+        let at_first =
+            |series: &[Vec<f64>]| -> Vec<f64> { series.iter().map(|s| s[recording.first]).collect() };
+        let q = at_first(&recording.position_rad).into_iter().map(Jet::constant).collect();
+        let mut plant = Plant::new(self, numbers, q, &at_first(&recording.command));
+        plant.qd.iter_mut().zip(&recording.first_velocity_rad_s).for_each(|(qd, v)| *qd = Jet::constant(*v));
         visit(&plant.q);
         let time_s = &recording.time_s;
-        for k in 1..time_s.len() {
+        for k in recording.first + 1..time_s.len() {
             let span_s = time_s[k] - time_s[k - 1];
             let substeps = (span_s / longest_step_s * (1.0 - 1e-9)).ceil().max(1.0);
             let command = |joint: usize, t: Jet| interpolated(time_s, &recording.command[joint], t, k);

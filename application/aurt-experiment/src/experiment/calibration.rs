@@ -121,7 +121,11 @@ impl Calibration {
         }
         section.finish();
         Self {
-            estimator: estimator.unwrap_or(if driven { Estimator::OutputError } else { Estimator::default() }),
+            estimator: estimator.unwrap_or(if driven {
+                Estimator::OutputError
+            } else {
+                Estimator::default()
+            }),
             load_torque: load_torque.unwrap_or_default(),
             rest: rest.unwrap_or_default(),
             fit_shapes: fit_shapes.unwrap_or(true),

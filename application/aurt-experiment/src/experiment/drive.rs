@@ -18,12 +18,15 @@ pub struct Drive {
     pub selection: Selection,
     /// `position_deviation_rad`: what the model is expected to miss.
     pub position_deviation_rad: Option<f64>,
+    /// `piece_s`: length of the pieces of multiple shooting; whole recordings without.
+    pub piece_s: Option<f64>,
 }
 
 impl Drive {
     /// Reads `[drive]`. Every number is one for all joints or a list of one for each.
     pub(super) fn read(mut section: Section<'_, '_>, joints: Option<usize>) -> Option<Self> {
-        let model = section.require("model", "model = \"position_servo\"").and_then(|node| model(&section, node));
+        let model =
+            section.require("model", "model = \"position_servo\"").and_then(|node| model(&section, node));
         let mechanics = Mechanics::default().numbers();
         let of_drive = model.as_ref().map_or_else(Vec::new, |m| m.parameters());
         let own: Option<Vec<Vec<f64>>> = joints.zip(model.as_ref()).map(|(joints, _)| {
@@ -32,12 +35,15 @@ impl Drive {
             (0..joints).map(|j| by_key.iter().map(|values| values[j]).collect()).collect()
         });
         let floor = section.section("floor").map(read_floor);
-        let mut known: Vec<String> = of_drive.iter().chain(&mechanics).map(|p| p.parameter.name.clone()).collect();
+        let mut known: Vec<String> =
+            of_drive.iter().chain(&mechanics).map(|p| p.parameter.name.clone()).collect();
         known.extend(Floor::default().numbers().into_iter().map(|p| format!("floor_{}", p.parameter.name)));
         let estimate = keys(&mut section, "estimate", &known);
         let shared = keys(&mut section, "shared", &known);
-        let deviations = section.section("deviations").map_or_else(Vec::new, |below| deviations(below, &known));
+        let deviations =
+            section.section("deviations").map_or_else(Vec::new, |below| deviations(below, &known));
         let position_deviation_rad = section.positive("position_deviation_rad");
+        let piece_s = section.positive("piece_s");
         // Without a model none of its keys is known, and all of them would be complained about.
         let Some(model) = model else { return None };
         section.finish();
@@ -49,7 +55,7 @@ impl Drive {
             joint
         });
         let selection = Selection { estimate, shared, deviations };
-        Some(Self { joints: joints.collect(), floor, selection, position_deviation_rad })
+        Some(Self { joints: joints.collect(), floor, selection, position_deviation_rad, piece_s })
     }
 }
 
@@ -142,7 +148,8 @@ mod tests {
              calibration = [\"a.csv\"]\n[drive]\n{drive}\n{calibration}"
         );
         let path = folder.path().join("experiment.toml");
-        Experiment::parse(&text, Path::new(&path), &mut Registry::linked().unwrap()).map_err(|e| e.to_string())
+        Experiment::parse(&text, Path::new(&path), &mut Registry::linked().unwrap())
+            .map_err(|e| e.to_string())
     }
 
     #[test]

@@ -22,7 +22,8 @@ numbers! {
 drive!(PdLaw, "pd_law", Position, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
-    let wanted = p[0] * ((input.command)(-p[2] + input.time_s) - input.position_rad) - p[1] * input.velocity_rad_s;
+    let wanted =
+        p[0] * ((input.command)(-p[2] + input.time_s) - input.position_rad) - p[1] * input.velocity_rad_s;
     let torque = wanted.clamp(p[3]);
     DriveTorque { torque, damping: if torque == wanted { p[1] } else { Jet::ZERO } }
 }
@@ -34,7 +35,8 @@ mod tests {
 
     #[test]
     fn the_law_is_followed_up_to_its_limit() {
-        let law = PdLaw { gain_nm_per_rad: 20.0, damping_nm_s_per_rad: 1.5, torque_limit_nm: 5.0, delay_s: 0.1 };
+        let law =
+            PdLaw { gain_nm_per_rad: 20.0, damping_nm_s_per_rad: 1.5, torque_limit_nm: 5.0, delay_s: 0.1 };
         let p: Vec<Jet> = law.parameters().iter().map(|p| Jet::constant(p.value)).collect();
         let torque = |position: f64, velocity: f64| {
             let command = |t: Jet| t;

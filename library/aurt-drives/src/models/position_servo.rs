@@ -48,10 +48,17 @@ numbers! {
 }
 
 // State: r, ṙ and ∫ d.
-drive!(PositionServo, "position_servo", Position, |command| vec![Jet::constant(command), Jet::ZERO, Jet::ZERO], servo);
+drive!(
+    PositionServo,
+    "position_servo",
+    Position,
+    |command| vec![Jet::constant(command), Jet::ZERO, Jet::ZERO],
+    servo
+);
 
 fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
-    let [gain, damping, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] = p else {
+    let [gain, damping, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] = p
+    else {
         return DriveTorque { torque: Jet::ZERO, damping: Jet::ZERO };
     };
     let h = input.step_s;
@@ -107,8 +114,11 @@ mod tests {
 
     #[test]
     fn the_reference_keeps_its_limits_and_arrives_without_overshoot() {
-        let limited =
-            PositionServo { speed_limit_rad_s: 2.0, acceleration_limit_rad_s2: 20.0, ..PositionServo::default() };
+        let limited = PositionServo {
+            speed_limit_rad_s: 2.0,
+            acceleration_limit_rad_s2: 20.0,
+            ..PositionServo::default()
+        };
         let h = 1e-3;
         let path = planned(&limited, h, 900);
         let speed: Vec<f64> = path.windows(2).map(|w| (w[1] - w[0]) / h).collect();
