@@ -279,7 +279,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> String {
     }
     if !fit.undetermined.is_empty() {
         text.push_str("\nleft open by these recordings\n");
-        fit.undetermined.iter().for_each(|u| drop(writeln!(text, "  {u}")));
+        fit.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
     }
     text.push_str("\nrollout from the command alone, rms of the position by joint in 1e-3 rad or mm\n");
     for recording in judged {
@@ -300,7 +300,7 @@ fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> String {
             let _ = writeln!(text, "  {name}, all samples: {:.2}{command}", 1e3 * all);
         }
     }
-    notes.iter().for_each(|note| drop(writeln!(text, "note: {note}")));
+    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
     text
 }
 

@@ -53,8 +53,7 @@ impl DriveRecording {
         }
     }
 
-    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity (the slope of a parabola
-    /// through the positions about it).
+    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity.
     pub(crate) fn pieces(&self, piece_s: f64) -> Vec<Self> {
         let n = self.time_s.len();
         let at = |t: f64| self.time_s.partition_point(|s| *s < t);
@@ -82,16 +81,28 @@ impl DriveRecording {
     }
 }
 
-/// The slope at sample `k` of the line through the samples about it: that of a parabola too, since they lie evenly.
+/// The slope at sample `k` of the cubic through the samples about it, of the line where there are fewer than five.
 fn slope(time_s: &[f64], series: &[f64], k: usize) -> f64 {
     let around = AROUND.min(k).min(series.len() - 1 - k);
-    let (mut up, mut down) = (0.0, 0.0);
+    // Only odd powers have a slope in the middle of an even window: [Σt² Σt⁴; Σt⁴ Σt⁶] (a₁, a₃) = (Σt y, Σt³ y).
+    let [mut t2, mut t4, mut t6, mut ty, mut t3y] = [0.0; 5];
     for i in k - around..=k + around {
-        let t = time_s[i] - time_s[k];
-        up += t * (series[i] - series[k]);
-        down += t * t;
+        let (t, y) = (time_s[i] - time_s[k], series[i] - series[k]);
+        let square = t * t;
+        t2 += square;
+        t4 += square * square;
+        t6 += square * square * square;
+        ty += t * y;
+        t3y += t * square * y;
     }
-    if down > 0.0 { up / down } else { 0.0 }
+    let determinant = t2 * t6 - t4 * t4;
+    if around >= 2 && determinant > 0.0 {
+        (t6 * ty - t4 * t3y) / determinant
+    } else if t2 > 0.0 {
+        ty / t2
+    } else {
+        0.0
+    }
 }
 
 /// Longest step of the integrator, s, unless asked otherwise: 1/8 of 20 ms.
