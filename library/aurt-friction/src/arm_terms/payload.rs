@@ -184,7 +184,9 @@ impl ArmTerm for Payload {
             return Err(ModelError::evaluation("payload", reason));
         }
         if let Some(joint) = (link + 1..joints).find(|joint| loads(*joint)) {
-            let reason = format!("link {link} loads joint {joint}, which comes after it, by joints that follow others");
+            let reason = format!(
+                "link {link} loads joint {joint}, which comes after it, by joints that follow others"
+            );
             return Err(ModelError::evaluation("payload", reason));
         }
         let parameters = self.parameters();
