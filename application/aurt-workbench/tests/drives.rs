@@ -44,7 +44,8 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         let rows = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02));
         "time,q_0,q_cmd_0\n".to_owned() + &rows.collect::<String>()
     };
-    let command: Vec<f64> = (0..600).map(|k| 0.4 * (k as f64 * 0.03).sin() + 0.1 * (k as f64 * 0.11).sin()).collect();
+    let command: Vec<f64> =
+        (0..600).map(|k| 0.4 * (k as f64 * 0.03).sin() + 0.1 * (k as f64 * 0.11).sin()).collect();
     fs::write(folder.join("a.csv"), table(&command, &command)).unwrap();
     let experiment = read(folder, EXPERIMENT);
     assert!(job(&experiment).unwrap_err().to_string().contains("[drive]"));
