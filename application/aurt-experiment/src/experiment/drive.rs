@@ -27,9 +27,11 @@ impl Drive {
     pub(super) fn read(mut section: Section<'_, '_>, joints: Option<usize>) -> Option<Self> {
         let model =
             section.require("model", "model = \"position_servo\"").and_then(|node| model(&section, node));
+        // Without a model none of its keys is known, and all of them would be complained about.
+        let model = model?;
         let mechanics = Mechanics::default().numbers();
-        let of_drive = model.as_ref().map_or_else(Vec::new, |m| m.parameters());
-        let own: Option<Vec<Vec<f64>>> = joints.zip(model.as_ref()).map(|(joints, _)| {
+        let of_drive = model.parameters();
+        let own: Option<Vec<Vec<f64>>> = joints.map(|joints| {
             let numbers = of_drive.iter().chain(&mechanics);
             let by_key: Vec<Vec<f64>> = numbers.map(|p| numbers_of(&mut section, p, joints)).collect();
             (0..joints).map(|j| by_key.iter().map(|values| values[j]).collect()).collect()
@@ -44,8 +46,6 @@ impl Drive {
             section.section("deviations").map_or_else(Vec::new, |below| deviations(below, &known));
         let position_deviation_rad = section.positive("position_deviation_rad");
         let piece_s = section.positive("piece_s");
-        // Without a model none of its keys is known, and all of them would be complained about.
-        let Some(model) = model else { return None };
         section.finish();
         let joints = own?.into_iter().map(|values| {
             let (own, rest) = values.split_at(of_drive.len());
