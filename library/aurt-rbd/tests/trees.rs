@@ -124,12 +124,9 @@ proptest! {
         let right = right.under_gravity(left.gravity_m_s2());
         let joints = left.joints().iter().copied().chain(right.joints().iter().enumerate().map(behind));
         let tree = SerialChain::new(joints.collect(), left.gravity_m_s2()).unwrap();
+        let (q, qd, qdd) = ([&ql[..], &qr].concat(), [&qdl[..], &qdr].concat(), [&qddl[..], &qddr].concat());
+        let mut both = ChainDynamics::new(tree, &[&left_bodies[..], &right_bodies].concat()).unwrap();
         let parts = [(left, left_bodies, ql, qdl, qddl), (right, right_bodies, qr, qdr, qddr)];
-        let joined = |of: fn(&(SerialChain, Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>)) -> &Vec<f64>| {
-            [of(&parts[0]).clone(), of(&parts[1]).clone()].concat()
-        };
-        let (q, qd, qdd) = (joined(|p| &p.2), joined(|p| &p.3), joined(|p| &p.4));
-        let mut both = ChainDynamics::new(tree, &joined(|p| &p.1)).unwrap();
         let (mut torque, mut acceleration, mut mass) = (vec![0.0; m], vec![0.0; m], vec![1.0; m * m]);
         both.inverse_dynamics(&q, &qd, &qdd, &mut torque);
         both.forward_dynamics(&q, &qd, &qdd, &mut acceleration);
