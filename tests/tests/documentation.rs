@@ -24,6 +24,7 @@ fn pages() -> Vec<PathBuf> {
         "examples/2-unknown-load",
         "examples/3-friction-sweep",
         "examples/4-mujoco",
+        "examples/5-servo",
         "examples/plugin-c",
         "examples/plugin-rust",
         "laboratory/mujoco",

@@ -7,6 +7,7 @@
 //! | [`experiments`], [`described_model`] | what an experiment asks of the library; descriptions as models |
 //! | [`streaming`], [`gains`], [`tracking`], [`sweeping`] | recordings longer than memory, gains of drives, drift, variants |
 //! | [`diagnosing`], [`sensitivity`] | what a model lacks, and how large an effect could stay hidden |
+//! | [`driving`] | commands and positions instead of torques: drives |
 //! | [`exporting`] | models as files of other programs |
 //! | [`results`], [`reports`] | what these leave behind in files, and their pages |
 //! | [`demo`] | the recordings of `aurt demo` |
@@ -14,6 +15,7 @@
 pub mod demo;
 pub mod described_model;
 pub mod diagnosing;
+pub mod driving;
 pub mod experiments;
 pub mod exporting;
 pub mod failure;

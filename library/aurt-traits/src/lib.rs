@@ -6,6 +6,7 @@
 //! - the traits of equation (6), τ_JD = f_C(τ_J)·H(z, q̇) + f_v(q̇): [`CoulombModel`], [`HysteresisModel`],
 //!   [`ViscousBasis`], all of them [`JointModel`]s, and [`ArmTerm`] for physics outside that equation;
 //! - [`RigidBodyRegressor`], the rigid bodies as a regressor in the standard inertial parameters;
+//! - [`DriveModel`], from the command of a joint's drive to its torque, written in [`Jet`]s: values with derivatives;
 //! - [`RobotModel`], which composes them into one regressor with named, unit-bearing parameters;
 //! - [`ModelEntry`], the registration slot of statically linked models;
 //! - [`Dispatch`], the instruction set that kernels run on.
@@ -16,8 +17,10 @@ pub mod abi;
 mod arm_term;
 mod branch;
 mod dispatch;
+mod drive_model;
 mod error;
 mod invariants;
+mod jet;
 mod joint_model;
 mod motion;
 mod parameter;
@@ -29,8 +32,10 @@ mod tile;
 pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
 pub use branch::Branch;
 pub use dispatch::Dispatch;
+pub use drive_model::{Command, DriveInput, DriveModel, DriveParameter, DriveTorque};
 pub use error::{ModelError, Result};
 pub use invariants::{Invariant, Invariants};
+pub use jet::Jet;
 pub use joint_model::{CoulombModel, HysteresisModel, JointModel, JointStack, ViscousBasis};
 pub use motion::{JointSeries, Motion, MotionView};
 pub use parameter::{MeasurementUnit, Parameter, Scale, ShapeParameter};

@@ -7,6 +7,7 @@ use aurt_calibration::extrapolations;
 use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
+    driving::CalibratedDrive,
     failure::Failure,
     output::OutputFile,
     results::series::{Series, SeriesFormat},
@@ -48,6 +49,9 @@ impl Predict {
     /// Predicts.
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
+        if let Some(drive) = CalibratedDrive::read(&self.model)? {
+            return self.roll_out(&drive, &out);
+        }
         let blake3 = hash_of_file(&self.model).unwrap_or_default();
         let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
         let pipeline = calibrated.pipeline();
@@ -90,6 +94,20 @@ impl Predict {
             "warnings": warnings,
             "outputs": [out.path()],
         });
+        Ok(Report { text, json, findings: false })
+    }
+
+    /// The positions to which commands lead, of a model with drives.
+    fn roll_out(&self, drive: &CalibratedDrive, out: &OutputFile) -> Result<Report, Failure> {
+        let (contents, recording) = drive.rollout_file(self.reading.source(&self.data))?;
+        out.write(&contents)?;
+        let (rows, joints) = (recording.time_s.len(), recording.command.len());
+        let text = format!(
+            "positions of {joints} joints from the commands of {}, {rows} rows\nwritten: {}\n",
+            self.data.display(),
+            out.path().display()
+        );
+        let json = json!({ "command": "predict", "rows": rows, "outputs": [out.path()] });
         Ok(Report { text, json, findings: false })
     }
 

@@ -13,6 +13,7 @@ use aurt_report::{
     results::{metrics::Results, parameters},
 };
 use aurt_workbench::{
+    driving::{DriveOutcome, fit_drives},
     experiments::{fit_and_keep, fit_experiment, job},
     failure::Failure,
     output::{OutputFolder, Outputs},
@@ -77,6 +78,9 @@ impl Run {
         let plots = self.plots.folder()?;
         let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+        if experiment.drive.is_some() {
+            return run_drives(&experiment, &folder, &session.terminal.progress(2 * count + 1));
+        }
         let progress = session.terminal.progress(3 * count + 3);
         let recordings = &experiment.recordings;
         let together = Bytes::of_files(
@@ -114,6 +118,22 @@ impl Run {
         doubts.add_to(&mut report, session.terminal);
         Ok(report)
     }
+}
+
+/// Estimates the drives of an experiment and writes its rollouts.
+fn run_drives(
+    experiment: &Experiment,
+    folder: &OutputFolder,
+    progress: &aurt::Progress,
+) -> Result<Report, Failure> {
+    let DriveOutcome { text, mut json, files } = fit_drives(experiment, progress)?;
+    let mut outputs = Outputs::default();
+    outputs.folder(folder, files);
+    let written = outputs.paths();
+    outputs.write()?;
+    json["command"] = json!("run");
+    json["outputs"] = json!(written);
+    Ok(Report { text: text + &written_text(&written), json, findings: false })
 }
 
 /// Does what an experiment says, under a bar of its steps.

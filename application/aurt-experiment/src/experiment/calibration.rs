@@ -48,6 +48,8 @@ pub enum Estimator {
     Essential,
     /// `"irls"`: as `"wls"`, with weights by row in which impacts count little or nothing.
     ReweightedLeastSquares,
+    /// `"output_error"`: the closed loop of the `[drive]`s is simulated from its commands, and positions are compared.
+    OutputError,
 }
 
 /// `load_torque`: how the load τ_J of load-dependent friction is formed.
@@ -71,7 +73,8 @@ pub enum Rest {
 }
 
 impl Calibration {
-    pub(super) fn read(mut section: Section<'_, '_>, robot: Option<&Robot>) -> Self {
+    pub(super) fn read(mut section: Section<'_, '_>, robot: Option<&Robot>, driven: bool) -> Self {
+        let estimator_node = section.take("estimator");
         let estimator = section.choice(
             "estimator",
             &[
@@ -80,8 +83,26 @@ impl Calibration {
                 ("consistent", Estimator::Consistent),
                 ("essential", Estimator::Essential),
                 ("irls", Estimator::ReweightedLeastSquares),
+                ("output_error", Estimator::OutputError),
             ],
         );
+        if let Some(node) = estimator_node.filter(|_| estimator.is_some()) {
+            match (estimator == Some(Estimator::OutputError), driven) {
+                (true, false) => section.complain(
+                    "estimator",
+                    node,
+                    "simulates drives, which are not described",
+                    Some("add [drive], for example with model = \"position_servo\"".to_owned()),
+                ),
+                (false, true) => section.complain(
+                    "estimator",
+                    node,
+                    "fits torques; commands of a [drive] are fitted by \"output_error\"",
+                    Some("remove `estimator`, or [drive]".to_owned()),
+                ),
+                _ => {}
+            }
+        }
         let load_torque = section.choice(
             "load_torque",
             &[("fitted", LoadTorqueChoice::Fitted), ("literal", LoadTorqueChoice::Literal)],
@@ -100,7 +121,11 @@ impl Calibration {
         }
         section.finish();
         Self {
-            estimator: estimator.unwrap_or_default(),
+            estimator: estimator.unwrap_or(if driven {
+                Estimator::OutputError
+            } else {
+                Estimator::default()
+            }),
             load_torque: load_torque.unwrap_or_default(),
             rest: rest.unwrap_or_default(),
             fit_shapes: fit_shapes.unwrap_or(true),

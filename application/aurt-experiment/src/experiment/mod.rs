@@ -6,6 +6,7 @@
 
 mod calibration;
 mod columns;
+mod drive;
 mod errors;
 mod geometry;
 mod instrument;
@@ -29,6 +30,7 @@ use toml::de::DeTable;
 pub use self::{
     calibration::{Calibration, Estimator, LoadTorqueChoice, Rest},
     columns::{ColumnName, JointColumns, RecordingColumns},
+    drive::Drive,
     errors::{Complaint, ExperimentErrors, Problem},
     geometry::Geometry,
     instrument::Instrument,
@@ -70,6 +72,8 @@ pub struct Experiment {
     pub preprocess: PreprocessOptions,
     /// `[calibration]`.
     pub calibration: Calibration,
+    /// `[drive]`: what is between the robot's commands and its torques, where those are not recorded.
+    pub drive: Option<Drive>,
     /// `libraries` of `[plugins]`: the dynamic libraries that were loaded for this experiment.
     pub libraries: Vec<PathBuf>,
     /// `[diagnosis]`, as it was written.
@@ -166,10 +170,14 @@ fn read_sections(
         robot.joint_names.clone_from(names);
     }
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
-    let calibration = top
-        .section("calibration")
-        .map(|section| Calibration::read(section, robot.as_ref()))
-        .unwrap_or_default();
+    let drive = top.section("drive");
+    let driven = drive.is_some();
+    let drive = drive.and_then(|section| Drive::read(section, joints));
+    let calibration = match top.section("calibration") {
+        Some(section) => Calibration::read(section, robot.as_ref(), driven),
+        None if driven => Calibration { estimator: Estimator::OutputError, ..Calibration::default() },
+        None => Calibration::default(),
+    };
     let [diagnosis, sweep] = ["diagnosis", "sweep"].map(|key| top.take(key).cloned());
     top.finish();
     let experiment = robot.zip(joint_dynamics).map(|(robot, joint_dynamics)| Experiment {
@@ -183,6 +191,7 @@ fn read_sections(
         recordings,
         preprocess,
         calibration,
+        drive,
         libraries,
         diagnosis,
         sweep,

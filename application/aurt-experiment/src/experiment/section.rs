@@ -62,7 +62,7 @@ pub(super) struct Section<'n, 'r> {
     node: &'n Node,
     /// The table as a message calls it: `[robot]`.
     title: String,
-    asked: Vec<&'static str>,
+    asked: Vec<String>,
 }
 
 impl<'n, 'r> Section<'n, 'r> {
@@ -81,9 +81,9 @@ impl<'n, 'r> Section<'n, 'r> {
     }
 
     /// The value of an optional key.
-    pub(super) fn take(&mut self, key: &'static str) -> Option<&'n Node> {
-        if !self.asked.contains(&key) {
-            self.asked.push(key);
+    pub(super) fn take(&mut self, key: &str) -> Option<&'n Node> {
+        if !self.asked.iter().any(|asked| asked == key) {
+            self.asked.push(key.to_owned());
         }
         self.node.get(key)
     }
@@ -126,7 +126,7 @@ impl<'n, 'r> Section<'n, 'r> {
     }
 
     /// An optional number above zero.
-    pub(super) fn positive(&mut self, key: &'static str) -> Option<f64> {
+    pub(super) fn positive(&mut self, key: &str) -> Option<f64> {
         let node = self.take(key)?;
         let value = self.number_of(key, node)?;
         if value > 0.0 {
@@ -301,11 +301,12 @@ impl<'n, 'r> Section<'n, 'r> {
     /// Complains about keys that nobody asked for.
     pub(super) fn finish(self) {
         // Keys that stand already are no candidates for what another one was meant to be.
-        let free: Vec<&str> = self.asked.iter().copied().filter(|k| self.node.get(k).is_none()).collect();
+        let free: Vec<&str> =
+            self.asked.iter().map(String::as_str).filter(|k| self.node.get(k).is_none()).collect();
         let mut known = self.asked.clone();
         known.sort_unstable();
         let known = known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
-        let unknown = self.node.entries().iter().filter(|e| !self.asked.contains(&e.key.as_str()));
+        let unknown = self.node.entries().iter().filter(|e| !self.asked.contains(&e.key));
         for entry in unknown.take(MOST_UNKNOWN_KEYS) {
             let meant =
                 suggestion::likely(&entry.key, free.iter().copied()).map(|k| format!("did you mean `{k}`? "));

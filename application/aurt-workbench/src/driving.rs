@@ -1,0 +1,327 @@
+//! Experiments with a `[drive]`: commands and positions instead of torques.
+
+use std::{fmt::Write, path::Path};
+
+use aurt::{
+    Progress,
+    data::{Loaded, Purpose, Source},
+};
+use aurt_drives::{DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_output::pretty;
+use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
+use aurt_recording::{RobotJoints, RobotRecording};
+use aurt_traits::{Command, MeasurementUnit};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::{experiments::source, failure::Failure};
+
+/// The file of a calibrated arm with drives.
+pub const DRIVE_FILE: &str = "drive_calibrated.json";
+
+/// What [`DRIVE_FILE`] holds.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedDrive {
+    /// Version of the file, 1.
+    pub drive_schema: u32,
+    /// The joints' names, base first; empty where they have none.
+    pub joint_names: Vec<String>,
+    /// The arm with its numbers.
+    pub arm: DrivenArm,
+}
+
+impl CalibratedDrive {
+    /// Reads a calibrated arm; none if the file is another kind of model.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is damaged.
+    pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
+        let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
+        let text =
+            aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(|e| unfit(e.to_string()))?;
+        let Ok(value) = serde_json::from_str::<Value>(&text) else { return Ok(None) };
+        if value.get("drive_schema").is_none() {
+            return Ok(None);
+        }
+        let read: Self = serde_json::from_value(value).map_err(|e| unfit(e.to_string()))?;
+        if read.drive_schema != 1 {
+            return Err(unfit(format!("has drive_schema {}, this program reads 1", read.drive_schema)));
+        }
+        read.arm.validate().map_err(|e| unfit(e.to_string()))?;
+        Ok(Some(read))
+    }
+
+    /// The joints that recordings of it have.
+    #[must_use]
+    pub fn robot_joints(&self) -> RobotJoints {
+        RobotJoints { count: self.arm.joints.len(), names: self.joint_names.clone(), branches: Vec::new() }
+    }
+
+    /// The positions of a rollout over a recording of commands, as a table with a row for each row of it, and the recording.
+    ///
+    /// # Errors
+    /// A recording that cannot be read or used, a simulation that diverges.
+    pub fn rollout_file(&self, source: Source) -> Result<(Vec<u8>, DriveRecording), Failure> {
+        let read = read(source, &self.robot_joints())?;
+        let simulated = self
+            .arm
+            .rollout(&read.recording)
+            .map_err(|e| Failure::unfit(&read.file, e.to_string(), REMEDY))?;
+        Ok((table(&read.recording, &simulated), read.recording))
+    }
+}
+
+/// What a `[drive]` gave.
+#[derive(Debug)]
+pub struct DriveOutcome {
+    /// For people.
+    pub text: String,
+    /// For programs.
+    pub json: Value,
+    /// Files by name.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+const REMEDY: &str = "look at the recording's command and position, and at [drive]";
+
+/// A recording with what it is called.
+struct Read {
+    label: String,
+    file: std::path::PathBuf,
+    held_out: bool,
+    recording: DriveRecording,
+}
+
+/// Estimates the drives of an experiment, and rolls out all its recordings.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
+    let (arm, mut notes) = arm_of(experiment)?;
+    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    let joints = experiment.robot.robot_joints();
+    let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
+    let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
+    let mut recordings = Vec::new();
+    for (recording, held_out) in listed {
+        progress.step(format!("reading {}", recording.written));
+        recordings.push(Read { held_out, ..read_as(recording, &joints)? });
+    }
+    progress.step("simulating the closed loop");
+    let fitted: Vec<DriveRecording> =
+        recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
+    let mut options = Options { piece_s: drive.piece_s, ..Options::default() };
+    if let Some(deviation) = drive.position_deviation_rad {
+        options.deviation_rad = deviation;
+    }
+    let fit = output_error(&arm, &drive.selection, &fitted, &options)
+        .map_err(|error| of_drive(&error, experiment, &recordings))?;
+    if !fit.converged {
+        notes.push(format!("the search ended after {} steps without converging", fit.iterations));
+    }
+    let mut outcome = DriveOutcome { text: String::new(), json: json!({}), files: Vec::new() };
+    let mut judged = Vec::new();
+    for (k, read) in recordings.iter().enumerate() {
+        progress.step(format!("rolling out {}", read.label));
+        let simulated =
+            fit.arm.rollout(&read.recording).map_err(|e| of_drive(&e, experiment, &recordings[k..]))?;
+        judged.push(Judged::of(&fit.arm, read, &simulated));
+        let stem =
+            Path::new(&read.label).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let mut name = format!("rollout_{stem}.csv");
+        if outcome.files.iter().any(|(taken, _)| *taken == name) {
+            name = format!("rollout_{stem}_{k}.csv");
+        }
+        outcome.files.push((name, table(&read.recording, &simulated)));
+    }
+    let model = CalibratedDrive { drive_schema: 1, joint_names: joints.names, arm: fit.arm.clone() };
+    let saved =
+        serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+    outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
+    outcome.text = text(&fit, &judged, &notes);
+    outcome.json = to_json(&fit, &judged, &notes);
+    outcome.files.push(("metrics.json".to_owned(), pretty(&outcome.json).into_bytes()));
+    Ok(outcome)
+}
+
+/// The arm that an experiment describes, and what to note of it.
+fn arm_of(experiment: &Experiment) -> Result<(DrivenArm, Vec<String>), Failure> {
+    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    let robot = &experiment.robot;
+    let mut notes = robot.geometry.notes();
+    notes.extend(experiment.notes.clone());
+    let chain = robot.geometry.chain(robot.gravity_m_s2)?;
+    let standard_parameters = match robot.geometry.standard_parameters() {
+        Some(standard) => standard.to_vec(),
+        None => {
+            notes.push("the robot's description states no masses: all inertia is that of the rotors, and there is no gravity".into());
+            vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
+        }
+    };
+    Ok((DrivenArm { chain, standard_parameters, joints: drive.joints.clone(), floor: drive.floor }, notes))
+}
+
+fn without_drive(experiment: &Experiment) -> Failure {
+    Failure::unfit(&experiment.path, "the experiment describes no drive", "add [drive]")
+}
+
+fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) -> Failure {
+    let fitted: Vec<&Read> = recordings.iter().filter(|r| !r.held_out).collect();
+    match error {
+        DriveError::Recording { recording, reason } if fitted.get(*recording).is_some() => {
+            Failure::unfit(&fitted[*recording].file, reason.clone(), REMEDY)
+        }
+        _ => Failure::unfit(&experiment.path, error.to_string(), "see [drive] of the experiment"),
+    }
+}
+
+fn read_as(recording: &RecordingSource, joints: &RobotJoints) -> Result<Read, Failure> {
+    read(source(recording), joints)
+}
+
+/// Reads commands, which stand where a measurement does elsewhere, and positions.
+fn read(mut source: Source, joints: &RobotJoints) -> Result<Read, Failure> {
+    // The unit of a command is that of the drive.
+    source.unit = source.unit.or(Some(MeasurementUnit::NewtonMetre));
+    let loaded = Loaded::read(source, Some(joints), Purpose::Calibration)?;
+    let recording = cut(&loaded.recording, loaded.source.window_s)
+        .ok_or_else(|| Failure::unfit(&loaded.source.file, "the recording holds no command", REMEDY))?;
+    recording
+        .check(joints.count, 0)
+        .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
+    Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording })
+}
+
+fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {
+    let first = *recording.time_s.first()?;
+    let [begin, end] = window_s.unwrap_or([0.0, f64::INFINITY]);
+    let inside = |t: f64| (begin..=end).contains(&(t - first));
+    let mut kept: Vec<usize> = (0..recording.time_s.len()).filter(|k| inside(recording.time_s[*k])).collect();
+    // Stamps that repeat say nothing of what came between.
+    kept.dedup_by(|b, a| recording.time_s[*b] <= recording.time_s[*a]);
+    let of = |series: &Vec<Vec<f64>>| series.iter().map(|s| kept.iter().map(|k| s[*k]).collect()).collect();
+    Some(DriveRecording {
+        time_s: kept.iter().map(|k| recording.time_s[*k] - first).collect(),
+        command: of(recording.measurement.as_ref()?),
+        position_rad: of(&recording.position_rad),
+        ..DriveRecording::default()
+    })
+}
+
+fn table(recording: &DriveRecording, simulated: &[Vec<f64>]) -> Vec<u8> {
+    let mut text = "time".to_owned();
+    for name in ["q_simulated", "q", "command"] {
+        (0..simulated.len()).for_each(|j| text.push_str(&format!(",{name}_{j}")));
+    }
+    text.push('\n');
+    for k in 0..recording.time_s.len() {
+        text.push_str(&recording.time_s[k].to_string());
+        for series in [simulated, &recording.position_rad, &recording.command] {
+            series.iter().for_each(|s| text.push_str(&format!(",{}", s[k])));
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
+/// How well a rollout meets its recording.
+struct Judged {
+    label: String,
+    held_out: bool,
+    samples: usize,
+    rms: Vec<f64>,
+    /// Error of the command itself, where it is a position.
+    command_rms: Option<f64>,
+}
+
+impl Judged {
+    fn of(arm: &DrivenArm, read: &Read, simulated: &[Vec<f64>]) -> Self {
+        let rms = |a: &[f64], b: &[f64]| {
+            (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
+        };
+        let pairs = |a: &[Vec<f64>]| -> Vec<f64> {
+            a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, b)).collect()
+        };
+        let follows = arm.joints.iter().all(|j| j.drive.command() == Command::Position);
+        Self {
+            label: read.label.clone(),
+            held_out: read.held_out,
+            samples: read.recording.time_s.len(),
+            rms: pairs(simulated),
+            command_rms: follows.then(|| over_joints(&pairs(&read.recording.command))),
+        }
+    }
+}
+
+fn over_joints(rms: &[f64]) -> f64 {
+    (rms.iter().map(|r| r * r).sum::<f64>() / rms.len().max(1) as f64).sqrt()
+}
+
+/// Over all samples of the recordings that are held out, or of the others.
+fn together(judged: &[Judged], held_out: bool, of: impl Fn(&Judged) -> Option<f64>) -> Option<f64> {
+    let chosen: Vec<&Judged> = judged.iter().filter(|j| j.held_out == held_out).collect();
+    let samples: usize = chosen.iter().map(|j| j.samples).sum();
+    let squares: Option<f64> = chosen.iter().map(|j| of(j).map(|r| r * r * j.samples as f64)).sum();
+    squares.filter(|_| samples > 0).map(|s| (s / samples as f64).sqrt())
+}
+
+fn text(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> String {
+    let mut text = String::from("estimated from commands and positions by output error\n");
+    for number in &fit.numbers {
+        let bound = if number.at_bound { "  at its bound" } else { "" };
+        let _ = writeln!(
+            text,
+            "  {:36} {:>12.5} ± {:<10.5} {}{bound}",
+            number.name, number.value, number.deviation, number.unit
+        );
+    }
+    if !fit.undetermined.is_empty() {
+        text.push_str("\nleft open by these recordings\n");
+        fit.undetermined.iter().for_each(|u| text.push_str(&format!("  {u}\n")));
+    }
+    text.push_str("\nrollout from the command alone, rms of the position by joint in 1e-3 rad or mm\n");
+    for recording in judged {
+        let kind = if recording.held_out { "held-out" } else { "fitted" };
+        let rms: String = recording.rms.iter().map(|r| format!("{:8.2}", 1e3 * r)).collect();
+        let command = recording.command_rms.map_or_else(String::new, |c| format!(", command {:.2}", 1e3 * c));
+        let _ = writeln!(
+            text,
+            "  {kind:9}{rms}  together {:.2}{command}  {}",
+            1e3 * over_joints(&recording.rms),
+            recording.label
+        );
+    }
+    for (name, held_out) in [("fitted", false), ("held-out", true)] {
+        if let Some(all) = together(judged, held_out, |j| Some(over_joints(&j.rms))) {
+            let command = together(judged, held_out, |j| j.command_rms);
+            let command = command.map_or_else(String::new, |c| format!(", command {:.2}", 1e3 * c));
+            let _ = writeln!(text, "  {name}, all samples: {:.2}{command}", 1e3 * all);
+        }
+    }
+    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+    text
+}
+
+fn to_json(fit: &OutputErrorFit, judged: &[Judged], notes: &[String]) -> Value {
+    let numbers = fit.numbers.iter().map(|n| {
+        json!({ "name": n.name, "value": n.value, "deviation": n.deviation, "unit": n.unit, "start": n.start,
+                "start_deviation": n.start_deviation, "at_bound": n.at_bound })
+    });
+    let recordings = judged.iter().map(|j| {
+        json!({ "recording": j.label, "held_out": j.held_out, "rms": j.rms, "rms_all_joints": over_joints(&j.rms),
+                "command_rms": j.command_rms, "samples": j.samples })
+    });
+    json!({
+        "estimator": "output_error",
+        "numbers": numbers.collect::<Vec<_>>(),
+        "undetermined": fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "recordings": recordings.collect::<Vec<_>>(),
+        "held_out_rms": together(judged, true, |j| Some(over_joints(&j.rms))),
+        "fitted_rms": together(judged, false, |j| Some(over_joints(&j.rms))),
+        "iterations": fit.iterations,
+        "converged": fit.converged,
+        "notes": notes,
+    })
+}

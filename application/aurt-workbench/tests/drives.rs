@@ -1,0 +1,128 @@
+//! Experiments with a `[drive]`, from files to files.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::{fs, path::Path};
+
+use aurt::{Progress, data::Source};
+use aurt_drives::DriveRecording;
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_recording::RecordedAs;
+use aurt_workbench::{
+    driving::{CalibratedDrive, DRIVE_FILE, fit_drives},
+    experiments::job,
+};
+
+const EXPERIMENT: &str = r#"schema = 1
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[drive]
+model = "position_servo"
+estimate = ["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]
+gain_nm_per_rad = 10.0
+damping_nm_s_per_rad = 0.5
+delay_s = 0.02
+coulomb_nm = 0.1
+position_deviation_rad = 1e-3
+[recordings]
+calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
+validation = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
+"#;
+
+fn read(folder: &Path, text: &str) -> Experiment {
+    Experiment::parse(text, &folder.join("experiment.toml"), &mut Registry::linked().unwrap()).unwrap()
+}
+
+#[test]
+fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
+    let table = |q: &[f64], command: &[f64]| {
+        let rows = q.iter().zip(command).enumerate();
+        let rows = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02));
+        "time,q_0,q_cmd_0\n".to_owned() + &rows.collect::<String>()
+    };
+    let command: Vec<f64> =
+        (0..600).map(|k| 0.4 * (k as f64 * 0.03).sin() + 0.1 * (k as f64 * 0.11).sin()).collect();
+    fs::write(folder.join("a.csv"), table(&command, &command)).unwrap();
+    let experiment = read(folder, EXPERIMENT);
+    assert!(job(&experiment).unwrap_err().to_string().contains("[drive]"));
+
+    // What the robot of the experiment does when its friction is 0.3 Nm and its delay 35 ms.
+    let mut robot = fit_drives(&experiment, &Progress::silent()).unwrap();
+    let file = folder.join(DRIVE_FILE);
+    let saved = |outcome: &mut aurt_workbench::driving::DriveOutcome| {
+        outcome.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1.clone()
+    };
+    fs::write(&file, saved(&mut robot)).unwrap();
+    let mut arm = CalibratedDrive::read(&file).unwrap().unwrap().arm;
+    arm.joints[0].mechanics.coulomb_nm = 0.3;
+    let mut numbers: Vec<f64> = arm.joints[0].drive.parameters().iter().map(|p| p.value).collect();
+    (numbers[1], numbers[2]) = (0.4, 0.035);
+    arm.joints[0].drive.set_parameters(&numbers);
+    let time_s: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.02).collect();
+    let still = DriveRecording {
+        time_s,
+        command: vec![command.clone()],
+        position_rad: vec![vec![0.0; 600]],
+        ..DriveRecording::default()
+    };
+    let q = arm.rollout(&still).unwrap();
+    fs::write(folder.join("a.csv"), table(&q[0], &command)).unwrap();
+
+    let mut outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
+    for (name, truth) in [("damping_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
+        let numbers = outcome.json["numbers"].as_array().unwrap();
+        let value = numbers.iter().find(|n| n["name"] == name).unwrap()["value"].as_f64().unwrap();
+        assert!((value - truth).abs() < 0.01 * truth, "{name}: {value}");
+    }
+    assert!(outcome.json["held_out_rms"].as_f64().unwrap() < 1e-4, "{}", outcome.text);
+    assert!(outcome.text.contains("held-out, all samples"));
+    fs::write(&file, saved(&mut outcome)).unwrap();
+    let model = CalibratedDrive::read(&file).unwrap().unwrap();
+    let source = Source {
+        file: folder.join("a.csv"),
+        label: "a.csv".into(),
+        window_s: None,
+        unit: None,
+        columns: experiment.recordings.calibration[0].columns.as_ref().map(Into::into),
+        recorded: RecordedAs::default(),
+    };
+    let (predicted, _) = model.rollout_file(source).unwrap();
+    let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
+    assert_eq!(&predicted, written);
+    fs::write(&file, "{ \"drive_schema\": 7 }").unwrap();
+    assert!(CalibratedDrive::read(&file).is_err());
+    fs::write(&file, "{ \"kind\": \"rd_calibrated\" }").unwrap();
+    assert!(CalibratedDrive::read(&file).unwrap().is_none());
+}
+
+/// The published friction and offset are within two standard deviations, the mass within one percent: the model's misfit
+/// (asymmetric friction) is larger than the noise.
+#[test]
+fn the_published_values_of_emps_are_found_by_output_error() {
+    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
+    if data.is_none_or(|data| !data.join("emps").is_dir()) {
+        println!("skipped: AURT_DATA names no folder with recordings of EMPS");
+        return;
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/5-servo/emps.toml");
+    let experiment = Experiment::read(&path, &mut Registry::linked().unwrap()).unwrap();
+    let outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
+    let of = |name: &str| {
+        let numbers = outcome.json["numbers"].as_array().unwrap();
+        let number = numbers.iter().find(|n| n["name"] == name).unwrap();
+        [&number["value"], &number["deviation"]].map(|v| v.as_f64().unwrap())
+    };
+    // A torque on the joint has the sign opposite to the published offset.
+    for (name, published) in
+        [("viscous_nm_s_per_rad_0", 203.5034), ("coulomb_nm_0", 20.3935), ("torque_offset_nm_0", 3.1648)]
+    {
+        let [value, deviation] = of(name);
+        assert!((value - published).abs() < 2.0 * deviation, "{name}: {value} ± {deviation}");
+    }
+    let [mass, _] = of("rotor_inertia_kg_m2_0");
+    assert!((mass - 95.1089).abs() < 0.01 * 95.1089, "{mass}");
+}

@@ -1,0 +1,69 @@
+//! Which numbers of an arm are estimated.
+
+use crate::{DriveError, DrivenArm, declare::UNLIMITED};
+
+/// What is estimated, and what is known beforehand.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Selection {
+    /// Keys of numbers: `delay_s` stands for that of every joint, `delay_s_2` for that of joint 2.
+    pub estimate: Vec<String>,
+    /// Keys of those among them that have one value for all joints.
+    pub shared: Vec<String>,
+    /// Standard deviations of what is known beforehand, by key, instead of the numbers' own.
+    pub deviations: Vec<(String, f64)>,
+}
+
+/// A number that is estimated, of one joint or of several that share it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Column {
+    pub name: String,
+    pub unit: String,
+    /// Places in [`DrivenArm::numbers`].
+    pub places: Vec<usize>,
+    pub start: f64,
+    pub deviation: f64,
+    pub bounds: [f64; 2],
+}
+
+/// The columns of a selection.
+pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Column>, DriveError> {
+    let names = arm.names();
+    let numbers = arm.numbers();
+    let stem = |name: &str| {
+        name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0).to_owned()
+    };
+    let mut columns: Vec<Column> = Vec::new();
+    for key in &selection.estimate {
+        let places: Vec<usize> =
+            (0..names.len()).filter(|k| names[*k] == *key || stem(&names[*k]) == *key).collect();
+        if places.is_empty() {
+            let mut known: Vec<String> = names.iter().map(|n| stem(n)).collect();
+            known.sort();
+            known.dedup();
+            return Err(DriveError::Unknown { name: key.clone(), known: known.join(", ") });
+        }
+        let shared = selection.shared.contains(key);
+        let groups: Vec<Vec<usize>> =
+            if shared { vec![places] } else { places.into_iter().map(|p| vec![p]).collect() };
+        for places in groups {
+            let number = &numbers[places[0]];
+            let name = if shared { key.clone() } else { names[places[0]].clone() };
+            if number.value.abs() >= UNLIMITED {
+                return Err(DriveError::NoStart { name });
+            }
+            let stated = selection.deviations.iter().find(|(k, _)| *k == name || *k == stem(&name));
+            let column = Column {
+                unit: number.parameter.unit.clone(),
+                start: number.value,
+                deviation: stated.map_or(number.deviation, |(_, d)| *d),
+                bounds: number.bounds,
+                name,
+                places,
+            };
+            if !columns.iter().any(|c| c.places == column.places) {
+                columns.push(column);
+            }
+        }
+    }
+    Ok(columns)
+}

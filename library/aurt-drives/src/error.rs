@@ -1,0 +1,62 @@
+use thiserror::Error;
+
+/// Why a drive cannot be simulated or estimated.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DriveError {
+    /// A robot that is no chain of joints.
+    #[error("{0}")]
+    Robot(String),
+    /// Two things that must have the same number of entries do not.
+    #[error("{what}: expected {expected}, got {found}")]
+    Count {
+        /// What was counted.
+        what: &'static str,
+        /// The number that is right.
+        expected: usize,
+        /// The number that was found.
+        found: usize,
+    },
+    /// A number outside its bounds.
+    #[error("`{name}` must lie within {} and {}, is {value}", bounds[0], bounds[1])]
+    Bounds {
+        /// Its name, with the joint.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// The least and the greatest that is allowed.
+        bounds: [f64; 2],
+    },
+    /// A number to be estimated that the model does not have.
+    #[error("there is no number `{name}` to estimate; known: {known}")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is, comma separated.
+        known: String,
+    },
+    /// A limit to be estimated that has no start.
+    #[error("`{name}` is to be estimated and has no start; give a value at which it acts")]
+    NoStart {
+        /// Its name, with the joint.
+        name: String,
+    },
+    /// A recording that cannot be used.
+    #[error("recording {recording}: {reason}")]
+    Recording {
+        /// Its place in the list, from 0.
+        recording: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The simulation left all numbers.
+    #[error(
+        "the simulation of recording {recording} diverges at {time_s} s; give starts nearer to the robot, or a shorter step"
+    )]
+    Diverged {
+        /// Its place in the list, from 0.
+        recording: usize,
+        /// When.
+        time_s: f64,
+    },
+}

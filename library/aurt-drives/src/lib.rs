@@ -1,0 +1,26 @@
+//! Drives of robot joints and the output error of their closed loops.
+//!
+//! - [`models`] are drives: ideal torque, current, voltage with back-EMF, a law of control, a servo that follows a position.
+//! - [`DrivenArm`] puts them on the joints of a chain, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
+//!   simulates the closed loop from commands alone.
+//! - [`output_error`] estimates its numbers from commands and positions.
+//!
+//! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its exact derivatives.
+
+mod arm;
+mod bodies;
+mod columns;
+mod declare;
+mod determined;
+mod error;
+pub mod models;
+mod output_error;
+mod plant;
+mod rollout;
+
+pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
+pub use columns::Selection;
+pub use determined::Undetermined;
+pub use error::DriveError;
+pub use output_error::{EstimatedNumber, Options, OutputErrorFit, output_error};
+pub use rollout::{DriveRecording, LONGEST_STEP_S};

@@ -1,0 +1,134 @@
+//! `position_servo`: a servo that follows a position: Feetech, Dynamixel and model servos.
+//!
+//! # Equation
+//! The firmware plans a reference r towards q*(t − T) within its speed and acceleration limits, |ṙ| ≤ v, |r̈| ≤ a,
+//! |ṙ| = √(2 a |q* − r|) near its end, and drives the motor by
+//!
+//! τ = sat(K_p d(r + b − q) + K_i ∫ d − K_d q̇) − K_e q̇
+//!
+//! with the dead band d(e) = e − sat_δ(e), the firmware's damping K_d and what the back-EMF brakes, K_e = k_t k_e/R; all as
+//! torques on the joint: K_p = (firmware gain) · (supply) · k_t/R.
+//!
+//! # Undetermined
+//! K_d (below saturation), K_e and viscous friction are one column. One scale of all torques is free unless a mass, an inertia
+//! or a gain is known. The limits show only in motion that reaches them.
+//!
+//! # Source
+//! Feetech STS3215 memory table (goal speed, acceleration, position P, I, D, dead zones); Duclusaud et al. (2025), *Extended
+//! Friction Models for the Physics Simulation of Servo Actuators*, for the torque from the duty.
+
+use aurt_traits::{DriveInput, DriveTorque, Jet};
+
+use crate::declare::{UNLIMITED, drive, numbers};
+
+numbers! {
+    /// A servo that follows a position; equations at the head of its file.
+    pub struct PositionServo {
+        /// K_p in Nm/rad.
+        gain_nm_per_rad: "Nm/rad" = 10.0, 5.0, [1e-3, 1e6];
+        /// K_e in Nm s/rad.
+        damping_nm_s_per_rad: "Nm s/rad" = 0.3, 0.5, [0.0, 1e6];
+        /// T in s.
+        delay_s: "s" = 0.02, 0.03, [0.0, 0.5];
+        /// v in rad/s.
+        speed_limit_rad_s: "rad/s" = UNLIMITED, 2.0, [0.05, UNLIMITED];
+        /// a in rad/s².
+        acceleration_limit_rad_s2: "rad/s^2" = UNLIMITED, 50.0, [0.5, UNLIMITED];
+        /// δ in rad.
+        dead_band_rad: "rad" = 0.0, 0.005, [0.0, 0.2];
+        /// b in rad.
+        command_offset_rad: "rad" = 0.0, 0.01, [-1.0, 1.0];
+        /// K_i in Nm/(rad s).
+        integral_nm_per_rad_s: "Nm/(rad s)" = 0.0, 5.0, [0.0, 1e6];
+        /// K_d in Nm s/rad.
+        firmware_damping_nm_s_per_rad: "Nm s/rad" = 0.0, 0.5, [0.0, 1e6];
+        /// Largest torque at rest in Nm.
+        torque_limit_nm: "Nm" = UNLIMITED, 2.0, [1e-3, UNLIMITED];
+    }
+}
+
+// State: r, ṙ and ∫ d.
+drive!(
+    PositionServo,
+    "position_servo",
+    Position,
+    |command| vec![Jet::constant(command), Jet::ZERO, Jet::ZERO],
+    servo
+);
+
+fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
+    let [gain, damping, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] = p
+    else {
+        return DriveTorque { torque: Jet::ZERO, damping: Jet::ZERO };
+    };
+    let h = input.step_s;
+    let wanted = (input.command)(-*delay + input.time_s);
+    let left = wanted - state[0];
+    let rate = if acceleration.value < UNLIMITED {
+        // The speed from which steps of −a h come to rest at the end.
+        let half = *acceleration * (0.5 * h);
+        let braking = ((half * half + *acceleration * left.abs() * 2.0).sqrt() - half).clamp(*speed);
+        let aim = if left.value < 0.0 { -braking } else { braking };
+        let aim = if aim.value.abs() * h > left.value.abs() { left * (1.0 / h) } else { aim };
+        state[1] + (aim - state[1]).clamp(*acceleration * h)
+    } else {
+        (left * (1.0 / h)).clamp(*speed)
+    };
+    state[1] = rate;
+    state[0] += rate * h;
+    let error = (state[0] + *offset - input.position_rad).beyond(*dead_band);
+    state[2] += error * h;
+    let firmware = *gain * error + *integral * state[2] - *firmware_damping * input.velocity_rad_s;
+    let driven = firmware.clamp(*limit);
+    let free = driven == firmware;
+    DriveTorque {
+        torque: driven - *damping * input.velocity_rad_s,
+        damping: if free { *damping + *firmware_damping } else { *damping },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use aurt_traits::DriveModel;
+
+    /// The reference over time after a step of the command from 0 to 1 rad.
+    fn planned(servo: &PositionServo, step_s: f64, steps: usize) -> Vec<f64> {
+        let p: Vec<Jet> = servo.parameters().iter().map(|p| Jet::constant(p.value)).collect();
+        let command = |_: Jet| Jet::constant(1.0);
+        let mut state = servo.initial_state(0.0);
+        (0..steps)
+            .map(|k| {
+                let input = DriveInput {
+                    time_s: k as f64 * step_s,
+                    step_s,
+                    command: &command,
+                    position_rad: Jet::ZERO,
+                    velocity_rad_s: Jet::ZERO,
+                };
+                servo.torque(&p, &input, &mut state);
+                state[0].value
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_reference_keeps_its_limits_and_arrives_without_overshoot() {
+        let limited = PositionServo {
+            speed_limit_rad_s: 2.0,
+            acceleration_limit_rad_s2: 20.0,
+            ..PositionServo::default()
+        };
+        let h = 1e-3;
+        let path = planned(&limited, h, 900);
+        let speed: Vec<f64> = path.windows(2).map(|w| (w[1] - w[0]) / h).collect();
+        assert!(speed.iter().all(|v| *v <= 2.0 + 1e-9 && *v >= -1e-9));
+        assert!(speed.windows(2).all(|w| (w[1] - w[0]).abs() <= 20.0 * h * 1.01 + 1e-9));
+        // A trapezoid: 1 rad at 2 rad/s and two ramps of 0.1 s last 0.6 s.
+        let arrival = path.iter().position(|r| *r > 0.999).unwrap() as f64 * h;
+        assert!((arrival - 0.6).abs() < 0.03, "{arrival}");
+        assert!(path.iter().all(|r| *r < 1.0 + 2e-3));
+        let speed_alone = PositionServo { acceleration_limit_rad_s2: UNLIMITED, ..limited };
+        assert!((planned(&speed_alone, h, 100)[99] - 0.2).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,19 @@
+//! `torque`: an ideal source of torque, τ = τ*(t − T).
+
+use aurt_traits::{DriveInput, DriveTorque, Jet};
+
+use crate::declare::{drive, numbers};
+
+numbers! {
+    /// An ideal source of torque, τ = τ*(t − T).
+    pub struct TorqueDrive {
+        /// Delay T of the command in s.
+        delay_s: "s" = 0.0, 0.01, [0.0, 0.5];
+    }
+}
+
+drive!(TorqueDrive, "torque", Torque, |_| Vec::new(), law);
+
+fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
+    DriveTorque { torque: (input.command)(-p[0] + input.time_s), damping: Jet::ZERO }
+}

@@ -1,0 +1,27 @@
+//! `voltage`: a motor at a voltage, with its back-EMF, τ = (k_t/R) u(t − T) − (k_t k_e/R) q̇.
+//!
+//! Viscous friction of the joint and the back-EMF are one column: only their sum is determined by recordings of one kind.
+
+use aurt_traits::{DriveInput, DriveTorque, Jet};
+
+use crate::declare::{drive, numbers};
+
+numbers! {
+    /// A motor at a voltage with its back-EMF, τ = (k_t/R) u(t − T) − (k_t k_e/R) q̇; a PWM drive is one with u = duty ·
+    /// supply.
+    pub struct VoltageDrive {
+        /// Torque at rest per voltage, k_t/R, in Nm/V.
+        torque_nm_per_v: "Nm/V" = 1.0, 1.0, [1e-9, 1e9];
+        /// Braking by the back-EMF, k_t k_e/R, in Nm s/rad.
+        back_emf_nm_s_per_rad: "Nm s/rad" = 0.0, 1.0, [0.0, 1e9];
+        /// Delay T of the command in s.
+        delay_s: "s" = 0.0, 0.01, [0.0, 0.5];
+    }
+}
+
+drive!(VoltageDrive, "voltage", Voltage, |_| Vec::new(), law);
+
+fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
+    let driven = p[0] * (input.command)(-p[2] + input.time_s);
+    DriveTorque { torque: driven - p[1] * input.velocity_rad_s, damping: p[1] }
+}

@@ -1,0 +1,241 @@
+//! Simulations with answers on paper, and estimates of what was simulated.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use aurt_drives::{
+    DriveError, DriveRecording, DrivenArm, DrivenJoint, Floor, Mechanics, Options, Selection,
+    models::{PositionServo, TorqueDrive, VoltageDrive},
+    output_error,
+};
+use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
+use aurt_traits::DriveModel;
+
+const UPRIGHT: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// A mass of 2 kg that slides along x, driven by a force.
+fn slide(mechanics: Mechanics, drive: Box<dyn DriveModel>) -> DrivenArm {
+    let placement = Placement::from_roll_pitch_yaw([0.0; 3], [0.0, std::f64::consts::FRAC_PI_2, 0.0]);
+    let chain = SerialChain::new(vec![Joint::prismatic(placement)], UPRIGHT).unwrap();
+    let mechanics = Mechanics { rotor_inertia_kg_m2: 2.0, ..mechanics };
+    DrivenArm {
+        chain,
+        standard_parameters: vec![0.0; 10],
+        joints: vec![DrivenJoint { drive, mechanics }],
+        floor: None,
+    }
+}
+
+fn recorded(rate_hz: f64, seconds: f64, command: &dyn Fn(f64) -> Vec<f64>, start: &[f64]) -> DriveRecording {
+    let time_s: Vec<f64> = (0..(rate_hz * seconds) as usize).map(|k| k as f64 / rate_hz).collect();
+    let commands: Vec<Vec<f64>> = time_s.iter().map(|t| command(*t)).collect();
+    let of = |j: usize| commands.iter().map(|c| c[j]).collect();
+    let position_rad = start.iter().map(|q| vec![*q; time_s.len()]).collect();
+    DriveRecording {
+        command: (0..start.len()).map(of).collect(),
+        position_rad,
+        time_s,
+        ..DriveRecording::default()
+    }
+}
+
+/// Two servos under gravity: a shoulder and an elbow.
+fn arm() -> DrivenArm {
+    let turned = Placement::from_roll_pitch_yaw([0.0; 3], [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
+    let beyond = Placement::from_roll_pitch_yaw([0.2, 0.0, 0.0], [0.0; 3]);
+    let chain = SerialChain::new(vec![Joint::revolute(turned), Joint::revolute(beyond)], UPRIGHT).unwrap();
+    let rod = LinkBody {
+        mass_kg: 0.2,
+        com_m: [0.1, 0.0, 0.0],
+        inertia_at_com_kg_m2: [1e-5, 0.0, 0.0, 7e-4, 0.0, 7e-4],
+    };
+    let joint = |gain: f64| DrivenJoint {
+        drive: Box::new(PositionServo {
+            gain_nm_per_rad: gain,
+            damping_nm_s_per_rad: 0.4,
+            delay_s: 0.03,
+            ..PositionServo::default()
+        }),
+        mechanics: Mechanics {
+            rotor_inertia_kg_m2: 0.01,
+            coulomb_nm: 0.06,
+            coulomb_per_load: 0.1,
+            ..Mechanics::default()
+        },
+    };
+    let standard = rod.standard_parameters();
+    DrivenArm {
+        chain,
+        standard_parameters: [standard, standard].concat(),
+        joints: vec![joint(12.0), joint(8.0)],
+        floor: None,
+    }
+}
+
+fn waves(t: f64) -> Vec<f64> {
+    vec![
+        0.5 * (1.1 * t).sin() + 0.2 * (3.7 * t).sin(),
+        -0.6 * (0.9 * t).sin() + 0.15 * (4.3 * t).cos() - 0.15,
+    ]
+}
+
+#[test]
+fn dry_friction_holds_lets_go_and_stops_as_on_paper() {
+    let friction = Mechanics { coulomb_nm: 3.0, ..Mechanics::default() };
+    let slide = slide(friction, Box::new(TorqueDrive::default()));
+    // 2.9 N do not move 3 N of friction in 100 s; 5 N accelerate by 1 m/s² for 2 s; without force it stops after 4/3 m.
+    let force = |t: f64| {
+        vec![if t < 100.0 {
+            2.9
+        } else if t < 102.0 {
+            5.0
+        } else {
+            0.0
+        }]
+    };
+    let q = slide.rollout(&recorded(100.0, 106.0, &force, &[0.3])).unwrap().swap_remove(0);
+    assert!(q[..9990].iter().all(|q| *q == 0.3), "it creeps");
+    assert!((q[10200] - 2.3).abs() < 0.05, "{}", q[10200]);
+    let stop = q[10200] + 2.0f64.powi(2) / (2.0 * 1.5);
+    assert!((q[10599] - stop).abs() < 0.05, "{} {stop}", q[10599]);
+    assert_eq!(q[10599], q[10500]);
+}
+
+#[test]
+fn smooth_motion_converges_with_the_square_of_the_step() {
+    let viscous = Mechanics { viscous_nm_s_per_rad: 4.0, ..Mechanics::default() };
+    let slide = slide(viscous, Box::new(VoltageDrive { torque_nm_per_v: 1.5, ..VoltageDrive::default() }));
+    let (force, rate, mass) = (6.0, 2.0, 2.0);
+    let error = |hz: f64| {
+        let q = slide.rollout(&recorded(hz, 2.0 + 1.0 / hz, &|_| vec![4.0], &[0.0])).unwrap().swap_remove(0);
+        let t = (q.len() - 1) as f64 / hz;
+        let exact = force / (rate * mass) * (t - (1.0 - (-rate * t).exp()) / rate);
+        (q[q.len() - 1] - exact).abs()
+    };
+    let (coarse, fine) = (error(400.0), error(800.0));
+    assert!(coarse < 1e-5 && (coarse / fine - 4.0).abs() < 0.3, "{coarse} {fine}");
+}
+
+#[test]
+fn stops_and_the_floor_bear_what_pushes_against_them() {
+    let mut arm = arm();
+    arm.joints[1].mechanics.lower_stop_rad = -0.2;
+    let q = arm.rollout(&recorded(50.0, 10.0, &waves, &[0.0, 0.0])).unwrap();
+    assert!(q[1].iter().all(|q| *q >= -0.2) && q[1].iter().filter(|q| **q == -0.2).count() > 20);
+    // The tip of the elbow on the floor, under which the command aims.
+    let mut arm = self::arm();
+    arm.floor = Some(Floor { height_m: -0.05, x_m: 0.2, friction: 0.3, ..Floor::default() });
+    let q = arm.rollout(&recorded(50.0, 6.0, &|t| vec![-0.3 * t.min(1.0), 0.0], &[0.0, 0.0])).unwrap();
+    let height = |k: usize| 0.2 * (q[0][k].sin() + (q[0][k] + q[1][k]).sin());
+    assert!((height(290) + 0.05).abs() < 5e-3, "{}", height(290));
+    assert!((height(290) - height(200)).abs() < 1e-4, "it creeps");
+}
+
+#[test]
+fn what_was_simulated_is_estimated_within_its_deviations() {
+    let truth = arm();
+    let mut recordings = Vec::new();
+    for start in [[0.0, 0.0], [0.2, -0.1]] {
+        let mut recording = recorded(50.0, 12.0, &|t| waves(t + start[0] * 20.0), &start);
+        let q = truth.rollout(&recording).unwrap();
+        // Encoders of 4096 ticks a turn.
+        let tick = std::f64::consts::TAU / 4096.0;
+        let ticks = |s: &Vec<f64>| s.iter().map(|q| (q / tick).round() * tick).collect();
+        recording.position_rad = q.iter().map(ticks).collect();
+        recordings.push(recording);
+    }
+    let mut start = truth.clone();
+    start.joints.iter_mut().for_each(|j| {
+        j.drive = Box::new(PositionServo {
+            gain_nm_per_rad: 10.0,
+            damping_nm_s_per_rad: 0.3,
+            ..PositionServo::default()
+        });
+        j.mechanics.coulomb_nm = 0.04;
+        j.mechanics.rotor_inertia_kg_m2 = 0.015;
+    });
+    let keys = ["gain_nm_per_rad", "damping_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
+    let selection = Selection {
+        estimate: keys.map(str::to_owned).to_vec(),
+        shared: vec!["delay_s".to_owned()],
+        deviations: Vec::new(),
+    };
+    let options = Options { deviation_rad: 1e-3, ..Options::default() };
+    let fit = output_error(&start, &selection, &recordings, &options).unwrap();
+    assert!(fit.converged, "{fit:?}");
+    assert!(fit.rms_rad.iter().flatten().all(|r| *r < 7e-4), "{:?}", fit.rms_rad);
+    let names = truth.names();
+    let numbers = truth.numbers();
+    for estimate in &fit.numbers {
+        let place = names.iter().position(|n| *n == estimate.name || n.starts_with(&estimate.name)).unwrap();
+        let error = (estimate.value - numbers[place].value).abs();
+        assert!(
+            error < 4.0 * estimate.deviation + 0.02 * numbers[place].value,
+            "{estimate:?} {}",
+            numbers[place].value
+        );
+        assert!(estimate.deviation < 0.3 * estimate.value, "{estimate:?}");
+    }
+    assert!(fit.undetermined.is_empty(), "{:?}", fit.undetermined);
+}
+
+#[test]
+fn pieces_find_what_an_open_loop_drifts_away_from() {
+    let viscous = Mechanics { viscous_nm_s_per_rad: 4.0, coulomb_nm: 1.0, ..Mechanics::default() };
+    let truth = slide(viscous, Box::new(TorqueDrive::default()));
+    let mut recording =
+        recorded(500.0, 20.0, &|t| vec![9.0 * (1.9 * t).cos() + 3.0 * (4.1 * t).sin()], &[0.0]);
+    recording.position_rad = truth.rollout(&recording).unwrap();
+    let mut start = truth.clone();
+    start.joints[0].mechanics = Mechanics {
+        rotor_inertia_kg_m2: 1.5,
+        viscous_nm_s_per_rad: 2.0,
+        coulomb_nm: 0.5,
+        ..Mechanics::default()
+    };
+    let estimate = ["rotor_inertia_kg_m2", "viscous_nm_s_per_rad", "coulomb_nm"].map(str::to_owned).to_vec();
+    let deviations = estimate.iter().map(|key| (key.clone(), 5.0)).collect();
+    let selection = Selection { estimate, deviations, ..Selection::default() };
+    let options = Options { deviation_rad: 1e-4, piece_s: Some(2.0), ..Options::default() };
+    let fit = output_error(&start, &selection, &[recording], &options).unwrap();
+    for (number, truth) in fit.numbers.iter().zip([2.0, 4.0, 1.0]) {
+        assert!((number.value - truth).abs() < 2e-3 * truth, "{number:?}");
+    }
+}
+
+#[test]
+fn numbers_that_are_one_column_are_named() {
+    let truth = arm();
+    let mut recording = recorded(50.0, 8.0, &waves, &[0.0, 0.0]);
+    recording.position_rad = truth.rollout(&recording).unwrap();
+    let estimate = ["damping_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
+    let selection = Selection { estimate, ..Selection::default() };
+    let fit = output_error(&truth, &selection, &[recording], &Options::default()).unwrap();
+    let said = fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>();
+    assert_eq!(said.len(), 1);
+    assert!(
+        said[0].contains("damping_nm_s_per_rad_0") && said[0].contains("viscous_nm_s_per_rad_0"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn mistakes_are_detected() {
+    let arm = arm();
+    let good = recorded(50.0, 1.0, &waves, &[0.0, 0.0]);
+    let select = |key: &str| Selection { estimate: vec![key.to_owned()], ..Selection::default() };
+    let of = |selection: &Selection, recording: &DriveRecording| {
+        output_error(&arm, selection, std::slice::from_ref(recording), &Options::default()).unwrap_err()
+    };
+    assert!(matches!(of(&select("gain"), &good), DriveError::Unknown { .. }));
+    assert!(matches!(of(&select("speed_limit_rad_s"), &good), DriveError::NoStart { .. }));
+    let one_joint = DriveRecording { command: good.command[..1].to_vec(), ..good.clone() };
+    assert!(matches!(of(&select("delay_s"), &one_joint), DriveError::Recording { recording: 0, .. }));
+    let mut backwards = good.clone();
+    backwards.time_s[7] = 0.0;
+    assert!(of(&select("delay_s"), &backwards).to_string().contains("does not follow"));
+    let mut outside = arm.clone();
+    outside.joints[1].mechanics.coulomb_nm = -1.0;
+    assert!(matches!(outside.validate(), Err(DriveError::Bounds { .. })));
+    let text = serde_json::to_string(&arm).unwrap();
+    let back: DrivenArm = serde_json::from_str(&text).unwrap();
+    assert_eq!(back.numbers(), arm.numbers());
+}
