@@ -1,5 +1,4 @@
 //! Chains and trees against Pinocchio on the same file.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::process::Command;
 
