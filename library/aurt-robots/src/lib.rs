@@ -14,6 +14,7 @@ mod error;
 mod known;
 mod mdh;
 mod mjcf;
+mod part;
 mod places;
 mod pose;
 mod selection;
@@ -27,8 +28,8 @@ pub use description::{DescribedRobot, JointFriction, JointLimits};
 pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
 pub use mdh::AsMdh;
+pub use part::Part;
 pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
-pub use selection::Part;
 
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
 pub const MOST_BYTES: u64 = 64 << 20;
