@@ -51,7 +51,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     assert!(job(&experiment).unwrap_err().to_string().contains("[drive]"));
 
     // What the robot of the experiment does when its friction is 0.3 Nm and its delay 35 ms.
-    let mut robot = fit_drives(&experiment, &Progress::default()).unwrap();
+    let mut robot = fit_drives(&experiment, &Progress::silent()).unwrap();
     let file = folder.join(DRIVE_FILE);
     let saved = |outcome: &mut aurt_workbench::driving::DriveOutcome| {
         outcome.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1.clone()
@@ -72,7 +72,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let q = arm.rollout(&still).unwrap();
     fs::write(folder.join("a.csv"), table(&q[0], &command)).unwrap();
 
-    let mut outcome = fit_drives(&experiment, &Progress::default()).unwrap();
+    let mut outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
     for (name, truth) in [("damping_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
         let numbers = outcome.json["numbers"].as_array().unwrap();
         let value = numbers.iter().find(|n| n["name"] == name).unwrap()["value"].as_f64().unwrap();
@@ -110,7 +110,7 @@ fn the_published_values_of_emps_are_found_by_output_error() {
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/5-servo/emps.toml");
     let experiment = Experiment::read(&path, &mut Registry::linked().unwrap()).unwrap();
-    let outcome = fit_drives(&experiment, &Progress::default()).unwrap();
+    let outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
     let of = |name: &str| {
         let numbers = outcome.json["numbers"].as_array().unwrap();
         let number = numbers.iter().find(|n| n["name"] == name).unwrap();
