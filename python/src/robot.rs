@@ -34,7 +34,7 @@ pub struct Robot {
 
 #[pymethods]
 impl Robot {
-    /// The serial chain between two links of a URDF file.
+    /// The serial chain between two links of a URDF file; without `tip` all joints on the base, as a tree.
     #[staticmethod]
     #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
     fn from_urdf(
@@ -48,7 +48,7 @@ impl Robot {
         Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
     }
 
-    /// The serial chain between two bodies of a MuJoCo file.
+    /// The same of a MuJoCo file, with bodies instead of links.
     #[staticmethod]
     #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
     fn from_mjcf(

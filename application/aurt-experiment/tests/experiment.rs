@@ -172,7 +172,7 @@ estimator = 3
 [plot]
 "#;
     let expected = r#"e.toml:4:12: `mdh_rows` cannot be "nxet"; did you mean `next`? known values: `next`, `previous`
-e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `joint_names`, `mdh`, `mdh_rows`, `mjcf`, `name`, `tip`, `torque_constants_nm_per_a`, `urdf`
+e.toml:5:1: [robot] has no key `gravity`; did you mean `gravity_m_s2`? known keys: `base`, `gravity_m_s2`, `joint_names`, `joints`, `mdh`, `mdh_rows`, `mjcf`, `name`, `tip`, `tips`, `torque_constants_nm_per_a`, `urdf`
 e.toml:6:29: `torque_constants_nm_per_a` expects one entry per joint, so 2, found 3
 e.toml:8:21: there is no coulomb model `sqare`; did you mean `square`? known coulomb models: COULOMB
 e.toml:9:44: model `polynomial`, key `powers`: invalid type: string "1", expected a sequence; a working example: POLYNOMIAL
@@ -358,18 +358,29 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
     assert_eq!(e.robot.geometry.path().unwrap(), folder.path().join("rail.urdf"));
     // Both masses together, and of the arm its inertia about the axis and two first moments.
     assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 4);
+    // Without a tip it is the whole tree; or what is named, the rest of which is fixed.
+    let joints = |lines: &str| read(folder.path(), &of_robot(lines)).unwrap().robot.joint_names;
+    assert_eq!(joints("urdf = \"rail.urdf\""), ["x", "turn", "l", "r"]);
+    assert_eq!(joints("urdf = \"rail.urdf\"\ntips = [\"right\", \"arm\"]"), ["x", "turn", "r"]);
+    assert_eq!(joints("urdf = \"rail.urdf\"\njoints = [\"l\", \"x\"]"), ["x", "l"]);
     let e = read(folder.path(), &of_robot("name = \"UR10e\"")).unwrap();
     assert_eq!((e.joints(), e.robot.geometry.path()), (6, None));
     assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 36);
 
     for (lines, parts) in [
+        ("urdf = \"rail.urdf\"\ntip = \"hand\"", &["there is no link `hand` for the tip"][..]),
         (
-            "urdf = \"rail.urdf\"",
+            "urdf = \"rail.urdf\"\njoints = [\"x\", \"tunr\"]",
             &[
-                "`urdf`: rail.urdf: several chains start at `floor`; choose one by its tip: left (3 joints), right",
-            ][..],
+                "`urdf`: rail.urdf: there is no joint `tunr` for `joints`, did you mean `turn`?; joints: x, turn, l, r",
+            ],
         ),
-        ("urdf = \"rail.urdf\"\ntip = \"hand\"", &["there is no link `hand` for the tip"]),
+        (
+            "urdf = \"rail.urdf\"\ntip = \"arm\"\ntips = [\"left\"]",
+            &["`tips` is a second choice beside `tip`"],
+        ),
+        ("urdf = \"rail.urdf\"\njoints = []", &["`joints` names nothing; leave it out for all joints"]),
+        ("mdh = \"mdh.csv\"\njoints = [\"x\"]", &["`joints` chooses a part of a `urdf` or `mjcf`"]),
         ("urdf = \"no.urdf\"", &["`urdf` names the file no.urdf, which does not exist"]),
         (
             "name = \"ur11e\"",

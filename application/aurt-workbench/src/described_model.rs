@@ -78,11 +78,11 @@ impl GivenModel {
 fn chain(path: &Path, ends: ChainEnds<'_>, experiment: &Experiment) -> Result<DescribedRobot, Failure> {
     if let (ChainEnds { base: None, tip: None }, Geometry::Urdf { robot, .. }) =
         (ends, &experiment.robot.geometry)
-        && let Ok(described) = aurt_robots::read(path, Some(&robot.base), Some(&robot.tip))
+        && let Ok(described) = aurt_robots::read_part(path, Some(&robot.base), &robot.part)
     {
         return Ok(described);
     }
-    Ok(aurt_robots::read(path, ends.base, ends.tip)?)
+    Ok(aurt_robots::read_part(path, ends.base, &ends.tip.into())?)
 }
 
 /// The model that a description states, in the geometry of an experiment.
@@ -100,8 +100,9 @@ fn of_description(
     let (joints, found) = (experiment.joints(), described.joints());
     if found != joints {
         let DescribedRobot { base, tip, .. } = described;
+        let part = if tip.is_empty() { "tree".into() } else { format!("chain to `{tip}`") };
         return Err(refuse(
-            format!("the chain from `{base}` to `{tip}` has {found} joints, the experiment's robot {joints}"),
+            format!("the {part} on `{base}` has {found} joints, the experiment's robot {joints}"),
             "name the links between which the robot's joints lie with --base and --tip",
         ));
     }

@@ -252,7 +252,7 @@ impl Found<'_> {
             notes: &improvement.notes,
             recording_notes: question.recordings.iter().map(notes).collect(),
             document,
-            arm_m: arm::points_m(question.model, question.recordings),
+            arm: arm::outline(question.model, question.recordings),
         }
         .page();
         Ok(Improved { experiment_toml, added, model, notes: improvement.notes, report })

@@ -11,7 +11,7 @@ use aurt_export::{
 pub use aurt_export::{fmu::Kind, into::Format};
 use aurt_model::model_file::read_json;
 use aurt_plugins::Registry;
-use aurt_robots::RobotError;
+use aurt_robots::{Part, RobotError};
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
@@ -177,7 +177,8 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
 }
 
 /// The dynamics of a model in the user's MuJoCo or URDF file `into`: the same file with other inertias and
-/// dynamics of joints, under another name. The chain is that from `base` to `tip`, where the file leaves a choice.
+/// dynamics of joints, under another name. The robot is the chain from `base` to `tip`; without a tip the joints of the file
+/// that have the names of the model's, or all of it.
 ///
 /// # Errors
 /// As [`export`]; what is wrong with the file, or that it describes another robot.
@@ -190,7 +191,12 @@ pub fn correct(
     let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES).map_err(|source| {
         aurt_robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
     })?;
-    let original = Original { text: &text, path: into, format, base, tip };
+    // Without a tip it is the part that the model's joints name, or else all of the file.
+    let names = model.calibrated.model.rigid_body().joint_names();
+    let named = Part::Joints(names.to_vec());
+    let is_named = tip.is_none() && aurt_robots::parse_part(&text, into, base, &named).is_ok();
+    let part = &if is_named { named } else { Part::from(tip) };
+    let original = Original { text: &text, path: into, format, base, part };
     with_source(model, "robot", |source, _| {
         let Corrected { text, changed, lost, notes } = into::correct(source, &original)?;
         let stem = into.file_stem().unwrap_or_default().to_string_lossy();

@@ -16,6 +16,7 @@ mod json_file;
 mod product;
 pub mod proof;
 pub mod score;
+pub mod setups;
 mod strength;
 
 pub use strength::Strength;

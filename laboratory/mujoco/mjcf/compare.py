@@ -1,4 +1,4 @@
-"""Serial chains of MJCF files: torques, joints and limits against MuJoCo's inverse dynamics of the same file.
+"""Serial chains of MJCF files, and all joints at once: torques, joints and limits against MuJoCo's inverse dynamics of the same file.
 
     pip install mujoco==4.0.0
     cargo build --release -p aurt-robots --example chains
@@ -66,7 +66,7 @@ def compare_chain(model, chain, folder):
         theirs = model.jnt_range[joint] if model.jnt_limited[joint] else None
         same = (limits is None) == (theirs is None) and (limits is None or np.allclose(limits, theirs, rtol=1e-12))
         other += [] if same else [f"range of {model.joint(joint).name}"]
-    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + 11 * n * n)
+    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 5 * n + 11 * n * n)
     worst = 0.0
     for row in numbers:
         q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
@@ -121,7 +121,7 @@ def main():
             for chain in read:
                 difference, differing = compare_chain(model, chain, folder)
                 worst = max(worst, difference)
-                other += [f"{chain['tip']}: {what}" for what in differing]
+                other += [f"{chain['tip'] or 'all joints'}: {what}" for what in differing]
             failures += worst > TOLERANCE or bool(other)
             compared += len(read)
             joints = ", ".join(str(len(chain["joints"])) for chain in read)

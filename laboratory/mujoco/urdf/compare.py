@@ -1,4 +1,5 @@
-"""Serial chains of URDF files: torques, mass matrices, regressors and numbers of base parameters against Pinocchio.
+"""Serial chains of URDF files, and all joints at once: torques, accelerations, mass matrices, regressors and numbers of base
+parameters against Pinocchio.
 
     pip install pin==4.1.0 example-robot-data==6.0.0
     cargo build --release -p aurt-robots --example chains
@@ -6,9 +7,9 @@
     python laboratory/mujoco/urdf/compare.py target/release/examples/chains arm.urdf   # or those that are named
 
 Prints one row per file: chains read and refused, the largest number of joints, the largest relative differences of
-torque and regressor over the states of all chains (of each state relative to its largest entry), and chains whose
-number of base parameters differs. Exit status 1 if a difference, of mass matrices too, exceeds 1e-9 or a number
-differs.
+torque, mass matrix, regressor and acceleration over the states of all chains (of each state relative to its largest entry),
+and chains whose number of base parameters differs. Exit status 1 if a difference exceeds 1e-12 (of regressors 1e-10, of
+accelerations 1e-12 times the condition number of the mass matrix, to which they are known) or a number differs.
 
 Pinocchio reads the same file; joints beside the chain rest at zero in its model as they do in ours. Its regressor
 is in the parameters of its own link frames: ours is turned into these by the constant rotation between the two frames
@@ -31,7 +32,8 @@ import xml.etree.ElementTree
 import numpy as np
 import pinocchio as pin
 
-TOLERANCE = 1e-9
+# Torque, mass matrix, regressor, acceleration.
+TOLERANCES = np.array([1e-12, 1e-12, 1e-10, 1e-12])
 STATES = 100
 
 
@@ -71,17 +73,28 @@ class File:
 
     def __init__(self, file):
         root = xml.etree.ElementTree.parse(file).getroot()
-        self.above, self.mimic = {}, {}
+        self.above, self.mimic, below = {}, {}, collections.defaultdict(list)
         for element in root.findall("joint"):
             name, mimic = element.get("name"), element.find("mimic")
             moves = element.get("type") != "fixed"
-            self.above[element.find("child").get("link")] = (element.find("parent").get("link"), name, moves)
+            parent, child = (element.find(end).get("link") for end in ("parent", "child"))
+            self.above[child] = (parent, name, moves)
+            below[parent].append(child)
             if mimic is not None:
                 values = float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0))
                 self.mimic[name] = (mimic.get("joint"), *values)
+        # All joints that move, each after those that carry it.
+        self.all, links = [], [link for link in below if link not in self.above]
+        while links:
+            link = links.pop()
+            _, name, moves = self.above.get(link, (None, None, False))
+            self.all += [name] * moves
+            links += below[link][::-1]
 
     def path(self, tip):
-        """The joints that move from the root to a link."""
+        """The joints that move from the root to a link, or all."""
+        if tip is None:
+            return self.all
         joints = []
         while tip in self.above:
             tip, name, moves = self.above[tip]
@@ -115,8 +128,8 @@ def coupled_model(file):
 
 
 def compare_chain(models, file, chain, folder):
-    """Largest relative differences of torque, mass matrix and regressor, Pinocchio's number of base parameters, and whether
-    the joints that follow others were multiplied here.
+    """Largest relative differences of torque, mass matrix, regressor and acceleration, Pinocchio's number of base parameters,
+    and whether the joints that follow others were multiplied here.
 
     The models are those of the whole robot, in which nothing but the chain moves: the chain's joints carry the same torques
     as if the others were fixed, and the columns of its links are the same. In the first all joints move on their own, in the
@@ -146,7 +159,7 @@ def compare_chain(models, file, chain, folder):
     velocities = [[joint.idx_v for joint in those] for those in joints]
     links = [free.getJointId(name) - 1 for name in path]
     into = [to_ours(np.array(frame)) for frame in chain["frames"]]
-    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 4 * n + n * n + 10 * n * m)
+    numbers = np.fromfile(folder / f"{chain['number']}.f64").reshape(STATES, 5 * n + n * n + 10 * n * m)
 
     def states(which, q, qd, qdd):
         model = (free, coupled)[which]
@@ -157,11 +170,11 @@ def compare_chain(models, file, chain, folder):
             v[joint.idx_v], a[joint.idx_v] = qd[k], qdd[k]
         return model, data[which], configuration, v, a
 
-    differences, stacked = [0.0, 0.0, 0.0], []
+    differences, stacked = [0.0] * 4, []
     for row in numbers:
-        q, qd, qdd, torque = row[: 4 * n].reshape(4, n)
-        mass = row[4 * n : 4 * n + n * n].reshape(n, n)
-        ours = row[4 * n + n * n :].reshape(n, m, 10)
+        q, qd, qdd, torque, acceleration = row[: 5 * n].reshape(5, n)
+        mass = row[5 * n : 5 * n + n * n].reshape(n, n)
+        ours = row[5 * n + n * n :].reshape(n, m, 10)
         of = states(1, into_own @ q + shift, into_own @ qd, into_own @ qdd)
         theirs = into_own.T @ pin.rnea(*of)[velocities[1]]
         differences[0] = max(differences[0], relative(torque, theirs))
@@ -170,6 +183,12 @@ def compare_chain(models, file, chain, folder):
         theirs = np.triu(theirs) + np.triu(theirs, 1).T
         theirs = into_own.T @ theirs[np.ix_(velocities[1], velocities[1])] @ into_own
         differences[1] = max(differences[1], relative(mass, theirs))
+        if n == free.nv and np.isfinite(acceleration).all():
+            applied = np.zeros(n)
+            applied[velocities[1]] = qdd
+            known = np.linalg.cond(theirs)
+            theirs = pin.aba(free, free.createData(), of[2], of[3], applied)[velocities[1]]
+            differences[3] = max(differences[3], relative(acceleration, theirs) / max(known, 1.0))
         of = states(0, couplings @ q + offsets, couplings @ qd, couplings @ qdd)
         theirs = pin.computeJointTorqueRegressor(*of)
         theirs = theirs.reshape(free.nv, free.njoints - 1, 10)[velocities[0]][:, links]
@@ -199,14 +218,14 @@ def main():
     program, *files = sys.argv[2:] if sys.argv[1] == "--written" else sys.argv[1:]
     files = [pathlib.Path(f) for f in files] or robot_files()
     failures, total, refusals = 0, collections.Counter(), collections.Counter()
-    print("| file | chains | refused | joints | torque | regressor | base parameters |")
-    print("|---|---|---|---|---|---|---|")
+    print("| file | chains | refused | joints | torque | mass matrix | regressor | acceleration | base parameters |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for file in files:
         with tempfile.TemporaryDirectory() as folder:
             found, numbers = written(program, file, folder)
             name = file.name
             if "refused" in found:
-                print(f"| {name} | – | all | | | | {found['refused']} |", flush=True)
+                print(f"| {name} | – | all | | | | | | {found['refused']} |", flush=True)
                 refusals[kind(found["refused"])] += 1
                 continue
             read = [chain for chain in found["chains"] if "number" in chain]
@@ -217,24 +236,26 @@ def main():
                 follow = any(len(chain["frames"]) > len(chain["joints"]) for chain in read)
                 models = [pin.buildModelFromUrdf(str(file)), coupled_model(file) if follow else None]
                 described = File(file)
-            worst, other = [0.0, 0.0, 0.0], []
+            worst, other = np.zeros(4), []
             for chain in read:
                 (*differences, rank_there), multiplied = compare_chain(models, described, chain, numbers)
                 total["coupled"] += len(chain["frames"]) > len(chain["joints"])
                 total["multiplied"] += multiplied
                 worst = np.maximum(worst, differences)
+                total["trees"] += chain["tip"] is None
                 if chain["base_parameters"] != rank_there:
                     here = chain["base_parameters"] or chain["base_parameters_error"]
-                    other.append(f"{chain['tip']}: {here}, Pinocchio {rank_there}")
-            failures += max(worst) > TOLERANCE or bool(other)
+                    other.append(f"{chain['tip'] or 'all joints'}: {here}, Pinocchio {rank_there}")
+            failures += (worst > TOLERANCES).any() or bool(other)
             counts = sorted({chain["base_parameters"] or 0 for chain in read})
             text = "; ".join(other) or ", ".join(map(str, counts))
             joints = max((len(chain["joints"]) for chain in read), default=0)
             print(
-                f"| {name} | {len(read)} | {len(refused)} | {joints} | {worst[0]:.0e} | {worst[2]:.0e} | {text} |",
+                f"| {name} | {len(read)} | {len(refused)} | {joints} | {' | '.join(f'{w:.0e}' for w in worst)} | {text} |",
                 flush=True,
             )
-    print(f"\n{total['files']} files, {total['chains']} chains compared, {total['refused']} refused:")
+    trees = f" ({total['trees']} of all joints at once)" if total["trees"] else ""
+    print(f"\n{total['files']} files, {total['chains']} chains compared{trees}, {total['refused']} refused:")
     if total["coupled"]:
         print(f"{total['coupled']} chains with joints that follow others, {total['multiplied']} of them by the multipliers")
     for reason, count in refusals.most_common():

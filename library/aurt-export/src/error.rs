@@ -11,9 +11,10 @@ pub enum ExportError {
          in the table `robot` of the experiment and calibrate again"
     )]
     Amperes,
-    /// The rigid bodies are no serial chain.
+    /// The rigid bodies are neither chain nor tree, or joints of it follow others.
     #[error(
-        "the rigid bodies of the model are no serial chain in which no joints follow others, the only kind that can be exported"
+        "joints of the model follow others, or its rigid bodies are of a kind of their own; chains and trees whose joints all move \
+         on their own can be exported"
     )]
     NoChain,
     /// A name that the target cannot use.

@@ -1,6 +1,6 @@
 use std::any::Any;
 
-use aurt_rbd::{LinkFrame, RbdError, SerialChain, inconsistencies};
+use aurt_rbd::{Joint, LinkFrame, Parent, RbdError, SerialChain, inconsistencies};
 use aurt_traits::{ColumnGroup, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::Value as Json;
 
@@ -68,7 +68,7 @@ impl Provenance {
 }
 
 impl<'a> Source<'a> {
-    /// The chain of a model that can be exported at all.
+    /// The chain or tree of a model that can be exported at all.
     ///
     /// # Errors
     /// [`ExportError::Amperes`], [`ExportError::NoChain`], [`ExportError::Count`] or [`ExportError::NotFinite`].
@@ -173,7 +173,7 @@ pub(crate) fn heading(
 /// The standard parameters of a link, in their order.
 const STANDARD: [&str; 10] = ["XX", "XY", "XZ", "YY", "YZ", "ZZ", "mX", "mY", "mZ", "m"];
 
-/// Each link frame of a chain in the previous one at coordinate zero.
+/// Each link frame of a chain or tree in its parent's at coordinate zero.
 ///
 /// # Errors
 /// None for a chain that exists: its joints are joined anew, one by one.
@@ -181,7 +181,8 @@ pub(crate) fn frames(chain: &SerialChain) -> Result<Vec<LinkFrame>, RbdError> {
     let mut frames = Vec::new();
     let mut alone = Vec::new();
     for joint in chain.joints() {
-        SerialChain::new(vec![*joint], [0.0; 3])?.link_frames(&[0.0], &mut alone);
+        SerialChain::new(vec![Joint { parent: Parent::Base, ..*joint }], [0.0; 3])?
+            .link_frames(&[0.0], &mut alone);
         frames.append(&mut alone);
     }
     Ok(frames)

@@ -15,10 +15,10 @@ use std::{
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
-use aurt_robots::KNOWN_ROBOTS;
+use aurt_robots::{KNOWN_ROBOTS, Part};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
-use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry};
+use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry, two_arms};
 
 fn provenance() -> Provenance {
     Provenance {
@@ -86,7 +86,9 @@ fn compiled_and_run(export: &Export) -> Option<Output> {
 #[test]
 fn the_c_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
     let provenance = provenance();
-    for (case, name) in [(case(arm(), true), "arm"), (case(gantry(), false), "gantry")] {
+    for (case, name) in
+        [(case(arm(), true), "arm"), (case(gantry(), false), "gantry"), (case(two_arms(), true), "two arms")]
+    {
         let stored = checks(&case, 32);
         let export = c::export(&source(&case, &provenance), &stored).unwrap();
         println!("{name}: {:#?}", export.notes);
@@ -218,7 +220,9 @@ fn the_inverse_dynamics_of_mujoco_are_those_of_the_bodies() {
     let gravity_m_s2 = [0.0, 0.0, -9.81];
     let known =
         KNOWN_ROBOTS.iter().map(|robot| (robot.description().chain(gravity_m_s2).unwrap(), robot.name));
-    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")].into_iter().chain(known) {
+    for (chain, name) in
+        [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")].into_iter().chain(known)
+    {
         let case = case(chain, true);
         let export = mjcf::export(&source(&case, &provenance)).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -265,40 +269,46 @@ fn friction_of_a_mujoco_file_holds_what_it_bears() {
 }
 
 #[test]
-fn the_bodies_of_a_urdf_file_need_the_torques_of_the_model() {
+fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
     let provenance = provenance();
-    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
-        let export = urdf::export(&source(&case, &provenance)).unwrap();
-        let (file, text) = &export.files[0];
-        assert_eq!(file, "machine.urdf");
-        let read = aurt_robots::parse(text, file, None, None).unwrap();
-        let known = case.chain.gravity_m_s2();
-        let chain = SerialChain::new(read.joints.clone(), known).unwrap();
-        let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
-        let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
-        let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
-        let (mut worst, mut size) = (0.0_f64, 0.0_f64);
-        for check in checks(&case, 32) {
-            described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
-            bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
-            for (f, w) in found.iter().zip(&wanted) {
-                worst = worst.max((f - w).abs());
-                size = size.max(w.abs());
+        let source = source(&case, &provenance);
+        for (export, wanted) in [
+            (urdf::export(&source).unwrap(), "machine.urdf"),
+            (mjcf::export(&source).unwrap(), "machine.xml"),
+        ] {
+            let (file, text) = &export.files[0];
+            assert_eq!(file, wanted);
+            let read = aurt_robots::parse_part(text, file, None, &Part::All).unwrap();
+            let known = case.chain.gravity_m_s2();
+            let chain = SerialChain::new(read.joints.clone(), known).unwrap();
+            let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();
+            let mut bodies = ChainDynamics::new(case.chain.clone(), &case.standard).unwrap();
+            let (mut found, mut wanted) = (vec![0.0; read.joints.len()], vec![0.0; read.joints.len()]);
+            let (mut worst, mut size) = (0.0_f64, 0.0_f64);
+            for check in checks(&case, 32) {
+                described.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut found);
+                bodies.inverse_dynamics(&check.q_rad, &check.qd_rad_s, &check.qdd_rad_s2, &mut wanted);
+                for (f, w) in found.iter().zip(&wanted) {
+                    worst = worst.max((f - w).abs());
+                    size = size.max(w.abs());
+                }
             }
+            println!("{name}, {file}: largest difference {:e} of the largest torque", worst / size);
+            assert!(worst <= 1e-12 * size, "{name}, {file}: {:e}", worst / size);
+            let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
+            assert!(damped >= 2, "{:?}", read.friction);
+            let lost = export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1"));
+            assert_eq!(lost, file == "machine.urdf", "{:?}", export.lost);
         }
-        println!("{name}: largest difference {:e} of the largest torque", worst / size);
-        assert!(worst <= 1e-12 * size, "{name}: {:e}", worst / size);
-        let damped = read.friction.iter().filter(|f| f.viscous_nm_s_rad > 0.0).count();
-        assert!(damped >= 2, "{:?}", read.friction);
-        assert!(export.lost.iter().any(|l| l.starts_with("rotor inertia of joint 1")), "{:?}", export.lost);
     }
 }
 
 #[test]
 fn an_sdf_file_has_the_numbers_of_the_urdf_file() {
     let provenance = provenance();
-    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry")] {
+    for (chain, name) in [(arm(), "arm"), (gantry(), "gantry"), (two_arms(), "two arms")] {
         let case = case(chain, true);
         let source = source(&case, &provenance);
         let (sdf, urdf) = (sdf::export(&source).unwrap(), urdf::export(&source).unwrap());

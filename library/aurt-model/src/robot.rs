@@ -49,7 +49,7 @@ impl Robot {
         Ok(Self { dynamics, notes: Vec::new(), described: None })
     }
 
-    /// The robot of a chain of a description file, or of a name; [`Self::described`] has its names and limits.
+    /// The robot of a chain or tree of a description file, or of a name; [`Self::described`] has its names and limits.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -58,7 +58,7 @@ impl Robot {
     }
 
     /// The serial chain between two links of a URDF or MJCF file; without `base` it starts at the file's root, without `tip` it
-    /// ends where the only moving chain does.
+    /// is the tree of all joints. [`aurt_robots::read_part`] takes other parts, for [`Self::of_description`].
     ///
     /// # Errors
     /// Everything that is wrong with the file, each with its place.
@@ -68,7 +68,7 @@ impl Robot {
         tip: Option<&str>,
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
-        Self::of_description(aurt_robots::read(path, base, tip)?, gravity_m_s2)
+        Self::of_description(aurt_robots::read_part(path, base, &tip.into())?, gravity_m_s2)
     }
 
     /// The same from the text of such a file.
@@ -81,7 +81,7 @@ impl Robot {
         tip: Option<&str>,
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
-        Self::of_description(aurt_robots::parse(text, "robot.urdf", base, tip)?, gravity_m_s2)
+        Self::of_description(aurt_robots::parse_part(text, "robot.urdf", base, &tip.into())?, gravity_m_s2)
     }
 
     /// A robot known by name, such as `ur10e`: geometry and limits, without masses, which makers do not publish.

@@ -1,15 +1,19 @@
 use aurt_traits::Branch;
 use serde::{Deserialize, Serialize};
 
-use crate::joint::{Joint, JointFrame};
-use crate::kernel::Place;
+use crate::joint::{Joint, JointFrame, Parent};
+use crate::kernel::{Branching, Place};
 use crate::plausible::{angle_complaint, gravity_complaint};
 use crate::{MdhTable, RbdError};
 
-/// A chain of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints.
+/// A tree of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints: a chain, where every joint sits on the
+/// link of the joint before.
 ///
-/// Link frame j has its origin on the axis of joint j and its z axis along it. Frame j relative to frame
-/// j − 1 (the base for j = 0) is the joint's constant [`Placement`](crate::Placement) followed by
+/// Joint j moves link j against its parent link p(j) < j, or against the base ([`Parent`](crate::Parent)). The joints that
+/// carry a link are those of its [path](Self::path) from the base; the links that a joint carries are its subtree.
+///
+/// Link frame j has its origin on the axis of joint j and its z axis along it. Frame j relative to that of the parent
+/// link is the joint's constant [`Placement`](crate::Placement) followed by
 ///
 /// - Rot_z(sign · q_j + offset) for a revolute joint, q_j in rad;
 /// - Rot_z(offset) Trans_z(sign · q_j) for a prismatic joint, q_j in m.
@@ -22,22 +26,31 @@ pub struct SerialChain {
     joints: Vec<Joint>,
     frames: Vec<JointFrame>,
     places: Vec<Place>,
+    /// The paths of all links, one after the other.
+    paths: Vec<usize>,
     gravity_m_s2: [f64; 3],
     joint_names: Vec<String>,
     branches: Vec<Branch>,
 }
 
 impl SerialChain {
-    /// A chain of the given joints, base first; gravity in the base frame.
+    /// A chain or tree of the given joints, each behind the one that moves its parent link; gravity in the base frame.
     ///
     /// # Errors
-    /// [`RbdError::NoJoints`], [`RbdError::Joint`] (value not finite, sign not ±1, no rotation matrix) or
-    /// [`RbdError::Gravity`].
-    pub fn new(joints: Vec<Joint>, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
+    /// [`RbdError::NoJoints`], [`RbdError::Joint`] (value not finite, sign not ±1, no rotation matrix, parent not before
+    /// the joint) or [`RbdError::Gravity`].
+    pub fn new(mut joints: Vec<Joint>, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
         if joints.is_empty() {
             return Err(RbdError::NoJoints);
         }
-        for (joint, j) in joints.iter().enumerate() {
+        for (joint, j) in joints.iter_mut().enumerate() {
+            let parent = j.parent.of(joint);
+            if let Some(link) = parent.filter(|link| *link >= joint) {
+                let reason =
+                    format!("must be a link before it, is link {link}; list the joints from the base on");
+                return Err(RbdError::Joint { joint, what: "parent", reason });
+            }
+            j.parent = Parent::named(parent, joint);
             if let Some((what, reason)) = j.placement.complaint() {
                 return Err(RbdError::Joint { joint, what, reason });
             }
@@ -53,10 +66,16 @@ impl SerialChain {
             return Err(RbdError::Gravity { reason });
         }
         let frames: Vec<_> = joints.iter().map(Joint::frame).collect();
-        let places = (0..joints.len())
-            .map(|j| Place::new(joints[j].kind, &frames[j], j.checked_sub(1).map(|before| &joints[before])))
-            .collect();
-        Ok(Self { joints, frames, places, gravity_m_s2, joint_names: Vec::new(), branches: Vec::new() })
+        let (places, paths) = places(&joints, &frames);
+        Ok(Self {
+            joints,
+            frames,
+            places,
+            paths,
+            gravity_m_s2,
+            joint_names: Vec::new(),
+            branches: Vec::new(),
+        })
     }
 
     /// The chain of a table of modified Denavit–Hartenberg parameters.
@@ -103,6 +122,42 @@ impl SerialChain {
         &self.joints
     }
 
+    /// The link that a joint sits on, `None` for the base.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    #[must_use]
+    pub fn parent(&self, joint: usize) -> Option<usize> {
+        self.joints[joint].parent.of(joint)
+    }
+
+    /// The joints that carry a link, base first, its own last.
+    ///
+    /// # Panics
+    /// If there is no such link.
+    #[must_use]
+    pub fn path(&self, link: usize) -> &[usize] {
+        let Branching { path, depth, .. } = self.places[link].branching;
+        &self.paths[path..=path + depth]
+    }
+
+    /// Whether every joint sits on the link of the joint before.
+    #[must_use]
+    pub fn is_serial(&self) -> bool {
+        self.check_serial().is_ok()
+    }
+
+    /// Refuses trees.
+    ///
+    /// # Errors
+    /// [`RbdError::Tree`] with the first joint that does not sit on the link of the joint before.
+    pub fn check_serial(&self) -> Result<(), RbdError> {
+        match self.joints.iter().position(|joint| joint.parent != Parent::Previous) {
+            Some(joint) => Err(RbdError::Tree { joint }),
+            None => Ok(()),
+        }
+    }
+
     /// Gravitational acceleration in the base frame, m/s².
     #[must_use]
     pub const fn gravity_m_s2(&self) -> [f64; 3] {
@@ -119,11 +174,40 @@ impl SerialChain {
         &self.places
     }
 
+    /// The paths of all links, one after the other.
+    pub(crate) fn paths(&self) -> &[usize] {
+        &self.paths
+    }
+
     /// The same bodies under another gravity vector.
     #[must_use]
     pub fn under_gravity(&self, gravity_m_s2: [f64; 3]) -> Self {
         Self { gravity_m_s2, ..self.clone() }
     }
+}
+
+/// The joints' places as the regressor kernel wants them, and the paths of all links.
+fn places(joints: &[Joint], frames: &[JointFrame]) -> (Vec<Place>, Vec<usize>) {
+    let mut paths: Vec<usize> = Vec::new();
+    let mut places: Vec<Place> = Vec::with_capacity(joints.len());
+    let mut kept = 0;
+    for (j, (joint, frame)) in joints.iter().zip(frames).enumerate() {
+        let parent = joint.parent.of(j);
+        let path = paths.len();
+        let mut branching = Branching { path, ..Branching::default() };
+        if let Some(before) = parent.map(|parent| &mut places[parent].branching) {
+            branching.depth = before.depth + 1;
+            if joint.parent != Parent::Previous {
+                branching.resumes = Some(*before.kept.get_or_insert(kept));
+                kept = kept.max(branching.resumes.map_or(0, |k| k + 1));
+            }
+            let before = before.path;
+            paths.extend_from_within(before..before + branching.depth);
+        }
+        paths.push(j);
+        places.push(Place::new(joint.kind, frame, parent.map(|parent| &joints[parent]), branching));
+    }
+    (places, paths)
 }
 
 /// Whether names can be those of `joints` joints: none at all, or one each, of which no two are alike.

@@ -3,7 +3,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::joint::JointFrame;
 use crate::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
 
-/// A chain with its inertial parameters: inverse and forward dynamics, mass matrix and energy, one sample
+/// A chain or tree with its inertial parameters: inverse and forward dynamics, mass matrix and energy, one sample
 /// at a time and without allocation.
 ///
 /// The methods take `&mut self` for their working memory alone; none depends on an earlier call. A rotor
@@ -43,10 +43,14 @@ pub(crate) fn joint_velocity(kind: JointKind, rate: f64) -> (Vector3<f64>, Vecto
 /// What the recursions remember of a link, in the link's frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LinkScratch {
-    /// Maps coordinates in this link frame to the previous one.
+    /// Maps coordinates in this link frame to the parent's.
     pub rotation: Matrix3<f64>,
-    /// Origin of this link frame in the previous one.
+    /// Origin of this link frame in the parent's.
     pub origin: Vector3<f64>,
+    /// What links further out need of this one: velocities and accelerations, of which each algorithm has its own.
+    pub motion: [Vector3<f64>; 3],
+    /// Maps coordinates in this link frame to the base frame, where an algorithm needs it.
+    pub in_base: Matrix3<f64>,
     pub moment: Vector3<f64>,
     pub force: Vector3<f64>,
     pub bias_angular: Vector3<f64>,
@@ -130,8 +134,8 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), RbdError> {
     }
 }
 
-/// The rotation that maps coordinates in a link frame, at the joint coordinate q, to the previous one, and the link
-/// frame's origin in the previous one.
+/// The rotation that maps coordinates in a link frame, at the joint coordinate q, to the parent's, and the link
+/// frame's origin in the parent's.
 pub(crate) fn link_place(frame: &JointFrame, joint: &Joint, q: f64) -> (Matrix3<f64>, Vector3<f64>) {
     let r = &frame.rotation;
     let origin = Vector3::from(frame.translation_m);
@@ -178,6 +182,8 @@ impl LinkScratch {
         Self {
             rotation: matrix,
             origin: vector,
+            motion: [vector; 3],
+            in_base: matrix,
             moment: vector,
             force: vector,
             bias_angular: vector,
@@ -200,7 +206,7 @@ impl Articulated {
         }
     }
 
-    /// The same inertia seen from the previous link frame, whose coordinates `rotation` maps to and in
+    /// The same inertia seen from the parent's link frame, whose coordinates `rotation` maps to and in
     /// which the link frame's origin is `origin`.
     pub fn in_previous(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {
         let j = rotation * self.j * rotation.transpose();

@@ -30,16 +30,20 @@ impl ChainDynamics {
         self.place(q_rad);
         let gravity = Vector3::from(self.chain.gravity_m_s2());
         let mut energy = Energy { kinetic_j: 0.0, potential_j: 0.0 };
-        let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
-        let (mut omega, mut velocity) = (Vector3::zeros(), Vector3::zeros());
-        for (i, (link, body)) in self.scratch.iter().zip(&self.links).enumerate() {
+        for (i, body) in self.links.iter().enumerate() {
+            let parent = self.chain.parent(i);
+            let [mut omega, mut velocity, mut origin] =
+                parent.map_or([Vector3::zeros(); 3], |p| self.scratch[p].motion);
+            let mut rotation = parent.map_or(Matrix3::identity(), |p| self.scratch[p].in_base);
+            let (link, joint) = (&mut self.scratch[i], &self.chain.joints()[i]);
             let into = link.rotation.transpose();
-            let joint = &self.chain.joints()[i];
             let (turning, sliding) = joint_velocity(joint.kind, joint.sign * qd_rad_s[i]);
             velocity = into * (velocity + omega.cross(&link.origin)) + sliding;
             omega = into * omega + turning;
             origin += rotation * link.origin;
             rotation *= link.rotation;
+            link.motion = [omega, velocity, origin];
+            link.in_base = rotation;
             let h = &body.first_moment;
             energy.kinetic_j += 0.5
                 * (omega.dot(&(body.inertia * omega))

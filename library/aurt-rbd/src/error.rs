@@ -49,6 +49,15 @@ pub enum RbdError {
         /// Number of those that follow another.
         followers: usize,
     },
+    /// A tree where a chain is needed.
+    #[error(
+        "joint {joint} does not sit on the link of the joint before it: this robot is a tree, and a chain is needed; choose one \
+         by its tip"
+    )]
+    Tree {
+        /// The first such joint, from 0.
+        joint: usize,
+    },
     /// The gravity vector has an entry that is not finite, or that no robot meets.
     #[error("gravity {reason}")]
     Gravity {

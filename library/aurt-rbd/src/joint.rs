@@ -24,14 +24,52 @@ impl JointKind {
     }
 }
 
-/// A joint and where it sits on the previous link.
+/// The link that a joint sits on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parent {
+    /// The link of the joint before; the base for the first joint.
+    #[default]
+    Previous,
+    /// The base.
+    Base,
+    /// The link of an earlier joint, from 0.
+    Link(usize),
+}
+
+impl Parent {
+    /// The link that `joint` sits on, `None` for the base.
+    #[must_use]
+    pub const fn of(self, joint: usize) -> Option<usize> {
+        match self {
+            Self::Previous => joint.checked_sub(1),
+            Self::Base => None,
+            Self::Link(link) => Some(link),
+        }
+    }
+
+    /// The one name of `link` (`None` for the base) as the parent of `joint`.
+    #[must_use]
+    pub fn named(link: Option<usize>, joint: usize) -> Self {
+        if link == Self::Previous.of(joint) { Self::Previous } else { link.map_or(Self::Base, Self::Link) }
+    }
+
+    fn is_previous(&self) -> bool {
+        *self == Self::Previous
+    }
+}
+
+/// A joint and where it sits on its parent link.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
     /// What the joint does. Files leave out `revolute`.
     #[serde(default, skip_serializing_if = "JointKind::is_revolute")]
     pub kind: JointKind,
-    /// The constant transformation from the previous link frame to the joint.
+    /// The link that the joint sits on. Files leave out `previous`.
+    #[serde(default, skip_serializing_if = "Parent::is_previous")]
+    pub parent: Parent,
+    /// The constant transformation from the parent link's frame to the joint.
     pub placement: Placement,
     /// What is added to the joint's angle, in rad; the constant angle of a prismatic joint.
     #[serde(default)]
@@ -71,23 +109,24 @@ pub enum Placement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct JointFrame {
     /// Maps coordinates in the joint's frame (at joint angle 0; of a prismatic joint at its constant angle) to the
-    /// previous link frame.
+    /// parent link's frame.
     pub rotation: [[f64; 3]; 3],
-    /// Origin of the joint's frame in the previous link frame, in m.
+    /// Origin of the joint's frame in the parent link's frame, in m.
     pub translation_m: [f64; 3],
 }
 
 impl Joint {
-    /// A revolute joint at `placement` whose angle is its coordinate.
+    /// A revolute joint at `placement` on the link of the joint before, whose angle is its coordinate.
     #[must_use]
     pub const fn revolute(placement: Placement) -> Self {
-        Self { kind: JointKind::Revolute, placement, theta_offset_rad: 0.0, sign: 1.0 }
+        let (kind, parent) = (JointKind::Revolute, Parent::Previous);
+        Self { kind, parent, placement, theta_offset_rad: 0.0, sign: 1.0 }
     }
 
-    /// A prismatic joint at `placement` that slides by its coordinate.
+    /// A prismatic joint at `placement` on the link of the joint before, which slides by its coordinate.
     #[must_use]
     pub const fn prismatic(placement: Placement) -> Self {
-        Self { kind: JointKind::Prismatic, placement, theta_offset_rad: 0.0, sign: 1.0 }
+        Self { kind: JointKind::Prismatic, ..Self::revolute(placement) }
     }
 
     /// Where the joint sits, the constant angle of a prismatic joint included.

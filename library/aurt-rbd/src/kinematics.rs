@@ -23,16 +23,20 @@ impl LinkFrame {
 }
 
 impl SerialChain {
-    /// The frames of all links, base first, at the joint angles q; `frames` is cleared first.
+    /// The frames of all links, in the order of their joints, at the joint angles q; `frames` is cleared first.
     ///
     /// # Panics
     /// If `q_rad` does not have N entries.
     pub fn link_frames(&self, q_rad: &[f64], frames: &mut Vec<LinkFrame>) {
         assert_eq!(q_rad.len(), self.joints().len(), "joint angles");
         frames.clear();
-        let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
-        for ((frame, joint), q) in self.frames().iter().zip(self.joints()).zip(q_rad) {
+        for (i, ((frame, joint), q)) in self.frames().iter().zip(self.joints()).zip(q_rad).enumerate() {
             let (link_rotation, link_origin) = link_place(frame, joint, *q);
+            let (mut rotation, mut origin) = (Matrix3::identity(), Vector3::zeros());
+            if let Some(parent) = self.parent(i).map(|parent| &frames[parent]) {
+                rotation = Matrix3::from_fn(|r, c| parent.rotation[r][c]);
+                origin = parent.origin_m.into();
+            }
             origin += rotation * link_origin;
             rotation *= link_rotation;
             frames.push(LinkFrame {
@@ -57,7 +61,8 @@ impl SerialChain {
         assert_eq!(jacobian.len(), 6 * joints, "entries of the Jacobian");
         let point = Vector3::from(frames[link].point_m(point_m));
         jacobian.fill(0.0);
-        for (j, (frame, joint)) in frames.iter().zip(self.joints()).enumerate().take(link + 1) {
+        for j in self.path(link).iter().copied() {
+            let (frame, joint) = (&frames[j], &self.joints()[j]);
             let axis = Vector3::from_fn(|r, _| joint.sign * frame.rotation[r][2]);
             let (velocity, spin) = match joint.kind {
                 JointKind::Revolute => (axis.cross(&(point - Vector3::from(frame.origin_m))), axis),

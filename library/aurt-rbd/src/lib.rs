@@ -1,7 +1,8 @@
-//! Rigid-body dynamics of serial manipulators with revolute and prismatic joints.
+//! Rigid-body dynamics of chains and trees of revolute and prismatic joints on a fixed base.
 //!
 //! - [`MdhTable`] reads modified Denavit–Hartenberg parameters, [`SerialChain`] is the robot's geometry under
-//!   gravity (of a table, or of general placements), with link frames and Jacobians.
+//!   gravity (of a table, or of general placements; a tree where joints name their [`Parent`]), with link frames and
+//!   Jacobians.
 //! - [`SerialChain`] implements [`aurt_traits::RigidBodyRegressor`], τ = Y(q, q̇, q̈) π: many samples a call,
 //!   on the fastest instruction set that the processor has ([`aurt_traits::Dispatch`]).
 //! - [`CoupledChain`] is a chain in which joints follow others, as a regressor in the coordinates that remain.
@@ -60,7 +61,7 @@ pub use dynamics::ChainDynamics;
 pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
 pub use inertia::{Inconsistency, LinkBody, inconsistencies};
-pub use joint::{Joint, JointKind, Placement};
+pub use joint::{Joint, JointKind, Parent, Placement};
 pub use kernel::Operations;
 pub use kinematics::LinkFrame;
 pub use mdh::{MdhRow, MdhRows, MdhTable};

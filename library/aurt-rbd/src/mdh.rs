@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};
 use crate::plausible::{angle_complaint, length_complaint};
-use crate::{Joint, JointKind, Placement, angle};
+use crate::{Joint, JointKind, Parent, Placement, angle};
 
 /// Which joint the `alpha` and `a` of a row lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -133,6 +133,7 @@ impl MdhTable {
                 };
                 Joint {
                     kind: row.kind,
+                    parent: Parent::Previous,
                     placement: Placement::Mdh { alpha_rad, a_m, d_m: row.d_m },
                     theta_offset_rad: row.theta_offset_rad,
                     sign: row.sign,

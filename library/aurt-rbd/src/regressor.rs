@@ -37,15 +37,19 @@ impl RigidBodyRegressor for SerialChain {
             .collect()
     }
 
-    /// A link loads its own joint and those before it. Its own revolute joint feels neither the mass nor the first
-    /// moment along the axis, and the first joint, whose axis is fixed in space, feels of its own link's inertia
-    /// only ZZ. A prismatic joint feels no inertias, and the first one of its own link only the mass.
+    /// A link loads the joints of its path: a joint is loaded by its subtree. Its own revolute joint feels neither the
+    /// mass nor the first moment along the axis, and a joint on the base, whose axis is fixed in space, feels of its own
+    /// link's inertia only ZZ. A prismatic joint feels no inertias, and one on the base of its own link only the mass.
     fn loads(&self, parameter: usize, joint: usize) -> bool {
         let (link, entry) = (parameter / INERTIAL_PARAMETERS, parameter % INERTIAL_PARAMETERS);
         let joints = Self::joints(self);
-        joint <= link
-            && link < joints.len()
-            && kernel::possible_entries(joints[joint].kind, joint, link) & (1 << entry) != 0
+        if link >= joints.len() {
+            return false;
+        }
+        let path = self.path(link);
+        path.contains(&joint)
+            && kernel::possible_entries(joints[joint].kind, joint == link, path.len() == 1) & (1 << entry)
+                != 0
     }
 
     fn evaluate(&self, motion: MotionView<'_>, out: &mut RegressorTile<'_>) {

@@ -1,14 +1,14 @@
 use nalgebra::Vector3;
 
 use crate::ChainDynamics;
-use crate::JointKind;
-use crate::dynamics::on_axis;
+use crate::dynamics::{LinkScratch, on_axis};
+use crate::{JointKind, Parent};
 
 impl ChainDynamics {
     /// Joint torques τ(q, q̇, q̈) in Nm, by the recursive Newton–Euler algorithm (Luh, Walker, Paul, 1980).
     ///
-    /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from the previous
-    /// one's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
+    /// Outward, each link frame's ω, ω̇ and origin acceleration a (less gravity) follow from those of its
+    /// parent's; each link needs the force m a + ω̇ × h + ω × (ω × h) and the moment I ω̇ + ω × I ω + h × a about
     /// its origin. Inward, forces and moments add up, and a revolute joint carries their moment about its axis, a
     /// prismatic one their force along it.
     ///
@@ -44,11 +44,14 @@ impl ChainDynamics {
         assert_eq!(torque_nm.len(), self.joints(), "joint torques");
         self.place(q_rad);
         let axis = Vector3::z();
-        let mut omega = Vector3::zeros();
-        let mut omega_dot = Vector3::zeros();
-        let mut accel = -Vector3::from(self.chain.gravity_m_s2());
-        for (i, (link, body)) in self.scratch.iter_mut().zip(&self.links).enumerate() {
-            let joint = &self.chain.joints()[i];
+        let base = [Vector3::zeros(), Vector3::zeros(), -Vector3::from(self.chain.gravity_m_s2())];
+        let [mut omega, mut omega_dot, mut accel] = base;
+        let (joints, places, scratch) = (self.chain.joints(), self.chain.places(), &mut self.scratch[..]);
+        for (i, ((body, joint), place)) in self.links.iter().zip(joints).zip(places).enumerate() {
+            if joint.parent != Parent::Previous {
+                [omega, omega_dot, accel] = joint.parent.of(i).map_or(base, |parent| scratch[parent].motion);
+            }
+            let link = &mut scratch[i];
             let (qd, qdd) = (joint.sign * qd_rad_s[i], joint.sign * qdd_rad_s2(i));
             let into = link.rotation.transpose();
             let r = &link.origin;
@@ -65,20 +68,22 @@ impl ChainDynamics {
                     accel += 2.0 * omega.cross(&(axis * qd)) + axis * qdd;
                 }
             }
+            if place.branching.kept.is_some() {
+                link.motion = [omega, omega_dot, accel];
+            }
             let h = &body.first_moment;
             link.force = body.mass * accel + omega_dot.cross(h) + omega.cross(&omega.cross(h));
             link.moment = body.inertia * omega_dot + omega.cross(&(body.inertia * omega)) + h.cross(&accel);
         }
-        for i in (0..self.scratch.len()).rev() {
-            let link = self.scratch[i];
+        for (i, joint) in joints.iter().enumerate().rev() {
+            let LinkScratch { rotation, origin, moment, force, .. } = scratch[i];
             let rotor = self.rotor_inertia_kg_m2[i] * qdd_rad_s2(i);
-            let joint = &self.chain.joints()[i];
-            torque_nm[i] = joint.sign * on_axis(joint.kind, &link.moment, &link.force) + rotor;
-            if i > 0 {
-                let force = link.rotation * link.force;
-                let previous = &mut self.scratch[i - 1];
+            torque_nm[i] = joint.sign * on_axis(joint.kind, &moment, &force) + rotor;
+            if let Some(parent) = joint.parent.of(i) {
+                let force = rotation * force;
+                let previous = &mut scratch[parent];
                 previous.force += force;
-                previous.moment += link.rotation * link.moment + link.origin.cross(&force);
+                previous.moment += rotation * moment + origin.cross(&force);
             }
         }
     }

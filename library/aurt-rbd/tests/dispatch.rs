@@ -68,7 +68,7 @@ proptest! {
     /// samples, selection of entries, stride and alignment.
     #[test]
     fn levels_agree(
-        chain in robots::any_chain(),
+        chain in robots::any_tree(),
         samples in 1_usize..70,
         padding in 0_usize..9,
         shift in 0_usize..8,
@@ -101,7 +101,7 @@ proptest! {
     /// Where a sample stands in a batch does not change its bits.
     #[test]
     fn batches_may_be_split_anywhere(
-        chain in robots::any_chain(),
+        chain in robots::any_tree(),
         samples in 2_usize..60,
         cut in 0.0..1.0_f64,
         seed in any::<u64>(),

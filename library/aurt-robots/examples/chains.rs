@@ -1,19 +1,20 @@
-//! Writes torques, mass matrices and regressors of every serial chain of robot description files, for comparison with
-//! other programs:
+//! Writes torques, accelerations, mass matrices and regressors of every serial chain of robot description files, and of all
+//! joints at once where a file has several chains, for comparison with other programs:
 //!
 //! `cargo run --release -p aurt-robots --example chains -- FOLDER FILE…`
 //!
 //! For each file one line of JSON goes to the standard output, with the chains' joints, the inertial parameters and the
-//! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ (N each), the
-//! mass matrix (N rows of N) and the regressor (N rows of 10 M), in the computer's byte order. N joints move on their own, M
-//! with those that follow them.
+//! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ, and the
+//! accelerations of torques of the numbers of q̈ (N each; not a number where joints follow others), the mass matrix (N rows
+//! of N) and the regressor (N rows of 10 M), in the computer's byte order. N joints move on their own, M with those that
+//! follow them.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use aurt_rbd::{JointKind, RobotDescription, base_parameters};
-use aurt_robots::{parse, tips};
+use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
+use aurt_robots::{Part, parse_part, tips};
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 use serde_json::{Value, json};
 
@@ -78,9 +79,14 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
         Err(errors) => return Ok(json!({ "file": file, "refused": errors.to_string() })),
     };
     let mut chains = Vec::new();
-    for tip in tips {
+    let mut parts: Vec<Part> = tips.into_iter().map(|tip| Part::Tips(vec![tip])).collect();
+    if parts.len() > 1 {
+        parts.push(Part::All);
+    }
+    for part in parts {
+        let tip = if let Part::Tips(tips) = &part { tips.first() } else { None };
         let number = first + chains.len();
-        let robot = match parse(&text, file, None, Some(&tip)) {
+        let robot = match parse_part(&text, file, None, &part) {
             Ok(robot) => robot,
             Err(errors) => {
                 chains.push(json!({ "tip": tip, "refused": errors.to_string() }));
@@ -92,12 +98,20 @@ pub fn chains(file: &Path, folder: &Path, first: usize) -> Result<Value, Box<dyn
             robot.standard_parameters.clone().unwrap_or_else(|| vec![0.0; 10 * robot.joints.len()]);
         let base = base_parameters(&*body, 0);
         let n = body.joints();
+        let mut forward = match robot.chain(GRAVITY_M_S2) {
+            Ok(chain) => Some(ChainDynamics::new(chain, &standard)?),
+            Err(_) => None,
+        };
         let mut numbers = Numbers(number as u64);
         let mut out = BufWriter::new(File::create(folder.join(format!("{number}.f64")))?);
         for _ in 0..STATES {
             let (q, qd, qdd) = (numbers.series(n, 3.0), numbers.series(n, 2.0), numbers.series(n, 8.0));
             let [torque, mass, regressor] = dynamics(&*body, &standard, [&q, &qd, &qdd])?;
-            for value in q.iter().chain(&qd).chain(&qdd).chain(&torque).chain(&mass).chain(&regressor) {
+            let mut acceleration = vec![f64::NAN; n];
+            if let Some(forward) = &mut forward {
+                forward.forward_dynamics(&q, &qd, &qdd, &mut acceleration);
+            }
+            for value in [&q, &qd, &qdd, &torque, &acceleration, &mass, &regressor].into_iter().flatten() {
                 out.write_all(&value.to_ne_bytes())?;
             }
         }

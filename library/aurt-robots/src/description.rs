@@ -3,6 +3,8 @@ use std::sync::Arc;
 use aurt_rbd::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
 use aurt_traits::{Branch, RigidBodyRegressor};
 
+use crate::Part;
+
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointLimits {
@@ -23,18 +25,20 @@ pub struct JointFriction {
     pub coulomb_nm: f64,
 }
 
-/// A serial chain of a robot description: geometry, limits, and inertial parameters where the description has them.
+/// A chain or tree of a robot description: geometry, limits, and inertial parameters where the description has them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DescribedRobot {
     /// The robot's name.
     pub name: String,
-    /// The link that the chain starts from.
+    /// The link that it starts from.
     pub base: String,
-    /// The link that it ends at.
+    /// The link that a chain ends at; empty for a tree.
     pub tip: String,
-    /// The names of the N joints that move on their own, base first.
+    /// What of the description it is.
+    pub part: Part,
+    /// The names of the N joints that move on their own, each after those that carry it.
     pub joint_names: Vec<String>,
-    /// The M joints of the chain, base first: the N and those that follow one of them.
+    /// The M joints, each after those that carry it: the N and those that follow one of them.
     pub joints: Vec<Joint>,
     /// How each of the M joints moves; empty where none follows another.
     pub couplings: Vec<Coupling>,

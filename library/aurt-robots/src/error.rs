@@ -68,22 +68,24 @@ pub enum RobotError {
         /// Why.
         reason: String,
     },
-    /// A base or tip that is no link.
+    /// A base or tip that is no link, or a joint that is not there.
     #[error(
-        "{}: there is no link `{name}` for the {which}{}; links: {}",
+        "{}: there is no {kind} `{name}` for {which}{}; {kind}s: {}",
         path.display(), meant.as_ref().map(|m| format!(", did you mean `{m}`?")).unwrap_or_default(), known.join(", ")
     )]
-    UnknownLink {
+    Unknown {
         /// The file.
         path: PathBuf,
-        /// `base` or `tip`.
+        /// `link` or `joint`.
+        kind: &'static str,
+        /// What it is to be: `the base`.
         which: &'static str,
         /// The name as given.
         name: String,
-        /// The link that was probably meant.
+        /// The name that was probably meant.
         meant: Option<String>,
-        /// The file's links, or the first of many.
-        known: Vec<String>,
+        /// The names of the file, or the first of many.
+        known: Box<[String]>,
     },
     /// Several chains, none of which was asked for.
     #[error("{}: several chains start at `{base}`; choose one by its tip: {}", path.display(), tips.join(", "))]

@@ -1,8 +1,8 @@
-//! Robots as they are described elsewhere: serial chains of URDF and MJCF files, and robots known by name.
+//! Robots as they are described elsewhere: chains and trees of URDF and MJCF files, and robots known by name.
 //!
-//! [`read`] takes the chain between two links out of a URDF file or an MJCF file of MuJoCo: revolute, continuous and prismatic joints with axes in
-//! any direction, bodies behind fixed joints merged into the links that carry them, other branches carried as fixed at
-//! zero posture. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
+//! [`read_part`] takes a [`Part`] of a URDF file or an MJCF file of MuJoCo: revolute, continuous and prismatic joints with axes in
+//! any direction, bodies behind fixed joints merged into the links that carry them, other joints carried as fixed at
+//! zero posture; [`read`] takes the chain between two links. [`KNOWN_ROBOTS`] lists geometry and limits of common arms. Either gives a [`DescribedRobot`].
 //!
 //! Files are read with limits ([`MOST_BYTES`], no document type, hence no entities); nothing that they refer to, such as
 //! meshes, is opened.
@@ -28,6 +28,7 @@ pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
 pub use mdh::AsMdh;
 pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
+pub use selection::Part;
 
 /// Files above this size are refused: descriptions of whole humanoids take half a megabyte.
 pub const MOST_BYTES: u64 = 64 << 20;
@@ -45,9 +46,26 @@ pub fn read(
     tip: Option<&str>,
 ) -> Result<DescribedRobot, RobotErrors> {
     let path = path.as_ref();
+    parse(&text_of(path)?, path, base, tip)
+}
+
+/// Reads the joints of a part of a robot description file, on the link `base` or the file's root: a tree, or a chain where
+/// there is no more. Joints come in the file's order, each after those that carry it.
+///
+/// # Errors
+/// Everything that is wrong with the file, each with its place.
+pub fn read_part(
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    part: &Part,
+) -> Result<DescribedRobot, RobotErrors> {
+    let path = path.as_ref();
+    parse_part(&text_of(path)?, path, base, part)
+}
+
+fn text_of(path: &Path) -> Result<String, RobotErrors> {
     let unreadable = |source| RobotErrors::from(RobotError::Unreadable { path: path.into(), source });
-    let text = aurt_files::read_text(path, MOST_BYTES).map_err(unreadable)?;
-    parse(&text, path, base, tip)
+    aurt_files::read_text(path, MOST_BYTES).map_err(unreadable)
 }
 
 /// As [`read`], from text; `path` is what errors call it.
@@ -60,10 +78,22 @@ pub fn parse(
     base: Option<&str>,
     tip: Option<&str>,
 ) -> Result<DescribedRobot, RobotErrors> {
-    let path = path.as_ref();
-    let tree = tree(text, path)?;
-    let selection = selection::select(&tree, base, tip)?;
-    serial::chain(&tree, &selection)
+    let tree = tree(text, path.as_ref())?;
+    let tip = tip.map_or_else(|| selection::only_tip(&tree, base), |tip| Ok(tip.to_owned()))?;
+    serial::robot(&tree, base, Part::Tips(vec![tip]))
+}
+
+/// As [`read_part`], from text; `path` is what errors call it.
+///
+/// # Errors
+/// As [`read_part`].
+pub fn parse_part(
+    text: &str,
+    path: impl AsRef<Path>,
+    base: Option<&str>,
+    part: &Part,
+) -> Result<DescribedRobot, RobotErrors> {
+    serial::robot(&tree(text, path.as_ref())?, base, part.clone())
 }
 
 /// The links at which the moving chains of a robot description end, in the file's order; chains that differ only by

@@ -34,10 +34,12 @@ impl DescribedRobot {
     /// d_j; a_j is its length and α_j the angle from z_j to z_{j+1} about it. Source: Craig, *Introduction to Robotics*, section 3.4.
     ///
     /// # Errors
-    /// [`RbdError`] if the joints are no chain.
+    /// [`RbdError::Coupled`] or [`RbdError::Tree`] if the joints are no chain that moves on its own.
     pub fn as_mdh(&self, gravity_m_s2: [f64; 3]) -> Result<AsMdh, RbdError> {
         let mut links = Vec::new();
-        self.chain(gravity_m_s2)?.link_frames(&vec![0.0; self.joints.len()], &mut links);
+        let chain = self.chain(gravity_m_s2)?;
+        chain.check_serial()?;
+        chain.link_frames(&vec![0.0; self.joints.len()], &mut links);
         let axis = |j: usize| {
             let r = &links[j].rotation;
             let column = |k: usize| Vector3::new(r[0][k], r[1][k], r[2][k]);

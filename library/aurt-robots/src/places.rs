@@ -5,9 +5,9 @@ use std::path::Path;
 use aurt_rbd::INERTIAL_PARAMETERS;
 
 use crate::pose::Pose;
-use crate::serial::{self, Part};
+use crate::serial::{self, LinkPart};
 use crate::tree::{Tree, TreeJoint};
-use crate::{DescribedRobot, RobotError, RobotErrors, element, mjcf, selection, urdf};
+use crate::{DescribedRobot, Part, RobotError, RobotErrors, element, mjcf, selection, urdf};
 
 /// A format of robot descriptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,16 +69,16 @@ pub struct PlacedBody {
     pub standard: [f64; INERTIAL_PARAMETERS],
 }
 
-/// The chain from `base` to `tip` of a file of a format, as [`parse`](crate::parse) gives it, and the places of its links.
+/// A part of a file of a format, as [`parse_part`](crate::parse_part) gives it, and the places of its links.
 ///
 /// # Errors
-/// As [`read`](crate::read); a file of another format.
+/// As [`read_part`](crate::read_part); a file of another format.
 pub fn placed_links(
     text: &str,
     path: impl AsRef<Path>,
     format: Format,
     base: Option<&str>,
-    tip: Option<&str>,
+    part: &Part,
 ) -> Result<(DescribedRobot, Vec<PlacedLink>), RobotErrors> {
     let path = path.as_ref();
     let document = element::document(text, path)?;
@@ -96,7 +96,7 @@ pub fn placed_links(
         Format::Mjcf => mjcf::read(root, path)?,
         Format::Urdf => urdf::read(root, path)?,
     };
-    let selection = selection::select(&tree, base, tip)?;
+    let selection = selection::select(&tree, base, part)?;
     let (links, _) = serial::links(&tree, &selection);
     let found = links.iter().map(|link| {
         let mut bodies = link.parts.iter().map(|part| body(&tree, part));
@@ -106,7 +106,7 @@ pub fn placed_links(
             carried: bodies.flatten().collect(),
         }
     });
-    Ok((serial::chain(&tree, &selection)?, found.collect()))
+    Ok((serial::robot(&tree, base, part.clone())?, found.collect()))
 }
 
 fn joint(joint: &TreeJoint) -> PlacedJoint {
@@ -122,7 +122,7 @@ fn joint(joint: &TreeJoint) -> PlacedJoint {
     }
 }
 
-fn body(tree: &Tree, part: &Part) -> Option<PlacedBody> {
+fn body(tree: &Tree, part: &LinkPart) -> Option<PlacedBody> {
     let link = &tree.links[part.link];
     let place = link.place?;
     let Pose { rotation, origin_m } = part.pose.then(&place.frame);

@@ -1,7 +1,7 @@
-//! Which chain of a tree is meant.
+//! Which part of a tree is meant.
 
+use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
 
 use crate::RobotError;
 use crate::tree::{Freedom, Tree};
@@ -9,44 +9,141 @@ use crate::tree::{Freedom, Tree};
 /// How many names a message lists.
 const MOST_NAMES: usize = 40;
 
-/// A chain of a tree.
+/// Which joints of a description move on its base; all others are fixed at zero.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Part {
+    /// All.
+    #[default]
+    All,
+    /// Those between the base and these links: one link gives a serial chain.
+    Tips(Vec<String>),
+    /// These, and those that follow them.
+    Joints(Vec<String>),
+}
+
+impl From<Option<&str>> for Part {
+    /// The chain to a tip; without one, all.
+    fn from(tip: Option<&str>) -> Self {
+        tip.map_or(Self::All, |tip| Self::Tips(vec![tip.to_owned()]))
+    }
+}
+
+/// A part of a tree.
 #[derive(Debug)]
 pub(crate) struct Selection {
     pub base: usize,
-    pub tip: usize,
-    /// The joints from base to tip, fixed ones among them.
+    /// The link at which a chain ends, none of a tree.
+    pub tip: Option<usize>,
+    /// The joints from the base to all that move, fixed ones among them; each comes after those before it.
     pub joints: Vec<usize>,
+    /// Of every joint of the tree, whether it is one of these.
+    pub on_path: Vec<bool>,
+    /// Of every joint of the tree, whether it is one of these and moves.
+    pub moves: Vec<bool>,
 }
 
-/// The chain from `base` to `tip`, each chosen by itself where there is only one choice.
-pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Result<Selection, RobotError> {
+/// The part of a tree on the base of the given name, or the only root.
+pub(crate) fn select(tree: &Tree, base: Option<&str>, part: &Part) -> Result<Selection, RobotError> {
     let base = base_of(tree, base)?;
-    let tip = match tip {
-        Some(name) => find(tree, "tip", name)?,
-        None => only_tip(tree, base)?,
+    let one_degree = |joint: usize| tree.joints[joint].moves();
+    let (ends, moves): (Vec<usize>, Vec<bool>) = match part {
+        Part::All => match tips(tree, base)[..] {
+            [] => return Err(nothing_moves(tree, base)),
+            [tip] => return of_chain(tree, base, tip),
+            _ => {
+                let all: Vec<usize> = (0..tree.joints.len()).filter(|joint| one_degree(*joint)).collect();
+                (all.iter().map(|joint| tree.joints[*joint].child).collect(), vec![true; tree.joints.len()])
+            }
+        },
+        Part::Tips(tips) => {
+            match &tips.iter().map(|tip| find_link(tree, "the tip", tip)).collect::<Result<Vec<_>, _>>()?[..]
+            {
+                [tip] => return of_chain(tree, base, *tip),
+                several => (several.to_vec(), vec![true; tree.joints.len()]),
+            }
+        }
+        Part::Joints(names) => {
+            let named = names.iter().map(|name| find_joint(tree, name)).collect::<Result<Vec<_>, _>>()?;
+            let moves: Vec<bool> = (0..tree.joints.len())
+                .map(|joint| {
+                    let leader = tree.followed(joint).map(|followed| followed.joint);
+                    named.contains(&joint) || leader.is_some_and(|leader| named.contains(&leader))
+                })
+                .collect();
+            let chosen = (0..tree.joints.len()).filter(|joint| moves[*joint] && one_degree(*joint));
+            (chosen.map(|joint| tree.joints[joint].child).collect(), moves)
+        }
     };
-    let (base_name, tip_name) = (&tree.links[base].name, &tree.links[tip].name);
-    let no_chain = |reason: String| RobotError::NoChain { path: tree.path.clone(), reason };
-    let joints = tree.path_between(base, tip).ok_or_else(|| {
-        no_chain(format!(
-            "the tip `{tip_name}` does not hang on the base `{base_name}`; choose a base above it"
-        ))
-    })?;
-    let chain: HashSet<usize> = joints.iter().copied().collect();
+    let mut on_path = vec![false; tree.joints.len()];
+    for end in ends {
+        let mut link = end;
+        while link != base {
+            match tree.links[link].parent {
+                Some(joint) if on_path[joint] => break,
+                Some(joint) => {
+                    on_path[joint] = true;
+                    link = tree.joints[joint].parent;
+                }
+                // Of all joints, those that do not hang on the base are none of the robot.
+                None if *part == Part::All => break,
+                None => return Err(beside(tree, base, end)),
+            }
+        }
+    }
+    let mut joints = Vec::new();
+    let mut open = vec![base];
+    while let Some(link) = open.pop() {
+        joints.extend(tree.links[link].parent.filter(|_| link != base));
+        let children = tree.links[link].children.iter().rev();
+        open.extend(children.filter(|joint| on_path[**joint]).map(|joint| tree.joints[*joint].child));
+    }
+    checked(tree, (base, None), joints, &moves)
+}
+
+/// The chain to one tip.
+fn of_chain(tree: &Tree, base: usize, tip: usize) -> Result<Selection, RobotError> {
+    let joints = tree.path_between(base, tip).ok_or_else(|| beside(tree, base, tip))?;
+    checked(tree, (base, Some(tip)), joints, &vec![true; tree.joints.len()])
+}
+
+fn beside(tree: &Tree, base: usize, tip: usize) -> RobotError {
+    let (base, tip) = (&tree.links[base].name, &tree.links[tip].name);
+    let reason = format!("the tip `{tip}` does not hang on the base `{base}`; choose a base above it");
+    RobotError::NoChain { path: tree.path.clone(), reason }
+}
+
+fn nothing_moves(tree: &Tree, base: usize) -> RobotError {
+    let reason = format!("no joint that moves hangs on the base `{}`", tree.links[base].name);
+    RobotError::NoChain { path: tree.path.clone(), reason }
+}
+
+/// A selection whose joints are such that models know them.
+fn checked(
+    tree: &Tree,
+    (base, tip): (usize, Option<usize>),
+    joints: Vec<usize>,
+    chosen: &[bool],
+) -> Result<Selection, RobotError> {
+    let (mut on_path, mut moves) = (vec![false; tree.joints.len()], vec![false; tree.joints.len()]);
+    for joint in &joints {
+        on_path[*joint] = true;
+        moves[*joint] = chosen[*joint] && tree.joints[*joint].moves();
+    }
     for (index, joint) in joints.iter().map(|j| (*j, &tree.joints[*j])) {
         let before = &tree.links[joint.parent].name;
         let reason = match (&joint.freedom, &joint.mimic) {
             (Freedom::Other(kind), _) => format!(
-                "is {kind}, which serial chains cannot have; choose a base behind it: `{}`",
+                "is {kind}, and models have joints of one degree of freedom on a fixed base (one that moves would need its \
+                 pose and the forces of its contacts); choose a base behind it: `{}`",
                 tree.links[joint.child].name
             ),
-            (_, Some(mimic)) if joint.moves() => match tree.followed(index) {
+            (_, Some(mimic)) if moves[index] => match tree.followed(index) {
                 None => format!(
                     "follows the joint {} (mimic), which is not there, does not move or follows this one in turn; correct \
                      <mimic>, or choose the tip before it: `{before}`",
                     mimic.joint
                 ),
-                Some(followed) if !chain.contains(&followed.joint) => format!(
+                Some(followed) if !moves[followed.joint] => format!(
                     "follows the joint {} (mimic), which is beside the chain, so that nobody knows how it moves; choose \
                      the tip before it: `{before}`",
                     tree.joints[followed.joint].name
@@ -61,16 +158,19 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, tip: Option<&str>) -> Resu
         let what = format!("joint {}", joint.name);
         return Err(RobotError::Element { path: tree.path.clone(), line: joint.line, what, reason });
     }
-    if !joints.iter().any(|j| tree.joints[*j].moves()) {
-        return Err(no_chain(format!("between `{base_name}` and `{tip_name}` there is no joint that moves")));
+    if moves.contains(&true) {
+        return Ok(Selection { base, tip, joints, on_path, moves });
     }
-    Ok(Selection { base, tip, joints })
+    let Some(tip) = tip else { return Err(nothing_moves(tree, base)) };
+    let (base, tip) = (&tree.links[base].name, &tree.links[tip].name);
+    let reason = format!("between `{base}` and `{tip}` there is no joint that moves");
+    Err(RobotError::NoChain { path: tree.path.clone(), reason })
 }
 
 /// The base link: that of the name, or the only root.
 pub(crate) fn base_of(tree: &Tree, base: Option<&str>) -> Result<usize, RobotError> {
     if let Some(name) = base {
-        return find(tree, "base", name);
+        return find_link(tree, "the base", name);
     }
     let roots: Vec<usize> = (0..tree.links.len()).filter(|l| tree.links[*l].parent.is_none()).collect();
     match roots[..] {
@@ -84,23 +184,47 @@ pub(crate) fn base_of(tree: &Tree, base: Option<&str>) -> Result<usize, RobotErr
     }
 }
 
-fn find(tree: &Tree, which: &'static str, name: &str) -> Result<usize, RobotError> {
-    if let Some(link) = tree.links.iter().position(|l| l.name == name) {
-        return Ok(link);
+fn find_link(tree: &Tree, which: &'static str, name: &str) -> Result<usize, RobotError> {
+    find(tree, ("link", which, name), tree.links.iter().map(|link| link.name.as_str()))
+}
+
+/// The joint of a name, which has to be one that moves.
+fn find_joint(tree: &Tree, name: &str) -> Result<usize, RobotError> {
+    let found = find(tree, ("joint", "`joints`", name), tree.joints.iter().map(|joint| joint.name.as_str()))?;
+    let joint = &tree.joints[found];
+    let (line, what) = (joint.line, format!("joint {name}"));
+    let kind = match &joint.freedom {
+        Freedom::Turns(_) | Freedom::Slides(_) => return Ok(found),
+        Freedom::Fixed => "fixed",
+        Freedom::Other(kind) => kind,
+    };
+    let reason = format!("is {kind}, and `joints` are those that turn or slide; leave it out");
+    Err(RobotError::Element { path: tree.path.clone(), line, what, reason })
+}
+
+/// Where a name is among those of a kind.
+fn find<'n>(
+    tree: &Tree,
+    (kind, which, name): (&'static str, &'static str, &str),
+    names: impl ExactSizeIterator<Item = &'n str> + Clone,
+) -> Result<usize, RobotError> {
+    if let Some(found) = names.clone().position(|known| known == name) {
+        return Ok(found);
     }
-    let distance = |link: &str| strsim::osa_distance(&link.to_lowercase(), &name.to_lowercase());
-    let names = tree.links.iter().map(|l| l.name.as_str());
+    let distance = |known: &str| strsim::osa_distance(&known.to_lowercase(), &name.to_lowercase());
     let meant = names.clone().min_by_key(|l| distance(l)).filter(|l| distance(l) <= 1 + name.len() / 4);
+    let count = names.len();
     let mut known: Vec<String> = names.take(MOST_NAMES).map(Into::into).collect();
-    if tree.links.len() > MOST_NAMES {
-        known.push(format!("and {} more", tree.links.len() - MOST_NAMES));
+    if count > MOST_NAMES {
+        known.push(format!("and {} more", count - MOST_NAMES));
     }
-    Err(RobotError::UnknownLink {
+    Err(RobotError::Unknown {
         path: tree.path.clone(),
+        kind,
         which,
         name: name.into(),
         meant: meant.map(Into::into),
-        known,
+        known: known.into(),
     })
 }
 
@@ -196,14 +320,13 @@ fn closed_paths(tree: &Tree, base: usize) -> Vec<Option<Closed>> {
     closed
 }
 
-fn only_tip(tree: &Tree, base: usize) -> Result<usize, RobotError> {
+/// The name of the only tip.
+pub(crate) fn only_tip(tree: &Tree, base: Option<&str>) -> Result<String, RobotError> {
+    let base = base_of(tree, base)?;
     let base_name = &tree.links[base].name;
     match tips(tree, base)[..] {
-        [tip] => Ok(tip),
-        [] => Err(RobotError::NoChain {
-            path: tree.path.clone(),
-            reason: format!("no joint that moves hangs on the base `{base_name}`"),
-        }),
+        [tip] => Ok(tree.links[tip].name.clone()),
+        [] => Err(nothing_moves(tree, base)),
         ref several => {
             let moving = |tip: usize| {
                 let path = tree.path_between(base, tip).unwrap_or_default();

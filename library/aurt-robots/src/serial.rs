@@ -1,37 +1,39 @@
-//! From a chain of a tree to joints, merged bodies and limits.
+//! From a part of a tree to joints, merged bodies and limits.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, inconsistencies};
+use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, Parent, inconsistencies};
 use aurt_traits::Branch;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::pose::{Pose, along};
-use crate::selection::Selection;
+use crate::selection::{Selection, select};
 use crate::tree::{Followed, Freedom, Tree, TreeJoint};
-use crate::{DescribedRobot, JointFriction, JointLimits, RobotErrors};
+use crate::{DescribedRobot, JointFriction, JointLimits, Part, RobotErrors};
 
-/// A link of the chain: everything between one of its moving joints and the next.
+/// A link of a selection: everything between one of its moving joints and the next ones.
 pub(crate) struct ChainLink {
     pub joint: usize,
+    /// The link that it moves on, none of the base.
+    parent: Option<usize>,
     kind: JointKind,
     sign: f64,
     /// The link's frame in the frame of its joint.
     turn: Matrix3<f64>,
-    /// The link's frame in that of the link before.
+    /// The link's frame in that of its parent.
     pose: Pose,
     /// The tree's links that it consists of; the first is that of its joint.
-    pub parts: Vec<Part>,
+    pub parts: Vec<LinkPart>,
 }
 
-/// A link of the tree in a link of the chain.
-pub(crate) struct Part {
+/// A link of the tree in a link of the selection.
+pub(crate) struct LinkPart {
     pub link: usize,
-    /// Its frame in that of the chain's link.
+    /// Its frame in that of the selection's link.
     pub pose: Pose,
     /// Whether fixed joints alone lead to it.
     pub welded: bool,
-    /// Its standard parameters in the frame of the chain's link.
+    /// Its standard parameters in the frame of the selection's link.
     pub standard: [f64; INERTIAL_PARAMETERS],
 }
 
@@ -45,45 +47,54 @@ impl ChainLink {
     }
 }
 
-/// The links of a selection, and the joints beside the chain that they carry.
+/// The links of a selection, and the joints beside it that they carry.
 pub(crate) fn links(tree: &Tree, selection: &Selection) -> (Vec<ChainLink>, Vec<usize>) {
     let mut links: Vec<ChainLink> = Vec::new();
-    // The frame of the next joint's parent in the frame of the chain's last link (or the base).
-    let mut here = Pose::identity();
+    // Of the tree's links on the way: the selection's link that each is in (none in the base), and its frame there.
+    let mut places = HashMap::from([(selection.base, (None, Pose::identity()))]);
     let mut carried = Vec::new();
-    for (k, joint_index) in selection.joints.iter().enumerate() {
+    for joint_index in &selection.joints {
         let joint = &tree.joints[*joint_index];
+        let Some((mut on, here)) = places.get(&joint.parent).copied() else { continue };
         let at_joint = here.then(&joint.pose);
-        let next = selection.joints.get(k + 1).copied();
         let moving = match joint.freedom {
             Freedom::Turns(axis) => Some((JointKind::Revolute, axis)),
             Freedom::Slides(axis) => Some((JointKind::Prismatic, axis)),
             Freedom::Fixed | Freedom::Other(_) => None,
         };
-        match moving {
-            Some((kind, axis)) => {
+        let here = match moving {
+            Some((kind, axis)) if selection.moves[*joint_index] => {
                 let (turn, sign) = along(&axis);
+                let pose = at_joint.then(&Pose::turned(turn));
                 links.push(ChainLink {
                     joint: *joint_index,
+                    parent: on,
                     kind,
                     sign,
                     turn,
-                    pose: at_joint.then(&Pose::turned(turn)),
+                    pose,
                     parts: Vec::new(),
                 });
-                here = Pose::turned(turn.transpose());
+                on = Some(links.len() - 1);
+                Pose::turned(turn.transpose())
             }
-            None => here = at_joint,
-        }
-        if let Some(link) = links.last_mut() {
-            add_bodies(tree, joint.child, next, &here, &mut link.parts, &mut carried);
+            Some(_) => {
+                carried.push(*joint_index);
+                at_joint.then(&at_rest(tree, *joint_index))
+            }
+            None => at_joint,
+        };
+        places.insert(joint.child, (on, here));
+        if let Some(link) = on {
+            add_bodies(tree, joint.child, selection, &here, &mut links[link].parts, &mut carried);
         }
     }
     (links, carried)
 }
 
-/// The serial chain of a selection.
-pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot, RobotErrors> {
+/// The robot that a part of a tree is.
+pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<DescribedRobot, RobotErrors> {
+    let selection = &select(tree, base, &part)?;
     let (links, carried) = links(tree, selection);
     let standard: Vec<f64> = links.iter().flat_map(ChainLink::standard).collect();
     let notes = notes(tree, selection, &carried, &standard);
@@ -111,12 +122,15 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
     Ok(DescribedRobot {
         name: tree.name.clone(),
         base: tree.links[selection.base].name.clone(),
-        tip: tree.links[selection.tip].name.clone(),
+        tip: selection.tip.map_or_else(String::new, |tip| tree.links[tip].name.clone()),
+        part,
         joint_names: own.iter().map(|own| tree.joints[own.joint].name.clone()).collect(),
         joints: links
             .iter()
-            .map(|link| Joint {
+            .enumerate()
+            .map(|(k, link)| Joint {
                 kind: link.kind,
+                parent: Parent::named(link.parent, k),
                 placement: link.pose.placement(),
                 theta_offset_rad: 0.0,
                 sign: link.sign,
@@ -131,7 +145,7 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
         branches: carried
             .iter()
             .filter(|joint| tree.joints[**joint].mimic.is_none())
-            .map(|joint| branch(tree, &links, &own, *joint, has_masses))
+            .map(|joint| branch(tree, selection, &links, &own, *joint, has_masses))
             .collect(),
         frames: links
             .iter()
@@ -141,40 +155,59 @@ pub(crate) fn chain(tree: &Tree, selection: &Selection) -> Result<DescribedRobot
     })
 }
 
-/// A joint beside the chain, and what hangs on it with all further joints at rest.
+/// A joint beside the selection, and what hangs on it with all further joints at rest.
+///
+/// Its motion changes the torque of all joints that carry it, and of those that it carries.
 ///
 /// A turn by dq about the axis n through o displaces the first moment h of a mass m by n × (h − m o) dq, a slide by m n dq.
-fn branch(tree: &Tree, links: &[ChainLink], own: &[OwnJoint], joint: usize, has_masses: bool) -> Branch {
+fn branch(
+    tree: &Tree,
+    selection: &Selection,
+    links: &[ChainLink],
+    own: &[OwnJoint],
+    joint: usize,
+    has_masses: bool,
+) -> Branch {
     let of = &tree.joints[joint];
-    let holds = |link: &ChainLink| link.parts.iter().any(|part| part.link == of.child);
-    let before = links.iter().position(holds).map_or(&links[..0], |at| &links[..=at]);
+    let holder = links.iter().find(|link| link.parts.iter().any(|part| part.link == of.child));
+    let mut before = Vec::new();
+    let mut next = holder;
+    while let Some(link) = next {
+        before.push(link);
+        next = link.parent.map(|parent| &links[parent]);
+    }
+    let carries = |link: &&ChainLink| {
+        selection.on_path[joint] && tree.path_between(of.child, tree.joints[link.joint].child).is_some()
+    };
+    let behind: Vec<&ChainLink> = links.iter().filter(carries).collect();
     let own_place = |link: &ChainLink| {
         let moves = tree.followed(link.joint)?.joint;
         own.iter().position(|own| own.joint == moves)
     };
-    let mut upstream: Vec<usize> = before.iter().filter_map(own_place).collect();
+    let mut upstream: Vec<usize> = before.iter().chain(&behind).filter_map(|link| own_place(link)).collect();
     upstream.sort_unstable();
     upstream.dedup();
-    let parts = before.last().map_or(&[][..], |link| &link.parts);
-    let hangs = |part: &&Part| part.link == of.child || tree.path_between(of.child, part.link).is_some();
+    let parts = holder.map_or(&[][..], |link| &link.parts);
+    let hangs = |part: &&LinkPart| part.link == of.child || tree.path_between(of.child, part.link).is_some();
     let (mut mass_kg, mut moment_kg_m) = (0.0, Vector3::zeros());
     for [.., x, y, z, mass] in parts.iter().filter(hangs).map(|part| part.standard) {
         moment_kg_m += Vector3::new(x, y, z);
         mass_kg += mass;
     }
     let pose = parts.iter().find(|part| part.link == of.child).map(|part| &part.pose);
-    let displaced = pose.zip(has_masses.then_some(())).and_then(|(pose, ())| match &of.freedom {
-        Freedom::Turns(axis) => {
-            let about = moment_kg_m - mass_kg * pose.origin_m;
-            Some((pose.rotation * axis.normalize()).cross(&about).norm())
-        }
-        Freedom::Slides(_) => Some(mass_kg),
-        Freedom::Fixed | Freedom::Other(_) => None,
-    });
+    let displaced =
+        pose.zip((has_masses && behind.is_empty()).then_some(())).and_then(|(pose, ())| match &of.freedom {
+            Freedom::Turns(axis) => {
+                let about = moment_kg_m - mass_kg * pose.origin_m;
+                Some((pose.rotation * axis.normalize()).cross(&about).norm())
+            }
+            Freedom::Slides(_) => Some(mass_kg),
+            Freedom::Fixed | Freedom::Other(_) => None,
+        });
     Branch { joint: of.name.clone(), upstream, displaced, slides: matches!(of.freedom, Freedom::Slides(_)) }
 }
 
-/// A joint of the chain that moves on its own, with what the joints that follow it add.
+/// A joint of the selection that moves on its own, with what the joints that follow it add.
 struct OwnJoint {
     joint: usize,
     limits: JointLimits,
@@ -206,36 +239,41 @@ impl OwnJoint {
     }
 }
 
-/// Adds the body of the tree's link `from`, at `pose` in the chain's link, and of all that hangs on it but for the joint
-/// `next` along the chain; what moves on it stays at zero posture and goes to `carried`.
+/// What a joint beside the selection does at its rest.
+fn at_rest(tree: &Tree, joint: usize) -> Pose {
+    let at = tree.rest(joint);
+    match tree.joints[joint].freedom {
+        Freedom::Turns(axis) if at != 0.0 => {
+            Pose::turned(nalgebra::Rotation3::new(axis.normalize() * at).into_inner())
+        }
+        Freedom::Slides(axis) => Pose { origin_m: axis.normalize() * at, ..Pose::identity() },
+        _ => Pose::identity(),
+    }
+}
+
+/// Adds the body of the tree's link `from`, at `pose` in the selection's link, and of all that hangs on it but for the joints
+/// of the selection; what moves on it stays at zero posture and goes to `carried`.
 fn add_bodies(
     tree: &Tree,
     from: usize,
-    next: Option<usize>,
+    selection: &Selection,
     pose: &Pose,
-    parts: &mut Vec<Part>,
+    parts: &mut Vec<LinkPart>,
     carried: &mut Vec<usize>,
 ) {
     let mut open = vec![(from, *pose, true)];
     while let Some((link, pose, welded)) = open.pop() {
         let body = tree.links[link].body;
         let standard = body.map_or([0.0; INERTIAL_PARAMETERS], |b| b.standard_parameters(&pose));
-        parts.push(Part { link, pose, welded, standard });
-        for joint_index in tree.links[link].children.iter().copied().filter(|j| Some(*j) != next) {
+        parts.push(LinkPart { link, pose, welded, standard });
+        let is_beside = |joint: &usize| !selection.on_path[*joint];
+        for joint_index in tree.links[link].children.iter().copied().filter(is_beside) {
             let joint = &tree.joints[joint_index];
             if joint.freedom != Freedom::Fixed {
                 carried.push(joint_index);
             }
-            let at = tree.rest(joint_index);
-            let moved = match joint.freedom {
-                Freedom::Turns(axis) if at != 0.0 => {
-                    Pose::turned(nalgebra::Rotation3::new(axis.normalize() * at).into_inner())
-                }
-                Freedom::Slides(axis) => Pose { origin_m: axis.normalize() * at, ..Pose::identity() },
-                _ => Pose { origin_m: Vector3::zeros(), ..Pose::identity() },
-            };
             let welded = welded && joint.freedom == Freedom::Fixed;
-            open.push((joint.child, pose.then(&joint.pose).then(&moved), welded));
+            open.push((joint.child, pose.then(&joint.pose).then(&at_rest(tree, joint_index)), welded));
         }
     }
 }
@@ -245,7 +283,7 @@ fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]
     let followers: Vec<String> = selection
         .joints
         .iter()
-        .filter(|j| tree.joints[**j].mimic.is_some() && tree.joints[**j].moves())
+        .filter(|j| tree.joints[**j].mimic.is_some() && selection.moves[**j])
         .filter_map(|j| Some((j, tree.followed(*j)?)))
         .map(|(j, Followed { joint, multiplier, offset })| {
             let (name, of) = (&tree.joints[*j].name, &tree.joints[joint].name);
@@ -258,9 +296,8 @@ fn notes(tree: &Tree, selection: &Selection, carried: &[usize], standard: &[f64]
             followers.join(", ")
         ));
     }
-    let chain: HashSet<usize> = selection.joints.iter().copied().collect();
     let moves_with_chain =
-        |j: &&usize| tree.followed(**j).is_some_and(|f| f.joint != **j && chain.contains(&f.joint));
+        |j: &&usize| tree.followed(**j).is_some_and(|f| f.joint != **j && selection.moves[f.joint]);
     let (following, resting): (Vec<&usize>, Vec<&usize>) = carried.iter().partition(moves_with_chain);
     let listed = |joints: &[&usize]| {
         let names: Vec<&str> = joints.iter().map(|j| tree.joints[**j].name.as_str()).collect();

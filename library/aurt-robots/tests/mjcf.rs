@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use aurt_rbd::{ChainDynamics, JointKind, LinkBody, RobotDescription};
-use aurt_robots::{Format, PlacedBody, is_mjcf, parse, placed_links, tips};
+use aurt_robots::{Format, Part, PlacedBody, is_mjcf, parse, placed_links, tips};
 use serde::Deserialize;
 
 const ARM: &str = include_str!("reference/arm.xml");
@@ -121,7 +121,7 @@ fn what_is_not_read_is_refused_with_its_place_and_a_remedy() {
         (
             "",
             whole(&format!("<freejoint/>{INERTIAL}")),
-            &["is a free joint, which serial chains cannot have"],
+            &["is a free joint, and models have joints of one degree of freedom"],
         ),
         ("", whole(&format!("<joint class=\"none\"/>{INERTIAL}")), &["there is no class `none`"]),
         ("", body("<body name=\"b\"/>"), &["the name `b` is taken"]),
@@ -222,7 +222,7 @@ fn masses_of_shapes_are_those_of_mujoco() {
     for choice in ["auto", "true"] {
         let theirs: BTreeMap<String, Weighed> = serde_json::from_value(reference[choice].take()).unwrap();
         let text = SHAPES.replace("<compiler ", &format!("<compiler inertiafromgeom=\"{choice}\" "));
-        let (robot, links) = placed_links(&text, "shapes.xml", Format::Mjcf, None, None).unwrap();
+        let (robot, links) = placed_links(&text, "shapes.xml", Format::Mjcf, None, &Part::All).unwrap();
         let bodies: Vec<&PlacedBody> =
             links.iter().flat_map(|link| link.body.iter().chain(&link.carried)).collect();
         assert_eq!(bodies.len(), theirs.len());

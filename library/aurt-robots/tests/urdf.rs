@@ -1,8 +1,9 @@
 //! Chains of URDF files: what is read, and what is refused and how.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
-use aurt_robots::{DescribedRobot, RobotErrors, parse, tips};
+use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, SerialChain, base_parameters};
+use aurt_robots::{DescribedRobot, Part, RobotErrors, parse, parse_part, tips};
+use aurt_traits::{Motion, RigidBodyRegressor};
 use serde::Deserialize;
 
 const GANTRY: &str = include_str!("reference/gantry.urdf");
@@ -95,6 +96,67 @@ fn a_chain_is_chosen_by_itself_only_if_there_is_one() {
         "{:?}",
         below.notes
     );
+}
+
+#[test]
+fn a_tree_has_all_joints_or_those_that_are_named() {
+    let part = |part: &Part| parse_part(GANTRY, "gantry.urdf", None, part);
+    let named = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
+    let all = part(&Part::All).unwrap();
+    assert_eq!(all.joint_names, ["slide", "shoulder", "elbow", "extension", "finger_left"]);
+    assert_eq!((all.joints.len(), all.tip.as_str(), all.branches.len()), (6, "", 0));
+    let tree = SerialChain::new(all.joints.clone(), [0.0; 3]).unwrap();
+    assert_eq!((tree.parent(4), tree.parent(5)), (Some(3), Some(3)), "both fingers are on the wrist");
+    // A chain by its tip, by tips and by its joints is one robot; a file of one chain needs none of them.
+    let chain = gantry(None, Some("left")).unwrap();
+    for same in [Part::Tips(named(&["left", "wrist"])), Part::Joints(chain.joint_names.clone())] {
+        let same = part(&same).unwrap();
+        let follower = usize::from(!same.couplings.is_empty());
+        assert_eq!(same.joint_names, chain.joint_names);
+        assert_eq!(same.joints[..5], chain.joints[..5]);
+        assert_eq!(same.joints.len() - follower, chain.joints.len());
+    }
+    // What is left out on the way is at rest, and its motion concerns all joints.
+    let outer = part(&Part::Joints(named(&["shoulder", "extension"]))).unwrap();
+    assert_eq!(outer.joint_names, ["shoulder", "extension"]);
+    let upstream: Vec<(&str, &[usize])> =
+        outer.branches.iter().map(|b| (b.joint.as_str(), b.upstream.as_slice())).collect();
+    assert_eq!(upstream, [("slide", &[0, 1][..]), ("elbow", &[0, 1]), ("finger_left", &[0, 1])]);
+    let (whole, held) = (all.chain([0.0; 3]), outer.chain([0.0, 0.0, -9.81]).unwrap());
+    assert!(whole.unwrap_err().to_string().contains("1 of the chain's 6 joints follow another"));
+    let of_all = all.rigid_body([0.0, 0.0, -9.81]).unwrap();
+    let torque = |body: &dyn RigidBodyRegressor, standard: &[f64], q: &[f64]| {
+        let zero = vec![0.0; q.len()];
+        let motion = Motion::new(q.len(), vec![0.0], q.to_vec(), zero.clone(), zero).unwrap();
+        let mut torque = vec![0.0; q.len()];
+        body.torque(motion.view(), standard, &mut torque, 1);
+        torque
+    };
+    let (mass_all, mass_held) = (all.standard_parameters.unwrap(), outer.standard_parameters.unwrap());
+    let whole = torque(&*of_all, &mass_all, &[0.0, 0.4, 0.0, 0.3, 0.0]);
+    let held = torque(&held, &mass_held, &[0.4, 0.3]);
+    assert!((whole[1] - held[0]).abs() < 1e-12 && (whole[3] - held[1]).abs() < 1e-12, "{whole:?} {held:?}");
+    for (wrong, said) in [
+        (Part::Joints(named(&["elbov"])), "there is no joint `elbov` for `joints`, did you mean `elbow`?"),
+        (Part::Tips(named(&["wirst"])), "there is no link `wirst` for the tip, did you mean `wrist`?"),
+        (
+            Part::Joints(named(&["finger_right"])),
+            "follows the joint finger_left (mimic), which is beside the chain",
+        ),
+    ] {
+        let error = part(&wrong).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    let flying = "<robot name='r'><link name='world'/><link name='trunk'/><link name='a'/><link name='b'/>\
+                  <joint name='base' type='floating'><parent link='world'/><child link='trunk'/></joint>\
+                  <joint name='l' type='revolute'><parent link='trunk'/><child link='a'/></joint>\
+                  <joint name='r' type='revolute'><parent link='trunk'/><child link='b'/></joint></robot>";
+    let error = parse_part(flying, "dog.urdf", None, &Part::All).unwrap_err().to_string();
+    assert!(
+        error.contains("joint base: is floating") && error.contains("choose a base behind it: `trunk`"),
+        "{error}"
+    );
+    assert_eq!(parse_part(flying, "dog.urdf", Some("trunk"), &Part::All).unwrap().joint_names, ["l", "r"]);
 }
 
 const COUPLED: &str = include_str!("reference/coupled.urdf");
@@ -228,7 +290,8 @@ fn every_fault_has_its_place_and_remedy() {
         ),
         (
             two_links(&format!("<joint name=\"j\" type=\"floating\">{ends}</joint>")),
-            "joint j: is floating, which serial chains cannot have; choose a base behind it: `b`",
+            "joint j: is floating, and models have joints of one degree of freedom on a fixed base (one that moves would need its pose \
+             and the forces of its contacts); choose a base behind it: `b`",
         ),
         (
             two_links(&format!(

@@ -7,7 +7,7 @@ use crate::{Branch, MotionView, Parameter};
 /// The rigid bodies of a robot as a regressor in its standard inertial parameters:
 /// τ_RBD = Y(q, q̇, q̈) π, with Y of N rows (joints) and P columns (parameters).
 ///
-/// For a chain of N revolute links P = 10 N, link after link, in the order
+/// For a chain or tree of N revolute links P = 10 N, link after link, in the order
 /// {XX XY XZ YY YZ ZZ mX mY mZ m}; inertias about the joint's centre of rotation (the link frame's origin).
 ///
 /// Evaluation is batched: one call writes many samples, each (joint, parameter) entry as a contiguous column.

@@ -11,7 +11,7 @@ use crate::{
 /// τ = Y_RBD(q, q̇, q̈) ζ_RBD + Y_JD ζ_JD (paper, equations 1–6), plus arm terms.
 ///
 /// The coefficients are ordered: base inertial parameters, the joint dynamics joint after joint, the arm terms.
-/// Rows are sparse (a link loads only the joints before it, a stack only its own joint), so a [`RobotTile`]
+/// Rows are sparse (a link loads only the joints that carry it, a stack only its own joint), so a [`RobotTile`]
 /// holds for each joint the columns that can be non-zero there: [`Self::row_columns`].
 #[derive(Debug, Clone)]
 pub struct RobotModel {

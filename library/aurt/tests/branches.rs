@@ -1,7 +1,7 @@
-//! A torso with two arms: the model is of one, and the other moves.
+//! A torso with two arms: the model is of one, and the other moves; or of both.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt::{data::Loaded, prelude::*, traits::Motion};
+use aurt::{Drive, data::Loaded, friction::arm_terms::payload::Payload, prelude::*, traits::Motion};
 use aurt_recording::{ReadOptions, RecordedJoints, RobotJoints, read_recording};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -61,13 +61,14 @@ fn torque(robot: &Robot, first: usize, time_s: &[f64], sines: &[[f64; 2]]) -> Ve
     torque
 }
 
-/// Text with a column for each quantity of each joint, the joints in another order than the chain's.
-fn recorded(seed: f64, left_rad: f64) -> String {
+/// Text with a column for each quantity of each joint, the joints in another order than the chain's. The torques are the sums
+/// of those of two chains, each with the masses that the other is without.
+fn recorded(seed: f64, left_rad: f64, left_kg: f64) -> String {
     let time_s: Vec<f64> = (0..4000).map(|k| 0.008 * f64::from(k)).collect();
     let sines = [[0.4, 1.1 + 0.1 * seed], [0.9, 1.7 - 0.1 * seed], [0.8, 2.3 + 0.05 * seed]];
     let left = [left_rad, 1.9];
     let right = torque(&arm(1e-9, "right_hand"), 0, &time_s, &sines);
-    let other = torque(&arm(4.0, "left_arm"), 1, &time_s, &[sines[0], left]);
+    let other = torque(&arm(left_kg, "left_arm"), 1, &time_s, &[sines[0], left]);
     let samples = time_s.len();
     let mut text = String::from("time");
     for quantity in ["position", "effort"] {
@@ -101,9 +102,13 @@ fn recorded(seed: f64, left_rad: f64) -> String {
 }
 
 fn read(robot: &Robot, seed: f64, left_rad: f64) -> Recording {
+    read_with(robot, seed, left_rad, 4.0)
+}
+
+fn read_with(robot: &Robot, seed: f64, left_rad: f64, left_kg: f64) -> Recording {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(format!("{seed}.csv"));
-    std::fs::write(&path, recorded(seed, left_rad)).unwrap();
+    std::fs::write(&path, recorded(seed, left_rad, left_kg)).unwrap();
     let joints = Some(RobotJoints::of(robot.rigid_body()));
     read_recording(&path, &ReadOptions { joints, ..ReadOptions::default() }).unwrap()
 }
@@ -154,6 +159,68 @@ fn an_arm_that_moves_beside_the_chain_is_told_and_nothing_is_claimed_upstream() 
         verdict.not_examined.iter().filter(|n| n.joints == [0] && n.reason.contains("left_shoulder"));
     assert_eq!(beside.count(), 2, "{:?}", verdict.not_examined);
     assert_eq!(verdict.warnings.iter().filter(|w| w.contains("left_shoulder")).count(), 2);
+}
+
+#[test]
+fn both_arms_are_one_tree_and_a_load_is_on_the_hand_that_carries_it() {
+    let whole = Robot::from_urdf(&urdf(4.0), None, None, GRAVITY).unwrap();
+    let names = &whole.described().unwrap().joint_names;
+    assert_eq!(names[..], ["torso_pitch", "left_shoulder", "right_shoulder", "right_elbow"]);
+    let model = |robot: &Robot| robot.model().friction(Friction::coulomb()).build().unwrap();
+    let errors = |robot: &Robot, left_rad: f64| {
+        let outcome = Calibrator::new(model(robot))
+            .calibration(&read(robot, 1.0, left_rad))
+            .validation(&read(robot, 2.0, left_rad))
+            .calibrate()
+            .unwrap();
+        assert!(outcome.calibrated.calibration.warnings.iter().all(|w| !w.contains("left_shoulder")));
+        outcome.recordings[1].validation.all.mse.iter().map(|mse| mse.sqrt()).collect::<Vec<f64>>()
+    };
+    let (alone, both) = (errors(&arm(4.0, "right_hand"), 0.0), errors(&whole, 0.7));
+    println!("RMS errors in Nm: {alone:?} of one arm alone, {both:?} of the tree with both moving");
+    assert!(both[0] < 1.1 * alone[0] && both.iter().all(|rms| *rms < 1.5 * NOISE_NM), "{alone:?} {both:?}");
+
+    let diagnosis = Diagnoser::new(model(&whole))
+        .calibration(&read(&whole, 1.0, 0.7))
+        .calibration(&read(&whole, 2.0, 0.7))
+        .target(&read_with(&whole, 3.0, 0.7, 5.5))
+        .target(&read_with(&whole, 4.0, 0.7, 5.5))
+        .diagnose(&Progress::silent())
+        .unwrap();
+    let verdict = &diagnosis.verdict;
+    let claimed: Vec<&str> = verdict.effects.iter().map(|e| e.sentence.as_str()).collect();
+    println!("{claimed:?}");
+    let [load] = &verdict.effects[..] else { panic!("{claimed:?}") };
+    assert_eq!((load.effect.as_str(), load.parameters["link"].value.as_f64()), ("payload", Some(1.0)));
+    let mass = load.parameters["mass_kg"].value.as_f64().unwrap();
+    assert!((mass - 1.5).abs() < 0.1, "{mass}");
+}
+
+#[test]
+fn a_calibrated_tree_is_saved_moves_and_asks_for_the_link_of_a_load() {
+    let whole = Robot::from_urdf(&urdf(4.0), None, None, GRAVITY).unwrap();
+    let model = || whole.model().friction(Friction::coulomb());
+    let calibrate = |model| Calibrator::new(model).calibration(&read(&whole, 1.0, 0.7)).calibrate();
+    let calibrated = calibrate(model().build().unwrap()).unwrap().calibrated;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rd_calibrated.json");
+    std::fs::write(&path, calibrated.to_file().unwrap()).unwrap();
+    let again = CalibratedModel::load(&path).unwrap();
+    let held_out = read(&whole, 2.0, 0.7);
+    let predicted = |of: &CalibratedModel| of.predict_at_stamps(&held_out).unwrap();
+    assert_eq!(predicted(&again), predicted(&calibrated));
+
+    let moved = again.moved(&held_out, Drive::Motion { bandwidth_hz: 10.0 }, &Progress::silent()).unwrap();
+    let size = |series: &[f64]| series.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    for (joint, reach) in [0.4, 0.7, 0.9, 0.8].into_iter().enumerate() {
+        let found = size(&moved.position_rad[joint]);
+        assert!((found - reach).abs() < 0.02, "joint {joint} moves by {found}, not {reach}");
+    }
+
+    let with = |link| model().arm_term(Payload { link, parameters: None }).build().unwrap();
+    let error = calibrate(with(None)).unwrap_err().to_string();
+    assert!(error.contains("the robot is a tree, and its last link 3 does not load joint 1"), "{error}");
+    assert!(calibrate(with(Some(1))).is_ok());
 }
 
 #[test]

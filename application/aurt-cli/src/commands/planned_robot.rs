@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, RobotDescription};
+use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, Parent, RobotDescription};
 use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};
 use aurt_traits::RigidBodyRegressor;
@@ -86,8 +86,10 @@ impl PlannedRobotOptions {
         let asked = self.robot.as_deref().unwrap_or_default();
         let file = Path::new(asked);
         if file.is_file() {
-            return self
-                .of_description(&aurt_robots::read(file, self.base.as_deref(), self.tip.as_deref())?, asked);
+            return self.of_description(
+                &aurt_robots::read_part(file, self.base.as_deref(), &self.tip.as_deref().into())?,
+                asked,
+            );
         }
         if self.base.is_some() || self.tip.is_some() {
             return Err(refuse(
@@ -146,9 +148,18 @@ impl PlannedRobotOptions {
             Some((limits, note)) => (limits, vec![note]),
             None => self.limits_of(described, from)?,
         };
-        if !described.couplings.is_empty() {
-            let followers = described.joints.len() - described.joint_names.len();
+        let followers = described.joints.len() - described.joint_names.len();
+        if followers > 0 {
             notes.push(format!("{followers} joints follow others (mimic) and are no columns of the motion"));
+        }
+        let is_tree = described.joints.iter().any(|joint| joint.parent != Parent::Previous);
+        if is_tree {
+            notes.push(
+                "the robot is a tree, planned as a whole: whether its parts meet each other is not checked"
+                    .into(),
+            );
+        }
+        if followers > 0 || is_tree {
             let bodies = Some(described.rigid_body(gravity_m_s2)?);
             let robot = Robot::of_limits(&described.name, &limits);
             return Ok(PlannedRobot { robot, bodies, notes, knows_torques: false });

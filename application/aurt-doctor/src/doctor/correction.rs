@@ -68,6 +68,11 @@ fn correct(document: &mut DocumentMut, subject: &Subject, mistake: &Mistake) -> 
                 }
                 combined(document, "instrument", "gains", &gains, 1.0, |old, new| old * new)
             }
+            Reading::Constants { joints: [a, b], factor } => {
+                let mut factors = vec![1.0; joints];
+                (factors[*a], factors[*b]) = (*factor, 1.0 / factor);
+                combined(document, "robot", "torque_constants_nm_per_a", &factors, 1.0, |old, new| old * new)
+            }
             Reading::Delay(delay) if file.is_none() => combined(
                 document,
                 "instrument",

@@ -3,7 +3,7 @@
 use aurt::{RecordingResult, Role};
 
 /// Below this share a joint counts as hardly explained.
-const LEAST_EXPLAINED: f64 = 0.5;
+pub(super) const LEAST_EXPLAINED: f64 = 0.5;
 
 /// A joint that a model hardly explains.
 #[derive(Debug, Clone, PartialEq)]

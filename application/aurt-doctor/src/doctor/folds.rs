@@ -1,18 +1,17 @@
 //! Every recording in turn predicted from the others: what tells mistakes that a fit to all of them takes up.
 
-use std::sync::OnceLock;
-
 use rayon::prelude::*;
 
 use super::{
+    evidence::Evidence,
     mistake::{Mistake, Table},
     setup::{Setup, Subject},
     trial::{Bench, Score},
-    usual::{of_file, usual},
+    usual::usual,
 };
 
 /// Setups in which one recording judges and all others are fitted; none of a single recording.
-fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
+pub fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
     let files = setup.files();
     if files.len() < 2 {
         return Vec::new();
@@ -27,42 +26,35 @@ fn folds(setup: &Setup) -> Vec<(usize, Setup)> {
     files.iter().map(fold).collect()
 }
 
-/// A mistake in one recording, with the error of that recording before and after.
-pub struct InOne {
-    pub mistake: Mistake,
-    pub before: f64,
-    pub after: f64,
-}
-
-/// The mistake in one recording that takes the error with which the others predict it to the smallest share.
+/// How much likelier another setup makes stretches of recordings, each predicted from the rest of its own recording.
 ///
-/// A model fitted to all recordings takes up part of what is wrong with one of them, and what is held out may not have it at
-/// all: the recording itself, predicted from the others, shows it whole.
-pub fn in_one(bench: &Bench, setup: &Setup, trials: &mut usize) -> Option<InOne> {
-    let tried: Vec<Vec<InOne>> = folds(setup)
-        .into_iter()
-        .map(|(file, fold)| {
-            let mistakes = of_file(fold.moving_joints(), file);
-            *trials += mistakes.len() + 1;
-            let Some(before) = bench.score(&fold).map(|s| s.total) else { return Vec::new() };
-            mistakes
-                .into_par_iter()
-                .filter_map(|mistake| {
-                    let after = bench.score(&mistake.undone(&fold))?.total;
-                    Some(InOne { mistake, before, after })
-                })
-                .collect()
-        })
+/// What changed between recordings, a load for one, is the same in both setups here. `whole` is the setup in which nothing is
+/// undone, with all of its recordings.
+pub fn within(bench: &Bench, whole: &Setup, setups: [&Setup; 2], file: Option<usize>) -> Option<Evidence> {
+    let files = file.map_or_else(|| whole.files(), |f| vec![f]);
+    let whole_of = |s: &Setup| s.undone.iter().fold(whole.clone(), |whole, mistake| mistake.undone(&whole));
+    let [setup, other] = setups.map(|s| bench.modelled(&whole_of(s)));
+    let pairs: Vec<(Setup, Setup)> =
+        files.iter().flat_map(|f| setup.stretches(*f).into_iter().zip(other.stretches(*f))).collect();
+    let scores: Vec<(Option<Score>, Score)> = pairs
+        .into_par_iter()
+        .filter_map(|(before, after)| Some((bench.score(&before), bench.score(&after)?)))
         .collect();
-    let share = |one: &InOne| one.after / one.before.min(1.0);
-    tried.into_iter().flatten().min_by(|a, b| share(a).total_cmp(&share(b)))
+    Evidence::of(scores.iter().map(|(before, after)| (before.as_ref(), after)))
 }
 
 /// How another robot predicts each recording from the others, against the one that was set up.
 pub struct Likelier {
     pub mistake: Mistake,
-    /// The factor of the error, geometric mean over joints and recordings.
-    pub factor: f64,
+    pub evidence: Evidence,
+    scores: Vec<Score>,
+}
+
+impl Likelier {
+    /// Whether another one is surely better.
+    pub fn is_behind(&self, other: &Self) -> bool {
+        Evidence::of(self.scores.iter().map(Some).zip(&other.scores)).is_some_and(|e| e.is_sure(1))
+    }
 }
 
 /// Robots and gravities without a free number, the more usual mistakes first.
@@ -72,17 +64,10 @@ pub struct Likelier {
 /// joint at rest knows no sign, and friction that grows with the load is larger than what a wrong length leaves: without the
 /// rows at rest, and with that friction, a zero that is a quarter turn off stands out.
 ///
-/// What does not take the error of every recording to `each` is left where the first says so.
-pub fn likelier(
-    subject: &Subject,
-    bench: &Bench,
-    setup: &Setup,
-    each: f64,
-    trials: &mut usize,
-) -> Vec<Likelier> {
-    // The model of the other trials has other friction.
-    let bench = &Bench { compares: true, ..bench.clone() };
-    let setup = &Setup { model: OnceLock::new(), ..setup.clone() };
+/// What some recording is less likely with is left out.
+pub fn likelier(subject: &Subject, bench: &Bench, setup: &Setup, trials: &mut usize) -> Vec<Likelier> {
+    let bench = &bench.comparing();
+    let setup = &bench.modelled(setup);
     let now: Option<Vec<Score>> = folds(setup).iter().map(|(_, fold)| bench.score(fold)).collect();
     let Some(now) = now.filter(|n| !n.is_empty()) else { return Vec::new() };
     let mistakes: Vec<Mistake> = usual(subject, setup).into_iter().filter(is_of_the_robot).collect();
@@ -91,17 +76,18 @@ pub fn likelier(
         .into_par_iter()
         .filter_map(|mistake| {
             let other = mistake.undone(setup);
-            let gains: Option<Vec<f64>> = folds(&other)
+            let after: Option<Vec<Score>> = folds(&other)
                 .iter()
                 .zip(&now)
                 .map(|((_, fold), before)| {
-                    let gain = gain(before, &bench.score(fold)?);
-                    (gain < each.ln()).then_some(gain)
+                    bench
+                        .score(fold)
+                        .filter(|s| Evidence::of([(Some(before), s)]).is_some_and(|e| e.gain > 0.0))
                 })
                 .collect();
-            let gains = gains?;
-            let mean = gains.iter().sum::<f64>() / gains.len() as f64;
-            Some(Likelier { mistake, factor: mean.exp() })
+            let scores = after?;
+            let evidence = Evidence::of(now.iter().map(Some).zip(&scores))?;
+            Some(Likelier { mistake, evidence, scores })
         })
         .collect()
 }
@@ -112,11 +98,4 @@ fn is_of_the_robot(mistake: &Mistake) -> bool {
         Mistake::Geometry { what, .. } => !matches!(what, Table::Lengths(_)),
         Mistake::Reading { .. } => false,
     }
-}
-
-/// The mean over joints of ln(σ after / σ before).
-fn gain(before: &Score, after: &Score) -> f64 {
-    let both = before.joints.iter().zip(&after.joints);
-    let ratios: Vec<f64> = both.filter_map(|(b, a)| b.zip(*a)).map(|(b, a)| (a / b).ln()).collect();
-    ratios.iter().sum::<f64>() / ratios.len().max(1) as f64
 }

@@ -88,6 +88,13 @@ pub enum Reading {
         /// The factor.
         factor: f64,
     },
+    /// The torque constants of two joints are exchanged.
+    Constants {
+        /// The joints.
+        joints: [usize; 2],
+        /// What the first one's measurement is multiplied with, and the other's divided by.
+        factor: f64,
+    },
 }
 
 /// Columns whose order can be wrong.
@@ -112,9 +119,24 @@ impl Columns {
 }
 
 impl Mistake {
+    /// The one recording that it is in.
+    pub fn file(&self) -> Option<usize> {
+        match self {
+            Self::Reading { file, .. } => *file,
+            Self::Gravity { .. } | Self::Geometry { .. } => None,
+        }
+    }
+
+    /// Whether it is a delay.
+    pub fn is_delay(&self) -> bool {
+        matches!(self, Self::Reading { what: Reading::Delay(_), .. })
+    }
+
     /// The setup without the mistake.
     pub fn undone(&self, setup: &Setup) -> Setup {
-        match self {
+        let mut undone = setup.undone.clone();
+        undone.push(self.clone());
+        let setup = match self {
             Self::Gravity { to_m_s2 } => {
                 Setup { gravity_m_s2: *to_m_s2, model: OnceLock::new(), ..setup.clone() }
             }
@@ -135,7 +157,8 @@ impl Mistake {
                     .collect();
                 Setup { parts, ..setup.clone() }
             }
-        }
+        };
+        Setup { undone, ..setup }
     }
 
     /// Whether two mistakes are about the same thing, so that one of them is enough.
@@ -164,6 +187,8 @@ impl Reading {
             | (Self::Delay(_), Self::Delay(_))
             | (Self::Time(_), Self::Time(_)) => true,
             (Self::Gain { joint: a, .. }, Self::Gain { joint: b, .. }) => a == b,
+            (Self::Gain { joint, .. }, Self::Constants { joints, .. })
+            | (Self::Constants { joints, .. }, Self::Gain { joint, .. }) => joints.contains(joint),
             (a, b) => a == b,
         }
     }
@@ -185,6 +210,10 @@ impl Reading {
                 (0..recording.joints()).for_each(|joint| measured(&mut recording, joint, -1.0));
             }
             Self::Gain { joint, factor } => measured(&mut recording, *joint, *factor),
+            Self::Constants { joints: [a, b], factor } => {
+                measured(&mut recording, *a, *factor);
+                measured(&mut recording, *b, 1.0 / factor);
+            }
             Self::Order { of, order } => {
                 let ordered = |family: &[Vec<f64>]| order.iter().map(|j| family[*j].clone()).collect();
                 if of.positions() {
@@ -206,7 +235,19 @@ impl Reading {
                 options.rest_velocity_rad_s /= factor;
             }
         }
-        part.with(Arc::new(recording), options)
+        let mut part = part.with(Arc::new(recording), options);
+        part.slow_rad_s *= self.speed();
+        part
+    }
+
+    /// What speeds are multiplied with.
+    fn speed(&self) -> f64 {
+        match self {
+            Self::Degrees => 1_f64.to_radians(),
+            Self::Turns => std::f64::consts::TAU,
+            Self::Geared(factor) | Self::Time(factor) => 1.0 / factor,
+            _ => 1.0,
+        }
     }
 }
 

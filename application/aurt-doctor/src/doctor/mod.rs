@@ -1,17 +1,18 @@
 //! The setup doctor: whether a robot's description and its recordings belong together, and which of the usual mistakes
 //! would explain it if they do not.
 //!
-//! A trial undoes one mistake, calibrates rigid bodies with plain friction on a thinned part of the recordings and judges
-//! the fit on what is held out. The error of a setup is the root of the mean over joints of Σe²/Σy², of which a joint
-//! contributes 1.5 at most, and 1 at least where friction that feeds power into the joint would be needed: a model with
-//! all signs turned fits as well, but cannot be.
+//! A trial undoes one mistake, calibrates rigid bodies with rotors, offsets of the measurement and plain friction on a
+//! thinned part of the recordings and judges the fit on what is held out, where joints move. The error of a setup is the
+//! root of the mean over joints of Σe²/Σy², of which a joint contributes 1 at most, and 1 where friction that feeds power
+//! into the joint would be needed: a model with all signs turned fits as well, but cannot be.
 //!
-//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 30 % at some joint that moves; otherwise the
-//! likely ones, each alone. A mistake is told only if undoing the mistake takes the
-//! error to 60 % of what it was, and if what is left is below 70 %. A further mistake has to take a third of the rest.
+//! All mistakes are tried, in pairs too, if the setup as it is leaves more than 20 % at some joint that moves; otherwise the
+//! likely ones, and the others if one of these would be told. A mistake is told by a test of the likelihood of what is held out, of which the rate of false
+//! accusations is stated ([`evidence`]); undoing it must lower the error.
 
 mod columns;
 mod correction;
+mod evidence;
 mod explained;
 mod folds;
 mod mistake;
@@ -42,7 +43,7 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::{inspection::judged::loaded_friction, inspection::judged::plain_friction};
+use crate::inspection::judged::{loaded_friction, often_left_out, plain_friction, presliding_friction};
 use aurt_workbench::failure::Failure;
 
 /// What the doctor found.
@@ -56,6 +57,7 @@ pub struct Examination {
     pub steps: Vec<Step>,
     /// Fits that were tried.
     pub trials: usize,
+    compared: Vec<search::Compared>,
     compares_robots: bool,
     files: Vec<String>,
 }
@@ -82,19 +84,28 @@ pub fn examine_calibrated(
 }
 
 fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Result<Examination, Failure> {
+    let mut arm_terms = subject.arm_terms.clone();
+    for term in often_left_out(registry)? {
+        if arm_terms.iter().all(|there| there.name() != term.name()) {
+            arm_terms.push(term);
+        }
+    }
     let bench = Bench {
         friction: plain_friction(registry)?,
-        arm_terms: subject.arm_terms.clone(),
+        arm_terms,
         scopes: subject.scopes.clone(),
         loaded_friction: loaded_friction(registry)?,
+        presliding_friction: presliding_friction(registry)?,
         compares: false,
     };
-    let found = search(subject, &bench, &Setup::of(subject)?, thorough);
+    let [brief, whole] = [Setup::of(subject, true)?, Setup::of(subject, false)?];
+    let found = search(subject, &bench, [&brief, &whole], thorough);
     Ok(Examination {
         before: found.before,
         after: found.after,
         steps: found.steps,
         trials: found.trials,
+        compared: found.compared,
         compares_robots: subject.compares_robots(),
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
@@ -155,6 +166,13 @@ impl Examination {
             "before": self.before.as_ref().map(score),
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
+            "doubt": self.hardly(),
+            "compared": self.compared.iter().map(|c| json!({
+                "change": wording::undone(&c.mistake),
+                "across": c.across.to_json(),
+                "within": c.within.map(|w| w.to_json()),
+                "errors": c.errors,
+            })).collect::<Vec<_>>(),
             "mistakes": self.steps.iter().zip(self.sentences()).map(|(step, sentence)| json!({
                 "sentence": sentence,
                 "change": wording::undone(&step.mistake),
@@ -215,9 +233,12 @@ impl Examination {
             ));
         }
         if !fed.is_empty() {
+            let (joints, what) = match fed.len() {
+                1 => ("joint", "sign of its position and measurement"),
+                _ => ("joints", "signs of their positions and measurements"),
+            };
             said.push(format!(
-                "The friction that fits joints {} gives power instead of taking it: check the signs of their positions and \
-                 measurements.",
+                "The friction that fits {joints} {} gives power instead of taking it: check the {what}.",
                 fed.join(", ")
             ));
         }

@@ -3,39 +3,29 @@
 use rayon::prelude::*;
 
 use super::{
-    folds::{Likelier, in_one, likelier},
+    evidence::{Evidence, TESTS},
+    explained::LEAST_EXPLAINED,
+    folds::{folds, likelier, within},
     mistake::{Mistake, Reading},
     setup::{Setup, Subject},
-    trial::{Bench, Score},
+    trial::{Bench, Score, WORST},
     usual::{is_likely, of_file, usual},
 };
 
 /// Of a setup whose error is below this at every joint only the likely mistakes are tried.
-const FINE: f64 = 0.3;
+const FINE: f64 = 0.2;
 /// The same over all joints, where a calibrated model explains each of them.
 const DOUBTFUL: f64 = 0.5;
-/// A mistake is told if undoing it takes the error to at most this share of what it was.
-const CLEARLY: f64 = 0.6;
-/// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
-const EXPLAINED: f64 = 0.7;
-/// Beside one that was found, another is told only if its error falls to this share.
-const FURTHER: f64 = 0.65;
-/// Of mistakes that take the error to within this factor of the least one, the likeliest is told.
-const ALIKE: f64 = 1.07;
-/// Fitted values are told if they take the error to at most this share of that with the values tried.
-const ROUND: f64 = 0.85;
 /// First mistakes of pairs.
 const PAIRED: usize = 4;
 /// Pairs are tried where the error is at least this.
 const PAIRS_FROM: f64 = 0.4;
-/// Another robot is told if it takes the mean error of joints, with which recordings are predicted from each other, to at most
-/// this share. Of right setups the best of all that are tried took it to 96 % (docs/mistakes.md).
-const LIKELIER: f64 = 0.9;
-/// The same for each recording alone.
-const EACH_LIKELIER: f64 = 0.95;
-/// Of robots that take it to within this factor of the least share, the likeliest mistake is told: what does not accuse a right
-/// setup does not decide between two others.
-const ONE_AS_LIKELY: f64 = 1.0 / LIKELIER;
+/// Of mistakes of which the gain is within this of the best one, the most usual is told.
+const ALIKE: f64 = 0.3;
+/// Fitted values are told if they take the error to at most this share of that with the values tried.
+const ROUND: f64 = 0.85;
+/// A fitted value is better by this gain at least.
+const LEAST_STEP: f64 = 0.03;
 /// Mistakes that are told together at most.
 const MOST: usize = 4;
 
@@ -50,6 +40,21 @@ pub struct Found {
     pub after: Option<Score>,
     /// Fits that were tried.
     pub trials: usize,
+    /// What was compared with the setup that is there or that was found.
+    pub compared: Vec<Compared>,
+}
+
+/// A setup that was compared with the one that is there, or with that without the mistakes found before.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// What is undone in it, the last.
+    pub mistake: Mistake,
+    /// How much likelier it makes what is held out.
+    pub across: Evidence,
+    /// How much likelier it makes stretches of recordings, predicted from the rest of their own; where it matters.
+    pub within: Option<Evidence>,
+    /// The error before and after.
+    pub errors: [f64; 2],
 }
 
 /// A mistake that was found.
@@ -65,6 +70,7 @@ pub struct Step {
     pub alike: Vec<Mistake>,
 }
 
+#[derive(Clone)]
 struct Tried {
     mistakes: Vec<Mistake>,
     setup: Setup,
@@ -73,6 +79,10 @@ struct Tried {
 }
 
 impl Tried {
+    fn last(&self) -> Option<&Mistake> {
+        self.mistakes.last()
+    }
+
     /// Whether it is a gain of a joint that another gain of the joint explains alike: the data do not determine it, and what
     /// gets better is the weight that the joint has among the others.
     fn has_no_size(&self) -> bool {
@@ -80,21 +90,31 @@ impl Tried {
             Mistake::Reading { what: Reading::Gain { joint, .. }, file } => Some((*joint, *file)),
             _ => None,
         };
-        let own = self.mistakes.last().and_then(of_joint);
+        let own = self.last().and_then(of_joint);
         own.is_some() && self.alike.iter().any(|other| of_joint(other) == own)
     }
+}
+
+/// What a test of a setup came to.
+enum Tested {
+    Told,
+    /// Stretches of recordings are less likely with it, or it could be any number.
+    Refuted,
+    Open,
 }
 
 struct Search<'a> {
     subject: &'a Subject,
     bench: &'a Bench,
+    whole: &'a Setup,
     trials: usize,
+    compared: Vec<Compared>,
 }
 
 /// From which error on all mistakes are tried, in pairs too; below it the likely ones are, each alone, or none.
 #[derive(Debug, Clone, Copy)]
 pub enum Thorough {
-    /// If a joint's error is at least 30 %.
+    /// If a joint's error is at least 20 %.
     AnyJoint,
     /// If that over all joints is at least 50 %; below, none is tried.
     AllJoints,
@@ -102,8 +122,8 @@ pub enum Thorough {
     Always,
 }
 
-/// Looks for mistakes.
-pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thorough) -> Found {
+/// Looks for mistakes in a setup; `whole` is the same with all of its recordings.
+pub fn search(subject: &Subject, bench: &Bench, [setup, whole]: [&Setup; 2], thorough: Thorough) -> Found {
     let before = bench.score(setup);
     let fine = |s: &Score| {
         let little = match thorough {
@@ -113,23 +133,23 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
         };
         little && !s.fed.contains(&true)
     };
-    let mut found = Found { before: before.clone(), steps: Vec::new(), after: before.clone(), trials: 1 };
-    let mut search = Search { subject, bench, trials: 1 };
+    let mut found = Found {
+        before: before.clone(),
+        steps: Vec::new(),
+        after: before.clone(),
+        trials: 1,
+        compared: Vec::new(),
+    };
+    let mut search = Search { subject, bench, whole, trials: 1, compared: Vec::new() };
     let (mut now, mut score) = (setup.clone(), before);
     while found.steps.len() < MOST {
-        let least = score.as_ref().map_or(f64::INFINITY, |s| s.total);
         let told: Vec<&Mistake> = found.steps.iter().map(|s| &s.mistake).collect();
         let is_fine = score.as_ref().is_some_and(fine);
         // A calibrated model that explains its recordings is not doubted: whoever asks has `aurt check`.
         if is_fine && matches!(thorough, Thorough::AllJoints) {
             break;
         }
-        let best = if is_fine { search.glance(&now, &told) } else { search.round(&now, least, &told) };
-        let Some(best) = best else { break };
-        let share = if found.steps.is_empty() { CLEARLY } else { FURTHER };
-        if best.score.total > share * least.min(1.0) || best.has_no_size() {
-            break;
-        }
+        let Some(best) = search.round(&now, score.as_ref(), &told, is_fine) else { break };
         let mut setup = now;
         let last = best.mistakes.len() - 1;
         for (k, mistake) in best.mistakes.into_iter().enumerate() {
@@ -158,8 +178,10 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
             found.steps.push(step);
         }
     }
-    found.trials = search.trials;
-    if score.as_ref().is_none_or(|s| s.total > EXPLAINED) {
+    (found.trials, found.compared) = (search.trials, search.compared);
+    // What raises the error is no cure, whatever else it explains.
+    let least = found.before.as_ref().map_or(f64::INFINITY, |b| b.total);
+    if score.as_ref().is_none_or(|s| !is_explained(s.total) || s.total >= least) {
         found.steps.clear();
     } else {
         found.after = score;
@@ -169,13 +191,26 @@ pub fn search(subject: &Subject, bench: &Bench, setup: &Setup, thorough: Thoroug
 
 impl Search<'_> {
     /// A mistake in one recording, told by how the others predict it.
+    ///
+    /// A model fitted to all recordings takes up part of what is wrong with one of them, and what is held out may not have it at
+    /// all: the recording itself, predicted from the others, shows it whole.
     fn in_one(&mut self, setup: &Setup) -> Option<Step> {
-        let one = in_one(self.bench, setup, &mut self.trials)?;
-        if one.after > CLEARLY * one.before.min(1.0) || one.after > EXPLAINED {
-            return None;
+        let bench = self.bench;
+        let mut found: Vec<(f64, Mistake)> = Vec::new();
+        for (file, fold) in folds(setup) {
+            let Some(fit) = bench.fit(&fold) else { continue };
+            let Some(before) = bench.judge(&fold, &fit) else { continue };
+            let mistakes = of_file(fold.moving_joints(), file);
+            let tried = self.tried(&fold, &mistakes, &[], |other| bench.judge(other, &fit));
+            let told = self.told(&fold, Some(&before), &tried).filter(|one| is_explained(one.score.total));
+            found.extend(told.and_then(|one| {
+                let gain = before.logarithm() - one.score.logarithm();
+                one.last().map(|m| (gain, m.clone()))
+            }));
         }
-        let after = self.bench.score(&one.mistake.undone(setup))?;
-        Some(Step { likelier: None, mistake: one.mistake, after, alike: Vec::new() })
+        let (_, mistake) = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let after = bench.score(&mistake.undone(setup))?;
+        Some(Step { likelier: None, mistake, after, alike: Vec::new() })
     }
 
     /// Another robot or gravity, told by how much likelier it makes every recording.
@@ -183,56 +218,171 @@ impl Search<'_> {
         if !self.subject.compares_robots() {
             return None;
         }
-        let tried = likelier(self.subject, self.bench, setup, EACH_LIKELIER, &mut self.trials);
-        let least = tried.iter().map(|l| l.factor).min_by(f64::total_cmp).filter(|f| *f <= LIKELIER)?;
-        let near = |l: &&Likelier| l.factor <= ONE_AS_LIKELY * least;
-        let mut mistakes = tried.iter().filter(near).map(|l| l.mistake.clone());
-        let mistake = mistakes.next()?;
+        let now = self.bench.score(setup)?;
+        let tried = likelier(self.subject, self.bench, setup, &mut self.trials);
+        let most = tried.iter().max_by(|a, b| a.evidence.gain.total_cmp(&b.evidence.gain))?;
+        let mut near: Vec<Mistake> = Vec::new();
+        for one in tried.iter().filter(|one| !one.is_behind(most)) {
+            let other = one.mistake.undone(setup);
+            // What raises the error with plain friction is no cure.
+            let errors = [now.total, self.bench.score(&other).map_or(WORST, |after| after.total)];
+            if self.is_told([setup, &other], &one.mistake, one.evidence, errors) {
+                near.push(one.mistake.clone());
+            } else if one.mistake == most.mistake {
+                return None;
+            }
+        }
+        let mistake = near.first()?.clone();
         let after = self.bench.score(&mistake.undone(setup))?;
-        Some(Step { likelier: Some(least), mistake, after, alike: mistakes.collect() })
+        let joints = after.joints.iter().flatten().count().max(1) as f64;
+        Some(Step {
+            likelier: Some((-most.evidence.gain / joints).exp()),
+            mistake,
+            after,
+            alike: near.split_off(1),
+        })
     }
 
-    /// The best that one more of the likely mistakes can do.
-    fn glance(&mut self, setup: &Setup, told: &[&Mistake]) -> Option<Tried> {
-        let likely = |m: &Mistake| is_likely(m) && !told.iter().any(|t| t.is_about_what(m));
-        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(likely).collect();
-        let singles = self.all(setup, &mistakes, &[]);
-        self.likeliest(&singles)
+    /// The first of those that are nearly the likeliest, if it is told, with the rest of these. What stretches of recordings refute
+    /// is left out; what they neither refute nor confirm leaves nothing to be told.
+    fn told(&mut self, now: &Setup, before: Option<&Score>, tried: &[Tried]) -> Option<Tried> {
+        let error = before.map_or(WORST, |b| b.total);
+        let enough = |t: &&Tried| Evidence::of([(before, &t.score)]).filter(Evidence::is_enough);
+        let mut open: Vec<(Evidence, &Tried)> =
+            tried.iter().filter(|t| t.score.total < error).filter_map(|t| Some((enough(&t)?, t))).collect();
+        loop {
+            let most = open.iter().map(|(e, _)| e.gain).max_by(f64::total_cmp)?;
+            // Of those that are nearly as good the most usual one.
+            let (across, first) = *open.iter().find(|(e, _)| e.gain >= most - ALIKE)?;
+            let is_behind = |t: &Tried| {
+                Evidence::of([(Some(&t.score), &first.score)]).is_some_and(|e| e.gain > ALIKE && e.is_sure(1))
+            };
+            let others = open.iter().filter(|(_, t)| t.mistakes != first.mistakes && !is_behind(t));
+            let alike = others.filter_map(|(_, t)| t.last().cloned()).collect();
+            let best = Tried { alike, ..first.clone() };
+            let mistake = best.last()?;
+            let errors = [error, best.score.total];
+            match self.tested([now, &best.setup], mistake, across, errors) {
+                Tested::Told if !best.has_no_size() => return Some(best),
+                Tested::Open => return None,
+                Tested::Told | Tested::Refuted => {
+                    let is_reading = matches!(mistake, Mistake::Reading { .. });
+                    let is_out = |t: &Tried| {
+                        t.mistakes == best.mistakes
+                            || is_reading && t.last().is_some_and(|m| m.is_about_what(mistake))
+                    };
+                    open.retain(|(_, t)| !is_out(t));
+                }
+            }
+        }
     }
 
-    /// The best that one more mistake, or two, can do: of the whole setup, of one recording, in pairs.
-    fn round(&mut self, setup: &Setup, least: f64, told: &[&Mistake]) -> Option<Tried> {
-        let enough = CLEARLY * least.min(1.0);
+    /// Whether a setup is told for another one: it makes what is held out likelier by enough, lowers the error, and makes stretches
+    /// of recordings likelier too. Neither is by chance, and one of the two not even for the best of all that are tried.
+    fn tested(
+        &mut self,
+        [now, other]: [&Setup; 2],
+        mistake: &Mistake,
+        across: Evidence,
+        errors: [f64; 2],
+    ) -> Tested {
+        let bench = self.bench_for(mistake);
+        let within = (across.is_enough() && errors[1] < errors[0])
+            .then(|| within(&bench, self.whole, [now, other], mistake.file()))
+            .flatten();
+        self.compared.push(Compared { mistake: mistake.clone(), across, within, errors });
+        let Some(within) = within else { return Tested::Open };
+        if within.gain < 0.0 || !self.is_alone(&bench, now, mistake) {
+            return Tested::Refuted;
+        }
+        // That friction comes late is known from within alone.
+        let is_confirmed = if mistake.is_delay() { within.is_enough() } else { within.is_sure(1) };
+        let tried = TESTS * self.trials;
+        let is_sure = across.is_sure(tried) || within.is_sure(tried);
+        if is_confirmed && is_sure { Tested::Told } else { Tested::Open }
+    }
+
+    fn is_told(
+        &mut self,
+        setups: [&Setup; 2],
+        mistake: &Mistake,
+        across: Evidence,
+        errors: [f64; 2],
+    ) -> bool {
+        matches!(self.tested(setups, mistake, across, errors), Tested::Told)
+    }
+
+    /// What else than the mistake could explain the data: friction that builds up over a distance comes late, and friction that
+    /// grows with the load makes up for bodies that are elsewhere or columns in another order.
+    fn bench_for(&self, mistake: &Mistake) -> Bench {
+        match mistake {
+            Mistake::Gravity { .. }
+            | Mistake::Geometry { .. }
+            | Mistake::Reading { what: Reading::Order { .. }, .. } => self.bench.comparing(),
+            Mistake::Reading { what: Reading::Delay(_), .. } => self.bench.presliding(),
+            Mistake::Reading { .. } => self.bench.clone(),
+        }
+    }
+
+    /// Whether a mistake of one recording is none of the others: undone in these too, it would make each of them less likely. What
+    /// friction does in all of them, like a delay, is none of one.
+    fn is_alone(&self, bench: &Bench, now: &Setup, mistake: &Mistake) -> bool {
+        let Mistake::Reading { what, file: Some(own) } = mistake else { return true };
+        let others = now.files().into_iter().filter(|file| file != own).map(|file| {
+            let as_well = Mistake::Reading { what: what.clone(), file: Some(file) };
+            within(bench, self.whole, [now, &as_well.undone(now)], Some(file))
+        });
+        others.flatten().all(|evidence| evidence.gain < 0.0)
+    }
+
+    /// One more mistake, or two, that are told: of the whole setup, of one recording, in pairs. Of a fine setup the likely ones of
+    /// the whole alone.
+    fn round(
+        &mut self,
+        setup: &Setup,
+        now: Option<&Score>,
+        told: &[&Mistake],
+        is_fine: bool,
+    ) -> Option<Tried> {
         let open = |m: &Mistake| !told.iter().any(|t| t.is_about_what(m));
-        let mistakes: Vec<Mistake> = usual(self.subject, setup).into_iter().filter(open).collect();
-        let singles = self.all(setup, &mistakes, &[]);
-        let mut best = self.likeliest(&singles);
-        if best.as_ref().is_some_and(|b| b.score.total <= enough) {
-            return best.map(|b| self.refined(setup, b));
+        let mistakes = usual(self.subject, setup).into_iter().filter(open);
+        let (likely, others): (Vec<Mistake>, Vec<Mistake>) = mistakes.partition(is_likely);
+        let mut singles = self.all(setup, &likely, &[]);
+        // What would be told of a fine setup is compared with all the others too.
+        if is_fine && self.told(setup, now, &singles).is_none() {
+            return None;
+        }
+        singles.extend(self.all(setup, &others, &[]));
+        if let Some(best) = self.told(setup, now, &singles) {
+            return Some(self.refined(setup, best));
         }
         let files = setup.files();
-        if files.len() > 1 {
+        if files.len() > 1 && !is_fine {
             let joints = setup.moving_joints();
             let of_files: Vec<Mistake> =
                 files.iter().flat_map(|f| of_file(joints, *f)).filter(open).collect();
             let tried = self.all(setup, &of_files, &[]);
-            best = better(best, self.likeliest(&tried));
+            if let Some(best) = self.told(setup, now, &tried) {
+                return Some(self.refined(setup, best));
+            }
         }
-        if best.as_ref().is_some_and(|b| b.score.total <= enough) || least < PAIRS_FROM {
-            return best.map(|b| self.refined(setup, b));
+        if is_fine || now.is_some_and(|s| s.total < PAIRS_FROM) {
+            return None;
         }
-        let mut first: Vec<&Tried> = singles.iter().collect();
-        first.sort_by(|a, b| a.score.total.total_cmp(&b.score.total));
-        let likely: Vec<Mistake> = mistakes.iter().filter(|m| is_likely(m)).cloned().collect();
-        let mut pairs = Vec::new();
-        for one in first.into_iter().take(PAIRED) {
-            let others: Vec<Mistake> =
-                likely.iter().filter(|m| !one.mistakes[0].is_about_what(m)).cloned().collect();
-            pairs.extend(self.all(&one.setup, &others, &one.mistakes));
+        singles.sort_by(|a, b| a.score.logarithm().total_cmp(&b.score.logarithm()));
+        singles.truncate(PAIRED);
+        for one in &singles {
+            let second = |m: &&Mistake| !one.mistakes[0].is_about_what(m);
+            let second: Vec<Mistake> = likely.iter().filter(second).cloned().collect();
+            let pairs = self.all(&one.setup, &second, &one.mistakes);
+            // Each of the two is needed.
+            if let Some(pair) = self.told(&one.setup, Some(&one.score), &pairs)
+                && let Some(pair) = self.told(setup, now, &[pair])
+            {
+                return Some(self.refined(setup, pair));
+            }
         }
-        let single = best.as_ref().map_or(f64::INFINITY, |b| b.score.total);
-        let pair = self.likeliest(&pairs).filter(|p| p.score.total < FURTHER * single);
-        pair.or(best).map(|b| self.refined(setup, b))
+        None
     }
 
     /// Weighs each of several steps once more against the other mistakes about the same thing, now that all the others are
@@ -271,6 +421,17 @@ impl Search<'_> {
     }
 
     fn all(&mut self, setup: &Setup, mistakes: &[Mistake], before: &[Mistake]) -> Vec<Tried> {
+        let bench = self.bench;
+        self.tried(setup, mistakes, before, |other| bench.score(other))
+    }
+
+    fn tried(
+        &mut self,
+        setup: &Setup,
+        mistakes: &[Mistake],
+        before: &[Mistake],
+        score: impl Fn(&Setup) -> Option<Score> + Sync,
+    ) -> Vec<Tried> {
         self.trials += mistakes.len();
         // What does not change is prepared once.
         setup.parts.iter().for_each(|p| drop(p.prepared()));
@@ -278,30 +439,24 @@ impl Search<'_> {
             .par_iter()
             .filter_map(|mistake| {
                 let setup = mistake.undone(setup);
-                let score = self.bench.score(&setup)?;
+                let score = score(&setup)?;
                 let mistakes = before.iter().chain([mistake]).cloned().collect();
                 Some(Tried { mistakes, setup, score, alike: Vec::new() })
             })
             .collect()
     }
 
-    /// The first of those that are nearly the best, with the rest of these.
+    /// The first of those that are nearly the likeliest, with the rest of these.
     fn likeliest(&self, tried: &[Tried]) -> Option<Tried> {
-        let least = tried.iter().map(|t| t.score.total).min_by(f64::total_cmp)?;
-        let mut near = tried.iter().filter(|t| t.score.total <= ALIKE * least);
+        let least = tried.iter().map(|t| t.score.logarithm()).min_by(f64::total_cmp)?;
+        let mut near = tried.iter().filter(|t| t.score.logarithm() <= least + ALIKE);
         let first = near.next()?;
-        let alike = near.filter_map(|t| t.mistakes.last().cloned()).collect();
-        Some(Tried {
-            mistakes: first.mistakes.clone(),
-            setup: first.setup.clone(),
-            score: first.score.clone(),
-            alike,
-        })
+        Some(Tried { alike: near.filter_map(|t| t.last().cloned()).collect(), ..first.clone() })
     }
 
     /// The same with numbers that were tried coarsely fitted.
     fn refined(&mut self, setup: &Setup, tried: Tried) -> Tried {
-        let coarse = (tried.mistakes.clone(), tried.setup.clone(), tried.score.clone());
+        let coarse = tried.clone();
         let mut best = tried;
         for at in 0..best.mistakes.len() {
             let mut step = 1.0;
@@ -316,25 +471,22 @@ impl Search<'_> {
                     let score = self.bench.score(&setup)?;
                     Some(Tried { mistakes, setup, score, alike: best.alike.clone() })
                 });
-                let better = better.min_by(|a, b| a.score.total.total_cmp(&b.score.total));
-                if let Some(better) = better.filter(|b| b.score.total < 0.995 * best.score.total) {
+                let better = better.min_by(|a, b| a.score.logarithm().total_cmp(&b.score.logarithm()));
+                if let Some(better) =
+                    better.filter(|b| b.score.logarithm() < best.score.logarithm() - LEAST_STEP)
+                {
                     best = better;
                 }
             }
         }
         // Round values are meant where fitted ones are hardly better.
-        if best.score.total > ROUND * coarse.2.total {
-            (best.mistakes, best.setup, best.score) = coarse;
-        }
-        best
+        if best.score.total > ROUND * coarse.score.total { coarse } else { best }
     }
 }
 
-fn better(a: Option<Tried>, b: Option<Tried>) -> Option<Tried> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(if b.score.total * ALIKE < a.score.total { b } else { a }),
-        (a, b) => a.or(b),
-    }
+/// What was found must explain the data: with a larger error it is a setup that is wrong in another way.
+fn is_explained(error: f64) -> bool {
+    1.0 - error * error >= LEAST_EXPLAINED
 }
 
 /// Neighbours of a number that was tried coarsely; `step` is 1 at first and falls.

@@ -17,12 +17,18 @@ use aurt_recording::{Recording, preprocess};
 use aurt_traits::{ArmTerm, MeasurementUnit, RigidBodyRegressor, RobotModel};
 use aurt_workbench::{experiments, failure::Failure};
 
-/// Samples of all recordings of one role that a trial looks at.
+use super::mistake::Mistake;
+
+/// Samples of all recordings of one role that a trial looks at, and of each recording that a test does.
 const MOST_SAMPLES: usize = 1800;
 /// Samples per period of f_dyn that thinned recordings keep: the position filter at 5 f_dyn needs more than ten.
 const SAMPLES_PER_PERIOD: f64 = 12.0;
-/// Share of a recording that is fitted where none is held out; the rest judges.
+/// Share of the motion of a recording that is fitted where none is held out; the rest judges.
 const FITTED_SHARE: f64 = 0.7;
+/// Stretches of a recording that are predicted from each other.
+const STRETCHES: usize = 3;
+/// Of the speed of a recording, what counts as rest.
+const SLOW_SHARE: f64 = 0.1;
 /// f_dyn over the sampling rate, at most.
 const F_DYN_SHARE_OF_RATE: f64 = 0.06;
 /// f_dyn of a trial, at most, Hz.
@@ -183,6 +189,8 @@ pub struct Setup {
     pub gravity_m_s2: [f64; 3],
     /// The recordings' parts.
     pub parts: Vec<Part>,
+    /// What was undone in it.
+    pub undone: Vec<Mistake>,
     /// The model of these links and joints, once it was asked for; nothing in it if there is none.
     pub model: OnceLock<Option<Arc<RobotModel>>>,
 }
@@ -200,6 +208,9 @@ pub struct Part {
     pub recording: Arc<Recording>,
     /// How it is preprocessed.
     pub options: Arc<Preprocessing>,
+    /// Up to this |q̇_j| a row does not count for joint j, rad/s: what holds a joint at rest knows no sign. A share of the speed in
+    /// the recording as it is, so that the same rows count whatever the units of angles and stamps.
+    pub slow_rad_s: f64,
     prepared: OnceLock<Option<Arc<NamedRecording>>>,
 }
 
@@ -223,17 +234,19 @@ impl Part {
             fitted: self.fitted,
             recording,
             options,
+            slow_rad_s: self.slow_rad_s,
             prepared: OnceLock::new(),
         }
     }
 }
 
 impl Setup {
-    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each does.
+    /// The setup of a subject, thinned: held-out recordings judge; where there are none, the last part of each motion does. Those of one
+    /// role have so many samples together if it is `brief`, each so many otherwise.
     ///
     /// # Errors
     /// If a window holds no samples.
-    pub fn of(subject: &Subject) -> Result<Self, Failure> {
+    pub fn of(subject: &Subject, brief: bool) -> Result<Self, Failure> {
         let measured = |r: &&Assigned| r.loaded.recording.measurement.is_some();
         let is_held_out = subject.recordings.iter().filter(measured).any(|r| r.role == Role::Validation);
         let pipeline = Pipeline {
@@ -247,7 +260,7 @@ impl Setup {
         for (file, assigned) in subject.recordings.iter().enumerate().filter(|(_, r)| measured(r)) {
             let whole = window(&assigned.loaded)?;
             let options = pipeline.options(whole.unit, Purpose::Calibration);
-            let most = MOST_SAMPLES / counted(assigned.role).max(1);
+            let most = if brief { MOST_SAMPLES / counted(assigned.role).max(1) } else { MOST_SAMPLES };
             let thin = Thin::new(&whole, &options, most);
             let recording = thin.recording(&whole);
             let options = thin.options(&options);
@@ -255,19 +268,27 @@ impl Setup {
                 Arc::new(Preprocessing { trim_rest: trim_rest && options.trim_rest, ..options.clone() })
             });
             let label = assigned.loaded.source.label.clone();
+            let speeds = speeds_rad_s(&recording);
+            let squares: f64 = speeds.iter().flatten().map(|v| v * v).sum();
+            let count = speeds.iter().map(Vec::len).sum::<usize>().max(1);
+            let slow_rad_s = SLOW_SHARE * (squares / count as f64).sqrt();
             let part = |range: std::ops::Range<usize>, fitted| Part {
                 file,
                 label: label.clone(),
                 fitted,
                 recording: Arc::new(cut(&recording, range)),
                 options: if fitted { cut_to_motion.clone() } else { whole_of.clone() },
+                slow_rad_s,
                 prepared: OnceLock::new(),
             };
             let samples = recording.samples();
             if is_held_out {
                 parts.push(part(0..samples, assigned.role == Role::Calibration));
             } else {
-                let fitted = (samples as f64 * FITTED_SHARE) as usize;
+                let moves = |k: &usize| speeds.iter().any(|v| v[*k].abs() > slow_rad_s);
+                let moving: Vec<usize> = (0..samples.saturating_sub(1)).filter(moves).collect();
+                let last = (moving.len() as f64 * FITTED_SHARE) as usize;
+                let fitted = moving.get(last).map_or(samples, |k| k + 1);
                 parts.extend([part(0..fitted, true), part(fitted..samples, false)]);
             }
         }
@@ -276,6 +297,7 @@ impl Setup {
             couplings: subject.couplings.clone(),
             gravity_m_s2: subject.gravity_m_s2,
             parts,
+            undone: Vec::new(),
             model: OnceLock::new(),
         })
     }
@@ -283,6 +305,26 @@ impl Setup {
     /// Number of joints that move on their own.
     pub fn moving_joints(&self) -> usize {
         moving_joints(&self.joints, &self.couplings)
+    }
+
+    /// Setups of a recording alone, of which each stretch in turn judges and the others are fitted.
+    pub fn stretches(&self, file: usize) -> Vec<Self> {
+        let parts: Vec<&Part> = self.parts.iter().filter(|p| p.file == file).collect();
+        let Some((first, others)) = parts.split_first() else { return Vec::new() };
+        let whole = others.iter().fold((*first.recording).clone(), |r, part| joined(r, &part.recording));
+        let options = &parts[parts.len() - 1].options;
+        let bound = |k: usize| k * whole.samples() / STRETCHES;
+        let stretches: Vec<Arc<Recording>> =
+            (0..STRETCHES).map(|k| Arc::new(cut(&whole, bound(k)..bound(k + 1)))).collect();
+        let judged_by = |judge: usize| {
+            let part = |(k, stretch): (usize, &Arc<Recording>)| Part {
+                fitted: k != judge,
+                ..first.with(stretch.clone(), options.clone())
+            };
+            let parts = stretches.iter().enumerate().map(part).collect();
+            Self { parts, ..self.clone() }
+        };
+        (0..STRETCHES).map(judged_by).collect()
     }
 
     /// Number of recordings that are looked at.
@@ -298,6 +340,16 @@ fn window(loaded: &Loaded) -> Result<Recording, Failure> {
         Some(window) => loaded.recording.window(window)?,
         None => loaded.recording.clone().into(),
     })
+}
+
+/// From each sample to the next, per joint, rad/s; 0 where the stamps tell none.
+fn speeds_rad_s(recording: &Recording) -> Vec<Vec<f64>> {
+    let speed = |(q, t): (&[f64], &[f64])| {
+        let speed = (q[1] - q[0]) / (t[1] - t[0]);
+        if speed.is_finite() { speed } else { 0.0 }
+    };
+    let of = |q: &Vec<f64>| q.windows(2).zip(recording.time_s.windows(2)).map(speed).collect();
+    recording.position_rad.iter().map(of).collect()
 }
 
 /// How a recording is thinned.
@@ -345,6 +397,18 @@ impl Thin {
             ..options.clone()
         }
     }
+}
+
+fn joined(mut first: Recording, second: &Recording) -> Recording {
+    let extend = |family: &mut Vec<Vec<f64>>, by: &[Vec<f64>]| {
+        family.iter_mut().zip(by).for_each(|(series, more)| series.extend(more));
+    };
+    first.time_s.extend(&second.time_s);
+    extend(&mut first.position_rad, &second.position_rad);
+    if let (Some(family), Some(by)) = (&mut first.measurement, &second.measurement) {
+        extend(family, by);
+    }
+    first
 }
 
 fn cut(recording: &Recording, range: std::ops::Range<usize>) -> Recording {

@@ -1,16 +1,18 @@
 //! One trial: a calibration with plain friction on the fitted parts, judged on the others.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use aurt_calibration::{CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped};
+use aurt_calibration::{
+    CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped, for_each_predicted_block,
+};
 use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
 use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
 
 use super::setup::{Part, Setup};
 
-/// Beyond this a joint's error says no more than that the model is wrong there.
-const WORST: f64 = 1.5;
+/// With a larger error than that of a model that predicts nothing, a joint is not explained.
+pub const WORST: f64 = 1.0;
 /// Power that friction feeds into a joint, as a share of the power of its measurement, from which on the joint counts as
 /// not explained: friction takes power.
 const FED_SHARE: f64 = 0.1;
@@ -23,14 +25,24 @@ const LEAST_MOVING: f64 = 0.1;
 pub struct Bench {
     /// Friction of a joint: a Coulomb coefficient and a viscous one.
     pub friction: JointStack,
-    /// What the model has beside.
+    /// What the model has beside, with what experiments often leave out.
     pub arm_terms: Vec<Box<dyn ArmTerm>>,
     /// In which recordings each of them acts.
     pub scopes: TermScopes,
     /// Friction that grows with the load too.
     pub loaded_friction: JointStack,
-    /// Whether robots are compared: with friction that grows with the load, and by rows in which a joint moves.
+    /// Friction that builds up over a distance: after a reversal it comes late.
+    pub presliding_friction: JointStack,
+    /// Whether robots are compared: with a load from a first fit.
     pub compares: bool,
+}
+
+/// What was fitted.
+pub struct Fit {
+    model: Arc<RobotModel>,
+    coefficients: Vec<f64>,
+    load: LoadTorque,
+    fed: Vec<bool>,
 }
 
 /// How well a setup explains what was measured.
@@ -43,10 +55,10 @@ pub struct Score {
     pub moving: Vec<bool>,
     /// Whether the friction that fits a joint feeds power into it.
     pub fed: Vec<bool>,
-    /// The same for each judging recording alone, with its place among the subject's.
-    pub files: Vec<(usize, f64)>,
-    /// Over all joints: the root of the mean square, with 1.5 at most and 1 at least for a joint that friction feeds.
+    /// Over all joints: the root of the mean square, with 1 at most and 1 for a joint that friction feeds.
     pub total: f64,
+    /// Of each judging part, joint and row: the held-out error and the measurement; nothing for a row that does not count.
+    pub parts: Vec<Vec<Vec<Option<[f64; 2]>>>>,
 }
 
 impl Score {
@@ -55,47 +67,133 @@ impl Score {
         let errors = self.joints.iter().zip(&self.moving).enumerate();
         errors.filter_map(|(j, (error, moves))| error.filter(|_| *moves).map(|e| (j, e)))
     }
+
+    /// Σ_j ln r_j.
+    pub fn logarithm(&self) -> f64 {
+        (0..self.joints.len()).filter_map(|j| Some(self.ratio(j)?.ln())).sum()
+    }
+
+    /// r_j, which is 1 for a joint that is not explained.
+    fn ratio(&self, joint: usize) -> Option<f64> {
+        self.joints[joint].map(|e| if self.fed[joint] { WORST } else { e.clamp(f64::EPSILON, WORST) })
+    }
+
+    /// Σ_j −ln r_j − e_j²/(2σ_j²) + 1/2 over the joints, the mean over each of so many batches of rows of a part. A joint that is
+    /// not explained has r_j = 1, and the measurement for its error.
+    pub fn likelihoods(&self, part: usize, batches: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; batches];
+        for joint in 0..self.joints.len() {
+            let Some(ratio) = self.ratio(joint) else { continue };
+            let unexplained = ratio >= WORST;
+            let left = |[e, y]: [f64; 2]| if unexplained { y } else { e };
+            let all = || self.parts.iter().flat_map(|p| &p[joint]).flatten();
+            let count = all().count().max(1) as f64;
+            let variance = all().map(|row| left(*row).powi(2)).sum::<f64>() / count;
+            let rows = &self.parts[part][joint];
+            for (batch, sum) in sums.iter_mut().enumerate() {
+                let range = batch * rows.len() / batches..(batch + 1) * rows.len() / batches;
+                let of_row = |row: &Option<[f64; 2]>| {
+                    row.map_or(0.0, |r| 0.5 - left(r).powi(2) / (2.0 * variance.max(f64::MIN_POSITIVE)))
+                };
+                let length = range.len().max(1) as f64;
+                *sum += rows[range].iter().map(of_row).sum::<f64>() / length - ratio.ln();
+            }
+        }
+        sums
+    }
 }
 
 impl Bench {
+    /// The bench on which robots are compared: with friction that grows with the load.
+    pub fn comparing(&self) -> Self {
+        Self { compares: true, friction: self.loaded_friction.clone(), ..self.clone() }
+    }
+
+    /// The bench on which a delay is none of friction.
+    pub fn presliding(&self) -> Self {
+        Self { friction: self.presliding_friction.clone(), ..self.clone() }
+    }
+
+    /// A setup with the model of this bench, once for all that is cut from it.
+    pub fn modelled(&self, setup: &Setup) -> Setup {
+        Setup { model: OnceLock::from(self.model(setup).map(Arc::new)), ..setup.clone() }
+    }
+
     /// Fits and judges; nothing if the setup allows no fit.
     pub fn score(&self, setup: &Setup) -> Option<Score> {
+        self.judge(setup, &self.fit(setup)?)
+    }
+
+    /// Fits the parts that are fitted.
+    pub fn fit(&self, setup: &Setup) -> Option<Fit> {
         let model = setup.model.get_or_init(|| self.model(setup).map(Arc::new)).clone()?;
         let fitted = prepared(setup.parts.iter().filter(|p| p.fitted))?;
+        let slow = || setup.parts.iter().filter(|p| p.fitted).map(|p| p.slow_rad_s);
         let mut load = LoadTorque::Fitted(vec![0.0; model.parameters().len()]);
-        let mut system = self.system(&model, &fitted, &load)?;
+        let mut system = self.system(&model, fitted.iter().zip(slow()), &load)?;
         let weights: Vec<f64> =
             measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
-        let (mut coefficients, _) = system.solve_coefficients(&weights).ok()?;
+        let mut coefficients = solved(&system, &weights)?;
         if self.compares {
             // The bodies of the first fit are the load of the second.
             load = LoadTorque::Fitted(coefficients);
-            system = self.system(&model, &fitted, &load)?;
-            (coefficients, _) = system.solve_coefficients(&weights).ok()?;
+            system = self.system(&model, fitted.iter().zip(slow()), &load)?;
+            coefficients = solved(&system, &weights)?;
         }
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
+        Some(Fit { model, coefficients, load, fed })
+    }
+
+    /// Judges a fit on the parts that are not fitted.
+    pub fn judge(&self, setup: &Setup, fit: &Fit) -> Option<Score> {
+        let Fit { model, coefficients, load, fed } = fit;
         let joints = setup.moving_joints();
-        let (mut errors, mut measurements) = (vec![0.0; joints], vec![0.0; joints]);
-        let mut files = Vec::new();
+        let mut parts = Vec::new();
         let mut moving = vec![false; joints];
         for part in setup.parts.iter().filter(|p| !p.fitted) {
-            let prepared = prepared(std::iter::once(part))?;
+            let prepared = part.prepared()?;
             for (joint, moves) in moving.iter_mut().enumerate() {
-                *moves |= share_moving(&prepared, joint, part.options.rest_velocity_rad_s) > LEAST_MOVING;
+                *moves |= share_moving(&prepared, joint, part.slow_rad_s) > LEAST_MOVING;
             }
-            let judged = self.system(&model, &prepared, &load)?;
-            let (error, measurement) = (judged.residual_sum(&coefficients), measured(&judged));
-            let alone: Vec<Option<f64>> =
-                error.iter().zip(&measurement).map(|(e, y)| ratio(*e, y * y)).collect();
-            files.push((part.file, total(&alone, &vec![false; joints])));
-            for joint in 0..joints {
-                errors[joint] += error[joint];
-                measurements[joint] += measurement[joint].powi(2);
-            }
+            parts.push(self.judged(model, &prepared, part.slow_rad_s, load, coefficients)?);
         }
-        let joints: Vec<Option<f64>> = errors.iter().zip(&measurements).map(|(e, y)| ratio(*e, *y)).collect();
-        let total = total(&joints, &fed);
-        total.is_finite().then_some(Score { joints, moving, fed, files, total })
+        let sum = |joint: usize, of: usize| -> f64 {
+            parts.iter().flat_map(|p| &p[joint]).flatten().map(|row: &[f64; 2]| row[of].powi(2)).sum()
+        };
+        let joints: Vec<Option<f64>> = (0..joints).map(|j| ratio(sum(j, 0), sum(j, 1))).collect();
+        let total = total(&joints, fed);
+        total.is_finite().then_some(Score { joints, moving, fed: fed.clone(), total, parts })
+    }
+
+    /// The held-out error and the measurement of each joint and row.
+    fn judged(
+        &self,
+        model: &RobotModel,
+        recording: &NamedRecording,
+        slow_rad_s: f64,
+        load: &LoadTorque,
+        coefficients: &[f64],
+    ) -> Option<Vec<Vec<Option<[f64; 2]>>>> {
+        let acting = self.scopes.acting(model, &recording.name);
+        let acting: Vec<f64> =
+            coefficients.iter().zip(acting).map(|(c, acts)| if acts { *c } else { 0.0 }).collect();
+        let mut rows = vec![Vec::new(); model.joints()];
+        for segment in &recording.data.segments {
+            let Some(measurement) = &segment.measurement else { continue };
+            for_each_predicted_block(model, segment, load, &acting, |block| {
+                for (joint, rows) in rows.iter_mut().enumerate() {
+                    let measured = block.measurement(&measurement[joint]);
+                    rows.extend(measured.iter().zip(block.column(joint)).enumerate().map(
+                        |(row, (y, predicted))| {
+                            let counts = block.speed(segment, joint, row) > slow_rad_s;
+                            counts.then_some([y - predicted, *y])
+                        },
+                    ));
+                }
+            })
+            .ok()?;
+        }
+        Some(rows)
     }
 
     fn model(&self, setup: &Setup) -> Option<RobotModel> {
@@ -106,16 +204,41 @@ impl Bench {
             Arc::new(CoupledChain::new(chain, setup.couplings.clone()).ok()?)
         };
         let dynamics = RigidBodyDynamics::new(rigid_body, BASE_PARAMETER_SEED).ok()?;
-        let friction = if self.compares { &self.loaded_friction } else { &self.friction };
-        let stacks = vec![friction.clone(); setup.moving_joints()];
+        let stacks = vec![self.friction.clone(); setup.moving_joints()];
         dynamics.with_joint_dynamics(stacks, self.arm_terms.clone()).ok()
     }
 
-    fn system(&self, model: &RobotModel, recordings: &[NamedRecording], load: &LoadTorque) -> Option<System> {
-        let rest = if self.compares { Rest::Exclude } else { Rest::Keep };
-        let options = CalibrationOptions { rest, ..CalibrationOptions::default() };
-        accumulate_scoped(model, recordings, &self.scopes, load, &options).ok()
+    fn system<'r>(
+        &self,
+        model: &RobotModel,
+        recordings: impl Iterator<Item = (&'r NamedRecording, f64)>,
+        load: &LoadTorque,
+    ) -> Option<System> {
+        let mut all: Option<System> = None;
+        for (recording, rest_velocity_rad_s) in recordings {
+            let options = CalibrationOptions {
+                rest: Rest::Exclude,
+                rest_velocity_rad_s,
+                ..CalibrationOptions::default()
+            };
+            let one = accumulate_scoped(model, std::slice::from_ref(recording), &self.scopes, load, &options);
+            match (&mut all, one.ok()?) {
+                (Some(all), one) => all.merge(&one).ok()?,
+                (none, one) => *none = Some(one),
+            }
+        }
+        all
     }
+}
+
+/// Least squares with a prior, so that what a motion hardly excites is small instead of any number: a column by itself explains
+/// about as much as a joint measures, and n rows of which a share r² is left say as much as √n that err by themselves.
+fn solved(system: &System, weights: &[f64]) -> Option<Vec<f64>> {
+    let rows = system.factors().iter().map(aurt_calibration::JointFactor::rows).max()?.max(1) as f64;
+    let fit = |left: f64| system.solve_with_prior(weights, left / rows.sqrt()).ok();
+    let squares = system.residual_sum(&fit(1.0)?);
+    let measured = weights.iter().filter(|w| **w > 0.0).count().max(1) as f64;
+    fit(squares.iter().zip(weights).map(|(s, w)| s * w * w).sum::<f64>() / measured)
 }
 
 fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecording>> {
@@ -123,10 +246,10 @@ fn prepared<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Vec<NamedRecord
     all.filter(|a| !a.is_empty())
 }
 
-fn share_moving(recordings: &[NamedRecording], joint: usize, rest_velocity_rad_s: f64) -> f64 {
-    let motions = || recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
+fn share_moving(recording: &NamedRecording, joint: usize, slow_rad_s: f64) -> f64 {
+    let motions = || recording.data.segments.iter().map(|s| s.motion.view());
     let samples: usize = motions().map(|m| m.samples()).sum();
-    let moving = |v: &&f64| v.abs() > rest_velocity_rad_s;
+    let moving = |v: &&f64| v.abs() > slow_rad_s;
     let moving: usize = motions().map(|m| m.velocity_rad_s(joint).iter().filter(moving).count()).sum();
     moving as f64 / samples.max(1) as f64
 }

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use aurt_rbd::{Joint, JointKind, MdhRows, MdhTable, RobotDescription};
 use aurt_robots::KNOWN_ROBOTS;
+use aurt_traits::MeasurementUnit;
 
 use super::{
     mistake::{Columns, Mistake, Reading, Table},
@@ -27,7 +28,8 @@ const GAINS: [f64; 6] = [1e-3, 1e3, 0.1, 10.0, 0.01, 100.0];
 pub fn usual(subject: &Subject, setup: &Setup) -> Vec<Mistake> {
     let mut mistakes = directions(setup.gravity_m_s2);
     mistakes.extend(tables(subject, &setup.joints));
-    let readings = readings(setup.moving_joints());
+    let mut readings = readings(setup.moving_joints());
+    readings.extend(constants(subject));
     mistakes.extend(readings.into_iter().map(|what| Mistake::Reading { what, file: None }));
     // The zero of a joint that others follow is theirs too.
     if setup.couplings.is_empty() {
@@ -61,7 +63,8 @@ pub fn is_likely(mistake: &Mistake) -> bool {
             | Reading::AllMeasurementSigns
             | Reading::Delay(_)
             | Reading::Time(_)
-            | Reading::Gain { .. } => false,
+            | Reading::Gain { .. }
+            | Reading::Constants { .. } => false,
         },
     }
 }
@@ -161,6 +164,18 @@ fn readings(joints: usize) -> Vec<Reading> {
     readings.extend(RATES.map(Reading::Time));
     readings.extend((0..joints).flat_map(|joint| GAINS.map(|factor| Reading::Gain { joint, factor })));
     readings
+}
+
+/// Torque constants that turn currents into torques, of every two joints with different ones.
+fn constants(subject: &Subject) -> Vec<Reading> {
+    let is_current = subject.recordings.iter().any(|r| r.loaded.recording.unit == MeasurementUnit::Ampere);
+    let constants = subject.instrument.torque_constants_nm_per_a.as_deref().filter(|_| is_current);
+    let constants = constants.unwrap_or_default();
+    let pairs = (0..constants.len()).flat_map(|a| (a + 1..constants.len()).map(move |b| [a, b]));
+    pairs
+        .map(|[a, b]| Reading::Constants { joints: [a, b], factor: constants[b] / constants[a] })
+        .filter(|r| !matches!(r, Reading::Constants { factor, .. } if *factor == 1.0))
+        .collect()
 }
 
 /// Tip first, shifted by one to either side, two exchanged.

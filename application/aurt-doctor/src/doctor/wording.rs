@@ -9,6 +9,9 @@ use super::{
     trial::Score,
 };
 
+/// Of what explains the data as well, how many are told by name.
+const TOLD: usize = 2;
+
 /// An error in percent of the measurement: `7 %`.
 pub fn percent(error: f64) -> String {
     let percent = 100.0 * error;
@@ -34,8 +37,10 @@ pub fn sentence(step: &Step, before: Option<&Score>, files: &[String]) -> String
         let less = 100.0 * (1.0 - factor);
         format!("where joints move, recordings are predicted from each other with an error that is {less:.0} % smaller")
     });
-    let mut alike: Vec<String> = step.alike.iter().take(2).map(undone).collect();
-    alike.retain(|a| !a.is_empty());
+    let mut alike: Vec<String> = step.alike.iter().take(TOLD).map(undone).collect();
+    if step.alike.len() > TOLD {
+        alike.push(format!("{} more", step.alike.len() - TOLD));
+    }
     let or = if alike.is_empty() {
         String::new()
     } else {
@@ -126,6 +131,9 @@ fn seems(mistake: &Mistake, files: &[String]) -> String {
                     times(if *factor < 1.0 { 1.0 / factor } else { *factor }),
                     if *factor < 1.0 { "large" } else { "small" }
                 ),
+                Reading::Constants { joints: [a, b], .. } => {
+                    format!("The torque constants of joints {a} and {b} seem to be exchanged")
+                }
             }
         }
     }
@@ -187,6 +195,9 @@ pub fn undone(mistake: &Mistake) -> String {
                     "write a gain of {} for joint {joint} as `gains` of `[instrument]`, or correct its torque constant",
                     number(*factor)
                 )
+            }
+            Reading::Constants { joints: [a, b], .. } => {
+                format!("exchange the torque constants of joints {a} and {b} in `torque_constants_nm_per_a`")
             }
         },
     }

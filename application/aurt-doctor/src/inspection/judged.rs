@@ -7,7 +7,7 @@ use aurt_calibration::{
 use aurt_plugins::{Registry, SlotModel};
 use aurt_report::rendering::{number::significant, text::wrapped};
 use aurt_traits::{
-    CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
+    ArmTerm, CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
 };
 use aurt_workbench::failure::Failure;
 use serde_json::{Value, json};
@@ -60,6 +60,30 @@ pub fn loaded_friction(registry: &Registry) -> Result<JointStack, Failure> {
         build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
     )
     .map_err(Into::into)
+}
+
+/// Coulomb friction that builds up over a distance, and linear viscous friction.
+///
+/// # Errors
+/// If a model is not registered.
+pub fn presliding_friction(registry: &Registry) -> Result<JointStack, Failure> {
+    JointStack::new(
+        build::<dyn CoulombModel>(registry, json!({ "model": "constant" }))?,
+        build::<dyn HysteresisModel>(registry, json!({ "model": "maxwell_slip" }))?,
+        build::<dyn ViscousBasis>(registry, json!({ "model": "polynomial", "powers": [1] }))?,
+    )
+    .map_err(Into::into)
+}
+
+/// What experiments often leave out, on all joints: rotors, and offsets of the measurement.
+///
+/// # Errors
+/// If a model is not registered.
+pub fn often_left_out(registry: &Registry) -> Result<Vec<Box<dyn ArmTerm>>, Failure> {
+    ["rotor_inertia", "current_offset"]
+        .map(|model| build::<dyn ArmTerm>(registry, json!({ "model": model })))
+        .into_iter()
+        .collect()
 }
 
 impl Judged {

@@ -15,11 +15,11 @@ pub enum Geometry {
         /// What that file holds, read as `mdh_rows` says (`"next"`, the default, or `"previous"`).
         table: MdhTable,
     },
-    /// `urdf`, with `base` and `tip`: a chain of a robot description file.
+    /// `urdf` or `mjcf`, with `base` and one of `tip`, `tips` and `joints`: a chain or tree of a robot description file.
     Urdf {
         /// The file.
         path: PathBuf,
-        /// The chain.
+        /// The chain or tree.
         robot: Box<DescribedRobot>,
     },
     /// `name`: a robot known by name.

@@ -35,7 +35,7 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
         );
     }
     let topic = section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
-    let joint_names = section.take("joint_names").and_then(|node| names(section, node));
+    let joint_names = section.take("joint_names").and_then(|node| joint_names(section, node));
     RecordedAs {
         angle,
         time,
@@ -72,8 +72,19 @@ fn per_joint(section: &mut Section<'_, '_>, key: &'static str) -> Option<Vec<f64
 }
 
 /// `joint_names`: one for each joint, none of them empty or there twice.
-pub(super) fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
+pub(super) fn joint_names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String>> {
     let key = "joint_names";
+    let names = names(section, key, "joints", node)?;
+    section.reader.check_joints(JointCheck::Length {
+        key: key.to_owned(),
+        found: names.len(),
+        span: node.span.clone(),
+    });
+    Some(names)
+}
+
+/// Names of joints or links, none of them empty or there twice.
+pub(super) fn names(section: &Section<'_, '_>, key: &str, of: &str, node: &Node) -> Option<Vec<String>> {
     let NodeKind::Array(items) = &node.kind else {
         let found = format!("expects a list of names, found {}", node.kind_name());
         section.complain(key, node, &found, None);
@@ -83,15 +94,10 @@ pub(super) fn names(section: &Section<'_, '_>, node: &Node) -> Option<Vec<String
     let names: Vec<String> = names.into_iter().map(|n| n.map(str::to_owned)).collect::<Option<_>>()?;
     let bad = (0..names.len()).find(|k| names[*k].trim().is_empty() || names[..*k].contains(&names[*k]));
     if let Some(bad) = bad {
-        let message = format!("names two joints \"{}\"", names[bad].escape_debug());
+        let message = format!("names two {of} \"{}\"", names[bad].escape_debug());
         let empty = "has an empty name";
         section.complain(key, node, if names[bad].trim().is_empty() { empty } else { &message }, None);
         return None;
     }
-    section.reader.check_joints(JointCheck::Length {
-        key: key.to_owned(),
-        found: names.len(),
-        span: node.span.clone(),
-    });
     Some(names)
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use aurt_plugins::Node;
 use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint};
 use aurt_recording::RobotJoints;
-use aurt_robots::{DescribedRobot, known_robot};
+use aurt_robots::{DescribedRobot, Part, known_robot};
 use aurt_traits::RigidBodyRegressor;
 
 use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, recorded_as, section::Section};
@@ -84,7 +84,7 @@ impl Robot {
             });
             Some(constants)
         });
-        let stated = section.take("joint_names").and_then(|node| recorded_as::names(&section, node));
+        let stated = section.take("joint_names").and_then(|node| recorded_as::joint_names(&section, node));
         section.finish();
         let joints = geometry.as_ref().map(RobotDescription::joints);
         let robot = geometry.zip(gravity_m_s2).map(|(geometry, gravity_m_s2)| Self {
@@ -101,7 +101,8 @@ impl Robot {
 fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
     let (urdf, mjcf) = (section.take("urdf"), section.take("mjcf"));
     let name = section.take("name");
-    let (base, tip) = (section.take("base"), section.take("tip"));
+    let base = section.take("base");
+    let parts = ["tip", "tips", "joints"].map(|key| (key, section.take(key)));
     let mdh = if urdf.is_some() || mjcf.is_some() || name.is_some() {
         section.take("mdh")
     } else {
@@ -117,18 +118,42 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
         section.complain(second, node, &format!("is a second geometry beside `{first}`; remove one"), None);
         return None;
     }
-    for (key, node) in [("base", base), ("tip", tip)] {
+    for (key, node) in [("base", base)].into_iter().chain(parts) {
         if let Some(node) = node.filter(|_| urdf.is_none() && mjcf.is_none()) {
-            section.complain(key, node, "chooses a link of a `urdf` or `mjcf`, which is not given", None);
+            let what = if key == "base" || key == "tip" { "a link" } else { "a part" };
+            section.complain(
+                key,
+                node,
+                &format!("chooses {what} of a `urdf` or `mjcf`, which is not given"),
+                None,
+            );
         }
+    }
+    let parts: Vec<(&str, &Node)> = parts.into_iter().filter_map(|(key, node)| Some((key, node?))).collect();
+    if let [(first, _), (second, node), ..] = parts[..] {
+        let reason = format!("is a second choice beside `{first}` of what moves; remove one");
+        section.complain(second, node, &reason, None);
+        return None;
     }
     match *given.first()? {
         ("mdh", node) => read_mdh(section, node, rows.unwrap_or_default()),
         (key @ ("urdf" | "mjcf"), node) => {
             let path = section.file_of(key, node)?;
             let base = base.and_then(|node| section.text_of("base", node));
-            let tip = tip.and_then(|node| section.text_of("tip", node));
-            let robot = aurt_robots::read(&path, base, tip)
+            let part = match parts.first() {
+                None => Part::All,
+                Some(("tip", node)) => Part::from(Some(section.text_of("tip", node)?)),
+                Some((key, node)) => {
+                    let of = if *key == "tips" { "links" } else { "joints" };
+                    let names = recorded_as::names(section, key, of, node)?;
+                    if names.is_empty() {
+                        section.complain(key, node, "names nothing; leave it out for all joints", None);
+                        return None;
+                    }
+                    if *key == "tips" { Part::Tips(names) } else { Part::Joints(names) }
+                }
+            };
+            let robot = aurt_robots::read_part(&path, base, &part)
                 .map_err(|errors| {
                     for error in errors.0 {
                         section

@@ -1,4 +1,4 @@
-//! An arm as lines in a plane, its joints coloured by how far something exceeds a level, before and after.
+//! An arm, or a tree of them, as lines in a plane, its joints coloured by how far something exceeds a level, before and after.
 
 use std::fmt::Write;
 
@@ -22,6 +22,8 @@ pub struct Arm {
     pub of: String,
     /// The base and then every joint, in the plane of the drawing, m, upwards and to the right.
     pub points_m: Vec<[f64; 2]>,
+    /// Of every joint the point to which its parent link leads: 0 the base, j + 1 joint j.
+    pub from: Vec<usize>,
     /// The states: a label, and a multiple for each joint, absent where there is none.
     pub states: Vec<(String, Vec<Option<f64>>)>,
 }
@@ -66,9 +68,15 @@ impl Arm {
                 let (x, y) = (coordinate(*x), coordinate(*y));
                 let _ = write!(svg, "<path class=\"ground\" d=\"M{x} {y}m-14 0h28\"/>");
             }
-            let path: Vec<String> =
-                lines.iter().map(|[x, y]| format!("{} {}", coordinate(*x), coordinate(*y))).collect();
-            let _ = write!(svg, "<path class=\"link\" d=\"M{}\"/>", path.join("L"));
+            let at = |point: usize| lines.get(point).map_or([0.0; 2], |p| *p).map(coordinate).join(" ");
+            let mut path = format!("M{}", at(0));
+            for (joint, from) in self.from.iter().enumerate() {
+                if *from != joint {
+                    let _ = write!(path, "M{}", at(*from));
+                }
+                let _ = write!(path, "L{}", at(joint + 1));
+            }
+            let _ = write!(svg, "<path class=\"link\" d=\"{path}\"/>");
             for (joint, [x, y]) in joints.iter().enumerate() {
                 let multiple = multiples.get(joint).copied().flatten().filter(|m| m.is_finite());
                 let colour = multiple.map_or("levelless", |m| class(level(m)));
@@ -139,6 +147,7 @@ mod tests {
             caption: String::new(),
             of: "noise".into(),
             points_m,
+            from: (0..joints).collect(),
             states: vec![
                 ("before".into(), (0..joints).map(|j| Some(1.0 + 3.0 * j as f64)).collect()),
                 ("after".into(), vec![None; joints]),
@@ -159,6 +168,20 @@ mod tests {
             assert!(a[0] > RADIUS && a[0] < 230.0 - RADIUS && a[1] > LABEL && a[1] < HEIGHT, "{a:?}");
             assert!(placed[..k].iter().all(|b| f64::hypot(a[0] - b[0], a[1] - b[1]) >= 2.0 * RADIUS));
         }
+    }
+
+    #[test]
+    fn branches_begin_where_their_parent_link_ends() {
+        let mut two = arm(vec![[0.0, 0.0], [0.0, 1.0], [1.0, 2.0], [-1.0, 2.0]]);
+        let chain = two.draw(Target::Page);
+        two.from = vec![0, 1, 1];
+        let tree = two.draw(Target::Page);
+        let path = |svg: &str| {
+            svg.split("class=\"link\" d=\"").nth(1).map(|d| d.split('"').next().map(str::to_owned))
+        };
+        let [chain, tree] = [chain, tree].map(|svg| path(&svg).flatten().unwrap_or_default());
+        assert_eq!([chain.matches('M').count(), chain.matches('L').count()], [1, 3], "{chain}");
+        assert_eq!([tree.matches('M').count(), tree.matches('L').count()], [2, 3], "{tree}");
     }
 
     #[test]

@@ -102,7 +102,7 @@ pub(super) fn slots(
 const MOST_DRAWS: usize = 20;
 
 /// A motion within the robot's limits: a draw that leaves them is drawn again.
-pub(super) fn planned(
+pub(crate) fn planned(
     motion: &Motion,
     robot: &Robot,
     random: &mut Random,

@@ -13,6 +13,7 @@ mod truth;
 mod world;
 
 pub use conceal::conceal;
+pub(crate) use layout::planned;
 pub use layout::{RecordingSettings, Role};
 pub use make::{Case, make_case};
 pub use plan::{NullPlan, PairPlan, Plan, SinglePlan};

@@ -5,6 +5,7 @@
 mod conceal;
 mod prove;
 mod score;
+mod setups;
 
 use std::{
     io::{IsTerminal, Write},
@@ -41,6 +42,7 @@ enum Command {
     Prove(prove::Prove),
     Conceal(conceal::Conceal),
     Score(score::Score),
+    Setups(setups::Setups),
 }
 
 /// What every command has at hand.
@@ -134,5 +136,6 @@ fn run(arguments: &Arguments) -> Result<Report, Failure> {
         Command::Prove(command) => command.run(&mut session),
         Command::Conceal(command) => command.run(&mut session),
         Command::Score(command) => command.run(),
+        Command::Setups(command) => command.run(&session),
     }
 }

@@ -67,7 +67,7 @@ fn absurd_plans_are_refused_with_the_place() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["prove", "conceal", "score"] {
+    for command in ["prove", "conceal", "score", "setups"] {
         let own = lab(&folder, [command, "--help"]).succeeded().stdout();
         assert!(own.contains("Example:\n  aurt-lab "), "{own}");
     }

@@ -6,6 +6,7 @@ mod lab;
 #[path = "../programs.rs"]
 mod programs;
 mod proof;
+mod setups;
 #[path = "../../../../application/aurt-cli/tests/command_line/support.rs"]
 #[expect(dead_code, reason = "the tests of `aurt` use more of it")]
 mod support;

@@ -134,6 +134,28 @@ impl System {
         Ok((reduced.coefficients(self.coefficients)?, reduced.excited(self.coefficients)))
     }
 
+    /// Least squares with a prior: what one column alone gives to the weighted rows is a normal number of mean 0 and variance 1, and
+    /// the rows say as much of it as rows with this variance each would.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NotFinite`].
+    pub fn solve_with_prior(&self, weights: &[f64], variance: f64) -> Result<Vec<f64>, CalibrationError> {
+        let Reduced { kept, scales, upper, right, .. } = self.reduced(weights, |_| true)?;
+        let m = kept.len();
+        let upper = DMatrix::from_vec(m, m, upper);
+        let mut gram = upper.tr_mul(&upper);
+        (0..m).for_each(|k| gram[(k, k)] += variance);
+        let values = gram
+            .cholesky()
+            .map(|c| c.solve(&upper.tr_mul(&DVector::from_vec(right))))
+            .ok_or(CalibrationError::NotFinite)?;
+        let mut coefficients = vec![0.0; self.coefficients];
+        for (value, column) in values.iter().zip(&kept) {
+            coefficients[*column] = value / scales[*column];
+        }
+        Ok(coefficients)
+    }
+
     /// The coefficients of [`Self::solve`] alone.
     ///
     /// # Errors
@@ -386,6 +408,24 @@ mod tests {
         let solution = System::new(2, vec![factor]).solve(&[1.0], |_| true).unwrap();
         assert_eq!(solution.excited, [true, false]);
         assert_eq!(solution.coefficients[1], 0.0);
+    }
+
+    /// (WᵀW + v S²) ζ = Wᵀy, with the lengths S of the columns.
+    #[test]
+    fn a_prior_balances_what_the_rows_say() {
+        let (system, truth) = example();
+        let plain = system.solve_coefficients(&[1.0, 1.0]).unwrap().0;
+        let free = system.solve_with_prior(&[1.0, 1.0], 0.0).unwrap();
+        assert!(plain.iter().zip(&free).all(|(a, b)| (a - b).abs() < 1e-10));
+        let n = 400;
+        let (a, y): (Vec<f64>, Vec<f64>) = series(0.0, n).iter().map(|v| (*v, 3.0 * v)).unzip();
+        let mut factor = JointFactor::new(vec![0]);
+        factor.push(|_| a.as_slice(), &y, |_| true);
+        let alone = System::new(1, vec![factor]);
+        let shrunk = alone.solve_with_prior(&[1.0], 0.5).unwrap()[0];
+        assert!((shrunk - 3.0 / 1.5).abs() < 1e-12, "{shrunk}");
+        let far = system.solve_with_prior(&[1.0, 1.0], 1e12).unwrap();
+        assert!(far.iter().zip(truth).all(|(value, truth)| value.abs() < 1e-9 * (1.0 + truth.abs())));
     }
 
     #[test]

@@ -45,5 +45,5 @@ pub(super) fn select(question: &Question<'_>, investigation: &Investigation) -> 
         options: &question.selection,
     };
     let chance = judge.best_by_chance(base, gain);
-    (score > quantile(&chance, question.selection.null_quantile)).then_some(best)
+    (score > quantile(&chance, 1.0 - question.selection.level)).then_some(best)
 }

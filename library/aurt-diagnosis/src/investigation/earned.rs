@@ -56,11 +56,11 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let reach_m = reach_m(question, investigation)?;
     let trial = Trial::new(question, investigation, &chosen, reach_m);
     let mut fails: Vec<Vec<String>> = (0..chosen.len()).map(|i| trial.fails(i)).collect();
-    for (one, fails) in chosen.iter().zip(&mut fails) {
-        if let Some(p) = one.p_confirm.filter(|p| *p > question.selection.confirm) {
-            fails.push(format!(
-                "held-out data do not support it: chance supports it as much with a probability of {p:.2}"
-            ));
+    let by_chance: Vec<Option<f64>> = chosen.iter().map(Chosen::by_chance).collect();
+    let most = largest_of_claims(&by_chance, question.selection.level);
+    for (p, fails) in by_chance.iter().zip(&mut fails) {
+        if let Some(p) = p.filter(|p| *p > most) {
+            fails.push(format!("chance alone makes such a finding with a probability of {p:.2}"));
         }
     }
     for (joint, times) in trial.worse_in_all() {
@@ -90,6 +90,16 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     investigation.stability = kept_stability;
     investigation.indicated = indicated;
     Ok(())
+}
+
+/// The largest probability of a claim, of which chance alone makes at most a share on average: the largest p(k) ≤ k · share
+/// / m of m ascending ones (Y. Benjamini, Y. Hochberg, *J. Royal Statistical Society B* 57, 1995).
+fn largest_of_claims(by_chance: &[Option<f64>], share: f64) -> f64 {
+    let mut ascending: Vec<f64> = by_chance.iter().copied().flatten().collect();
+    ascending.sort_by(f64::total_cmp);
+    let m = ascending.len() as f64;
+    let within = ascending.iter().zip(1_u32..).filter(|(p, k)| **p <= f64::from(*k) * share / m);
+    within.map(|(p, _)| *p).fold(0.0, f64::max)
 }
 
 /// The longest lever of a force on any link about any joint, over the fitted rows, m.
@@ -301,4 +311,19 @@ fn confirming_errors(investigation: &Investigation, switches: &[Switch], coeffic
         }
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest_of_claims;
+
+    #[test]
+    fn what_chance_makes_is_a_share_of_all_claims() {
+        let most = |p: &[f64]| largest_of_claims(&p.iter().copied().map(Some).collect::<Vec<_>>(), 0.05);
+        assert_eq!(most(&[0.04]), 0.04);
+        assert_eq!(most(&[0.9, 0.001, 0.04, 0.7]), 0.001);
+        assert_eq!(most(&[0.001, 0.001, 0.03, 0.7]), 0.03);
+        assert_eq!(most(&[0.2, 0.3]), 0.0);
+        assert_eq!(largest_of_claims(&[None], 0.05), 0.0);
+    }
 }

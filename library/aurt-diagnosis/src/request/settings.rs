@@ -40,12 +40,8 @@ pub struct SelectionOptions {
     /// Shifts of the residual that show what chance does: the mean and the scale of three dozen best scores are known to a
     /// sixth of their spread.
     pub null_shifts: usize,
-    /// Share of searches that have nothing to find and find nothing, over all joints: an effect has to exceed the best score
-    /// that chance so reaches on its joints, where that is more than the least score.
-    pub null_quantile: f64,
-    /// Largest probability that rows which nothing was fitted to favour an effect as much by chance. Of 51 right findings
-    /// with such rows in development proofs (worlds clean, rough and mujoco, seed 500) the largest was 0.26.
-    pub confirm: f64,
+    /// Expected share of the claims that chance alone makes (false discovery rate).
+    pub level: f64,
     /// A group of which the baseline absorbs all but this share of torque is not decidable.
     pub free_share: f64,
 }
@@ -101,8 +97,7 @@ impl Default for SelectionOptions {
             change_share: 0.15,
             everyday: 0.8,
             null_shifts: 36,
-            null_quantile: 0.95,
-            confirm: 0.3,
+            level: 0.05,
             free_share: 0.02,
         }
     }
@@ -115,12 +110,12 @@ mod tests {
     #[test]
     fn settings_are_set_by_name_within_their_ranges() {
         let options = SelectionOptions::default();
-        assert_eq!(options.named().len(), 15);
-        assert_eq!(options.with("confirm", 0.05).unwrap(), SelectionOptions { confirm: 0.05, ..options });
+        assert_eq!(options.named().len(), 14);
+        assert_eq!(options.with("level", 0.01).unwrap(), SelectionOptions { level: 0.01, ..options });
         assert_eq!(options.with("rounds", 2.0).unwrap(), SelectionOptions { rounds: 2, ..options });
         for (name, value, said) in [
             ("score", -1.0, "from 0"),
-            ("confirm", 1.5, "share"),
+            ("level", 1.5, "share"),
             ("rounds", 2.5, "whole"),
             ("scor", 9.0, "`score`"),
         ] {

@@ -32,6 +32,9 @@ pub(crate) struct Errors {
 /// saves time and decides nothing else: 0 tries all groups that bring anything.
 const IN_SAMPLE: f64 = 0.5;
 
+/// What chance reaches in every second search is not put to the test of held-out rows, which could hardly make up for it.
+const EVERY_SECOND: f64 = 0.5;
+
 /// Scores of hypotheses beside a model.
 #[derive(Clone, Copy)]
 pub(crate) struct Scoring<'a> {
@@ -47,11 +50,11 @@ pub(crate) struct Scoring<'a> {
 impl Scoring<'_> {
     /// What the score of a group that stays has to exceed.
     pub(crate) fn threshold(&self, group: usize) -> f64 {
-        let of = |chance: &Chance| chance.threshold(&self.groups[group].joints, self.options.null_quantile);
+        let of = |chance: &Chance| chance.score(&self.groups[group].joints, EVERY_SECOND);
         self.options.score.max(self.chance.map_or(0.0, of))
     }
 
-    /// The probability that chance reaches a score on the group's joints.
+    /// The probability that a search reaches a score on the group's joints by chance.
     pub(crate) fn p_null(&self, group: usize, score: f64) -> Option<f64> {
         self.chance.and_then(|chance| chance.probability(&self.groups[group].joints, score))
     }

@@ -14,7 +14,7 @@ pub struct Chosen {
     pub score: f64,
     /// What the score had to exceed.
     pub threshold: f64,
-    /// Probability that chance reaches such a score with the best of all hypotheses on its joints.
+    /// Probability that a search reaches such a score on its joints by chance.
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour it as much by chance.
     pub p_confirm: Option<f64>,
@@ -22,6 +22,24 @@ pub struct Chosen {
     pub joint_loss: Vec<f64>,
     /// Other groups that could stand in its place, best first.
     pub rivals: Vec<Rival>,
+}
+
+impl Chosen {
+    /// The probability that chance alone makes such a finding, of what the search and the held-out rows say.
+    #[must_use]
+    pub fn by_chance(&self) -> Option<f64> {
+        match (self.p_null, self.p_confirm) {
+            (Some(search), Some(confirmed)) => Some(both(search, confirmed)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+/// The probability that two independent tests of nothing have a product of probabilities as small as that of two (R. A.
+/// Fisher, *Statistical Methods for Research Workers*, 4th edition, 1932, § 21.1): x (1 − ln x).
+fn both(one: f64, other: f64) -> f64 {
+    let product = one * other;
+    if product > 0.0 { product * (1.0 - product.ln()) } else { 0.0 }
 }
 
 /// A group that could stand in the place of another.

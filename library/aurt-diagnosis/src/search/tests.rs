@@ -145,7 +145,7 @@ fn what_is_there_is_found_and_nothing_beside_it() {
     let found = rows.select(&groups);
     assert_eq!(found.chosen.iter().map(|c| c.group).collect::<Vec<_>>(), [0]);
     let only = &found.chosen[0];
-    assert!(only.score > only.threshold && only.p_null.is_some_and(|p| p < 0.05), "{only:?}");
+    assert!(only.score > only.threshold && only.by_chance().is_some_and(|p| p < 0.05), "{only:?}");
     assert!(found.after[0] < 1.2 * NOISE * NOISE, "{found:?}");
 }
 

@@ -116,8 +116,6 @@ fn finding(
     };
     let alternatives = alternatives(investigation, one, fitted);
     let confidence = confidence(one.score, !alternatives.is_empty());
-    let evidence =
-        Evidence { score: one.score, threshold: one.threshold, p_null: one.p_null, p_confirm: one.p_confirm };
     Some(Finding {
         present_in: present_in(question, investigation, group.target_only()),
         parameters: parameters
@@ -129,7 +127,7 @@ fn finding(
             })
             .collect(),
         alternatives,
-        ..Finding::new(effect, joints, evidence, confidence)
+        ..Finding::new(effect, joints, one.into(), confidence)
     })
 }
 

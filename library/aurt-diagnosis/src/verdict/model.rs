@@ -5,6 +5,7 @@ use crate::investigation::WORSE;
 use crate::parameters::Parameters;
 use crate::remainder::{Remainder, Share};
 use crate::request::SelectionOptions;
+use crate::search::selection::Chosen;
 use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
@@ -196,14 +197,24 @@ pub struct Evidence {
     pub score: f64,
     /// What it had to exceed.
     pub threshold: f64,
-    /// Probability that the best of all hypotheses on its joints reaches such a score by chance: the same search on residuals
-    /// circularly shifted against the motion.
+    /// Probability that chance alone makes such a finding: of `p_null` and `p_confirm` together, by Fisher's method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p: Option<f64>,
+    /// Probability that a search over all joints reaches such a score on its joints by chance: the same search on residuals
+    /// circularly shifted against the motion, whose best scores have Gumbel's distribution.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_null: Option<f64>,
     /// Probability that rows which nothing was fitted to favour the effect as much by chance: a paired test over pieces
     /// of the held-out part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_confirm: Option<f64>,
+}
+
+impl From<&Chosen> for Evidence {
+    fn from(chosen: &Chosen) -> Self {
+        let Chosen { score, threshold, p_null, p_confirm, .. } = *chosen;
+        Self { score, threshold, p: chosen.by_chance(), p_null, p_confirm }
+    }
 }
 
 impl Evidence {

@@ -3,8 +3,8 @@
 use crate::investigation::{Fitted, Investigation};
 use crate::parameters::{ParameterValue, Parameters};
 use crate::request::Question;
+use crate::verdict::RegisteredFinding;
 use crate::verdict::findings::present_in;
-use crate::verdict::{Evidence, RegisteredFinding};
 
 /// The registered models that selection took, strongest first.
 pub(crate) fn findings(
@@ -42,12 +42,7 @@ pub(crate) fn findings(
             present_in,
             predicted_share,
             parameters,
-            evidence: Evidence {
-                score: chosen.score,
-                threshold: chosen.threshold,
-                p_null: chosen.p_null,
-                p_confirm: chosen.p_confirm,
-            },
+            evidence: chosen.into(),
             sentence,
         });
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody, SerialChain, inconsistencies};
 pub use aurt_robots::Format;
-use aurt_robots::{DescribedRobot, PlacedBody, PlacedLink, placed_links};
+use aurt_robots::{DescribedRobot, Part, PlacedBody, PlacedLink, placed_links};
 use roxmltree::{Document, ParsingOptions};
 
 use crate::{
@@ -34,10 +34,10 @@ pub struct Original<'a> {
     pub path: &'a Path,
     /// Its format.
     pub format: Format,
-    /// The body that the chain starts from, and that at which it ends, where the file leaves a choice.
+    /// The body that the robot stands on, where the file leaves a choice.
     pub base: Option<&'a str>,
-    /// As `base`.
-    pub tip: Option<&'a str>,
+    /// What of the file it is.
+    pub part: &'a Part,
 }
 
 /// A corrected file.
@@ -60,10 +60,10 @@ pub struct Corrected {
 /// [`ExportError::OtherChain`] if its chain is not that of the model; [`ExportError::Between`] for two joints in one body;
 /// [`ExportError::Remainder`] if what is left for a body is no body; [`ExportError::FromShapes`] if what is written would not count.
 pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected, ExportError> {
-    let Original { text, path, format, base, tip } = *original;
+    let Original { text, path, format, base, part } = *original;
     let chain = source.chain()?;
     let standard = source.possible_bodies()?;
-    let (robot, links) = placed_links(text, path, format, base, tip).map_err(ExportError::Robot)?;
+    let (robot, links) = placed_links(text, path, format, base, part).map_err(ExportError::Robot)?;
     same_chain(chain, &robot)?;
     let options = ParsingOptions { nodes_limit: u32::MAX, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(ExportError::Xml)?;
@@ -153,6 +153,9 @@ fn same_chain(chain: &SerialChain, robot: &DescribedRobot) -> Result<(), ExportE
         }
         if ours.sign != other_joint.sign {
             return other(format!("its joint {name} has the opposite sense of joint {j} of the model"));
+        }
+        if ours.parent != other_joint.parent {
+            return other(format!("its joint {name} sits on another link than joint {j} of the model"));
         }
     }
     for (j, (ours, theirs)) in frames(chain)?.iter().zip(frames(&theirs)?).enumerate() {

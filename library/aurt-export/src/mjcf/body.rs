@@ -11,8 +11,8 @@ use crate::{ExportError, source::frames};
 const SLENDER: f64 = 0.15;
 const THICKEST_M: f64 = 0.05;
 
-/// The nested `body` elements. Frame j of the chain at coordinate zero is the frame of body j; its joint turns about, or
-/// slides along, the frame's z axis, in the sense of the joint's sign.
+/// The nested `body` elements. Frame j of the chain or tree at coordinate zero is the frame of body j; its joint turns
+/// about, or slides along, the frame's z axis, in the sense of the joint's sign.
 pub(super) fn tree(
     name: &str,
     names: &[String],
@@ -23,8 +23,17 @@ pub(super) fn tree(
     let frames = frames(chain)?;
     let mut text = String::new();
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
-    for (j, (frame, dynamics)) in frames.iter().zip(joints).enumerate() {
-        let indent = "  ".repeat(j + 2);
+    let on = |parent: Option<usize>| (0..frames.len()).rev().filter(move |j| chain.parent(*j) == parent);
+    let mut open: Vec<usize> = on(None).collect();
+    let mut depth = 0;
+    while let Some(j) = open.pop() {
+        // Bodies end before the next on an earlier one begins.
+        let carriers = chain.path(j).len() - 1;
+        end_bodies(&mut text, carriers..depth);
+        depth = carriers + 1;
+        open.extend(on(Some(j)));
+        let (frame, dynamics) = (&frames[j], &joints[j]);
+        let indent = "  ".repeat(depth + 1);
         let (p, r) = (frame.origin_m, frame.rotation);
         let axes = [r[0][0], r[1][0], r[2][0], r[0][1], r[1][1], r[2][1]];
         let _ = writeln!(
@@ -64,8 +73,8 @@ pub(super) fn tree(
             }
         }
         text.push_str("/>\n");
-        // The last link ends at its centre of mass, as far as the model knows.
-        let end = frames.get(j + 1).map_or(body.com_m, |next| next.origin_m);
+        // A last link ends at its centre of mass, as far as the model knows.
+        let end = on(Some(j)).next_back().map_or(body.com_m, |next| frames[next].origin_m);
         let length = end.iter().map(|v| v * v).sum::<f64>().sqrt();
         if length > 1e-3 {
             let _ = writeln!(
@@ -77,10 +86,15 @@ pub(super) fn tree(
             );
         }
     }
-    for j in (0..joints.len()).rev() {
-        let _ = writeln!(text, "{}</body>", "  ".repeat(j + 2));
-    }
+    end_bodies(&mut text, 0..depth);
     Ok(text)
+}
+
+/// Ends the bodies of these depths, the deepest first.
+fn end_bodies(text: &mut String, depths: std::ops::Range<usize>) {
+    for depth in depths.rev() {
+        let _ = writeln!(text, "{}</body>", "  ".repeat(depth + 2));
+    }
 }
 
 pub(crate) fn numbers(values: &[f64]) -> String {

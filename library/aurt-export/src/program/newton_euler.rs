@@ -1,6 +1,6 @@
-//! The recursive Newton–Euler algorithm, written out for one chain and its parameters.
+//! The recursive Newton–Euler algorithm, written out for one chain or tree and its parameters.
 
-use aurt_rbd::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
+use aurt_rbd::{INERTIAL_PARAMETERS, Joint, JointKind, Parent, RbdError, SerialChain};
 
 use super::tape::{Function, Tape, Value, ZERO};
 
@@ -11,7 +11,9 @@ pub(crate) type Vector = [Value; 3];
 struct Place {
     kind: JointKind,
     sign: f64,
-    /// Maps coordinates in the joint's frame to the previous link frame.
+    /// The link that it sits on, none of the base.
+    parent: Option<usize>,
+    /// Maps coordinates in the joint's frame to the parent link's frame.
     rotation: [[f64; 3]; 3],
     origin: Vector,
     sine: Value,
@@ -34,7 +36,8 @@ impl Posture {
             .joints()
             .iter()
             .zip(q)
-            .map(|(joint, q)| Place::new(tape, joint, *q))
+            .enumerate()
+            .map(|(j, (joint, q))| Place::new(tape, joint, chain.parent(j), *q))
             .collect::<Result<_, _>>()?;
         Ok(Self { places })
     }
@@ -49,12 +52,13 @@ impl Posture {
         qd: &[Value],
         qdd: &[Value],
     ) -> Vec<Value> {
-        let (mut omega, mut omega_dot) = ([ZERO; 3], [ZERO; 3]);
-        let mut accel = gravity_m_s2.map(|g| tape.negate(g));
+        let base = [[ZERO; 3], [ZERO; 3], gravity_m_s2.map(|g| tape.negate(g))];
+        let mut motions: Vec<[Vector; 3]> = Vec::new();
         let mut loads: Vec<(Vector, Vector)> = Vec::new();
         let bodies = standard.chunks_exact(INERTIAL_PARAMETERS);
         for (((place, body), qd), qdd) in self.places.iter().zip(bodies).zip(qd).zip(qdd) {
             let sign = Value::Constant(place.sign);
+            let [mut omega, mut omega_dot, mut accel] = place.parent.map_or(base, |parent| motions[parent]);
             let (rate, rate_dot) = (tape.multiply(sign, *qd), tape.multiply(sign, *qdd));
             let euler = cross(tape, omega_dot, place.origin);
             let inner = cross(tape, omega, place.origin);
@@ -78,12 +82,13 @@ impl Posture {
                     accel = sum(tape, accel, slid);
                 }
             }
+            motions.push([omega, omega_dot, accel]);
             loads.push(wrench(tape, body, omega, omega_dot, accel));
         }
         self.inward(tape, &mut loads)
     }
 
-    /// Adds moments and forces from the last link to the first; a joint carries what acts about or along its axis.
+    /// Adds moments and forces from the last link to the first, each to those of its parent; a joint carries what acts about or along its axis.
     fn inward(&self, tape: &mut Tape, loads: &mut [(Vector, Vector)]) -> Vec<Value> {
         let mut torques = vec![ZERO; self.places.len()];
         for (i, place) in self.places.iter().enumerate().rev() {
@@ -93,12 +98,12 @@ impl Posture {
                 JointKind::Prismatic => force[2],
             };
             torques[i] = tape.multiply(Value::Constant(place.sign), carried);
-            if i > 0 {
-                let force = place.in_previous(tape, force);
-                let moment = place.in_previous(tape, moment);
+            if let Some(parent) = place.parent {
+                let force = place.in_parent(tape, force);
+                let moment = place.in_parent(tape, moment);
                 let lever = cross(tape, place.origin, force);
                 let moment = sum(tape, moment, lever);
-                loads[i - 1] = (sum(tape, loads[i - 1].0, moment), sum(tape, loads[i - 1].1, force));
+                loads[parent] = (sum(tape, loads[parent].0, moment), sum(tape, loads[parent].1, force));
             }
         }
         torques
@@ -106,10 +111,11 @@ impl Posture {
 }
 
 impl Place {
-    fn new(tape: &mut Tape, joint: &Joint, q: Value) -> Result<Self, RbdError> {
+    fn new(tape: &mut Tape, joint: &Joint, parent: Option<usize>, q: Value) -> Result<Self, RbdError> {
         let revolute = joint.kind == JointKind::Revolute;
         // The constant part of the placement: that of a chain of this joint alone at coordinate zero.
-        let alone = Joint { theta_offset_rad: if revolute { 0.0 } else { joint.theta_offset_rad }, ..*joint };
+        let theta_offset_rad = if revolute { 0.0 } else { joint.theta_offset_rad };
+        let alone = Joint { parent: Parent::Base, theta_offset_rad, ..*joint };
         let mut frames = Vec::new();
         SerialChain::new(vec![alone], [0.0; 3])?.link_frames(&[0.0], &mut frames);
         let (rotation, translation) =
@@ -127,10 +133,10 @@ impl Place {
                 *entry = tape.add(*entry, shift);
             }
         }
-        Ok(Self { kind: joint.kind, sign: joint.sign, rotation, origin, sine, cosine })
+        Ok(Self { kind: joint.kind, sign: joint.sign, parent, rotation, origin, sine, cosine })
     }
 
-    /// A vector of the previous link frame in the coordinates of this link.
+    /// A vector of the parent link's frame in the coordinates of this link.
     fn in_link(&self, tape: &mut Tape, v: Vector) -> Vector {
         let r = &self.rotation;
         let transposed = [0, 1, 2].map(|row| [r[0][row], r[1][row], r[2][row]]);
@@ -140,8 +146,8 @@ impl Place {
         [tape.add(cx, sy), tape.subtract(cy, sx), z]
     }
 
-    /// A vector of this link in the coordinates of the previous link frame.
-    fn in_previous(&self, tape: &mut Tape, [x, y, z]: Vector) -> Vector {
+    /// A vector of this link in the coordinates of the parent link's frame.
+    fn in_parent(&self, tape: &mut Tape, [x, y, z]: Vector) -> Vector {
         let (cx, sy) = (tape.multiply(self.cosine, x), tape.multiply(self.sine, y));
         let (cy, sx) = (tape.multiply(self.cosine, y), tape.multiply(self.sine, x));
         let turned = [tape.subtract(cx, sy), tape.add(cy, sx), z];

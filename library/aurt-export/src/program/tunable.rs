@@ -19,7 +19,7 @@ pub(crate) struct Parameter {
 }
 
 /// The parameters of a model, in the order of the argument `p`: coefficients of friction and arm terms, the size of
-/// gravity, and, for models in Nm, a point mass that the last link carries.
+/// gravity, and, for chains in Nm, a point mass that the last link carries.
 #[derive(Debug, Clone)]
 pub(crate) struct Tunable {
     parameters: Vec<Parameter>,
@@ -56,7 +56,7 @@ impl Tunable {
             format!("size of gravity; its direction is that of the calibration, {x} {y} {z} m/s^2"),
             size,
         );
-        let carries = source.unit == MeasurementUnit::NewtonMetre;
+        let carries = source.unit == MeasurementUnit::NewtonMetre && chain.is_serial();
         if carries {
             add("payload_mass_kg", "kg", "point mass that the last link carries".into(), 0.0);
             for axis in ["x", "y", "z"] {
@@ -96,7 +96,7 @@ impl Tunable {
         self.gravity_m_s2.map(|g| tape.multiply(chosen, Value::Constant(g / size)))
     }
 
-    /// Standard parameters of the point mass on the last link; none for models in amperes.
+    /// Standard parameters of the point mass on the last link; none for trees and for models in amperes.
     pub fn carried(&self, tape: &mut Tape) -> Vec<Value> {
         if !self.carries {
             return Vec::new();

@@ -42,13 +42,13 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
          type=\"fixed\">\n    <parent>world</parent>\n    <child>{name}_base</child>\n  </joint>\n"
     );
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
-    let mut parent = format!("{name}_base");
     // Links and joints share their names in SDF; `::` divides names.
-    let mut taken = vec![parent.clone(), format!("{name}_mount"), "world".to_owned()];
+    let mut taken = vec![format!("{name}_base"), format!("{name}_mount"), "world".to_owned()];
     taken.extend((0..joints.len()).map(|j| format!("{name}_link_{j}")));
     let names = joint_names(chain, |joint| attribute(&joint.replace("::", ":_")), &taken);
     for (j, (frame, body)) in frames(chain)?.iter().zip(bodies).enumerate() {
-        let child = format!("{name}_link_{j}");
+        let called = |link: usize| format!("{name}_link_{link}");
+        let (parent, child) = (chain.parent(j).map_or_else(|| format!("{name}_base"), called), called(j));
         let kind = match chain.joints()[j].kind {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
@@ -82,7 +82,6 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
             numbers(&body.com_m),
             body.mass_kg,
         );
-        parent = child;
     }
     text.push_str("</model>\n</sdf>\n");
     let notes = vec![

@@ -40,10 +40,10 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let mut text = String::from("<?xml version=\"1.0\"?>\n") + &heading(source, first, &[], "URDF", &lost);
     let _ = write!(text, "<robot name=\"{name}\">\n  <link name=\"{name}_base\"/>\n");
     let (bodies, _) = standard.as_chunks::<INERTIAL_PARAMETERS>();
-    let mut parent = format!("{name}_base");
     let names = joint_names(chain, attribute, &[]);
     for (j, (frame, body)) in frames(chain)?.iter().zip(bodies).enumerate() {
-        let child = format!("{name}_link_{j}");
+        let called = |link: usize| format!("{name}_link_{link}");
+        let (parent, child) = (chain.parent(j).map_or_else(|| format!("{name}_base"), called), called(j));
         let kind = chain.joints()[j].kind;
         let [origin, turn] = [frame.origin_m, roll_pitch_yaw(&frame.rotation)].map(|v| numbers(&v));
         let _ = write!(
@@ -67,7 +67,6 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
         }
         text.push_str("  </joint>\n");
         link(&mut text, &child, body)?;
-        parent = child;
     }
     text.push_str("</robot>\n");
     let notes =

@@ -2,14 +2,14 @@
 
 mod urdf;
 
-use std::{path::Path, process::Command};
+use std::{path::Path, process::Command, sync::LazyLock};
 
 use aurt_export::{
     ExportError, Source,
     into::{Corrected, Format, Original, correct},
 };
 use aurt_rbd::{ChainDynamics, SerialChain};
-use aurt_robots::DescribedRobot;
+use aurt_robots::{DescribedRobot, Part};
 use roxmltree::Document;
 
 use super::{
@@ -36,7 +36,8 @@ fn case_of(text: &str) -> Case {
 }
 
 fn original(text: &str, format: Format) -> Original<'_> {
-    Original { text, path: Path::new("own.xml"), format, base: None, tip: Some("tool") }
+    static TOOL: LazyLock<Part> = LazyLock::new(|| Part::from(Some("tool")));
+    Original { text, path: Path::new("own.xml"), format, base: None, part: &TOOL }
 }
 
 fn corrected(text: &str, case: &Case) -> Result<Corrected, ExportError> {

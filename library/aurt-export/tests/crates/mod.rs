@@ -35,7 +35,9 @@ pub fn passes(name: &str, export: &Export, comparisons: usize) {
 #[test]
 fn the_crate_of_an_arm_and_of_a_gantry_predicts_what_their_models_do() {
     let provenance = provenance();
-    for (case, name) in [(case(arm(), true), "arm"), (case(gantry(), false), "gantry")] {
+    for (case, name) in
+        [(case(arm(), true), "arm"), (case(gantry(), false), "gantry"), (case(two_arms(), true), "two arms")]
+    {
         passes(name, &rust::export(&source(&case, &provenance), &checks(&case, 32)).unwrap(), 7);
     }
 }

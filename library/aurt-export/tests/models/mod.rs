@@ -28,7 +28,7 @@ use aurt_friction::{
     },
     viscous::{polynomial::Polynomial, saturating::Saturating},
 };
-use aurt_rbd::{Joint, LinkBody, Placement, SerialChain, base_parameters};
+use aurt_rbd::{Joint, LinkBody, Parent, Placement, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, JointStack, LoadTorque, Motion, RobotModel, RobotState, RobotTile};
 
 /// Numbers between −1 and 1 (the constants are Knuth's MMIX).
@@ -83,6 +83,22 @@ pub fn gantry() -> SerialChain {
         Joint { theta_offset_rad: -0.2, ..mdh(0.4, 0.3, 0.1) },
     ];
     SerialChain::new(joints, [0.0, 0.0, -9.81]).unwrap()
+}
+
+/// A torso with two arms, one of which has a prismatic joint, and a joint beside it on the base.
+pub fn two_arms() -> SerialChain {
+    let shoulder =
+        |y_m, roll| Joint::revolute(Placement::from_roll_pitch_yaw([0.1, y_m, 0.4], [roll, 0.2, 0.0]));
+    let joints = vec![
+        mdh(0.2, 0.0, 0.3),
+        shoulder(0.2, -1.3),
+        Joint { sign: -1.0, theta_offset_rad: 0.3, ..mdh(1.2, 0.3, 0.05) },
+        Joint { parent: Parent::Link(0), ..shoulder(-0.2, 1.3) },
+        Joint::prismatic(Placement::Mdh { alpha_rad: -0.9, a_m: 0.1, d_m: 0.2 }),
+        mdh(0.4, 0.25, 0.0),
+        Joint { parent: Parent::Base, ..mdh(0.7, -0.4, 0.1) },
+    ];
+    SerialChain::new(joints, [0.2, -0.3, -9.7]).unwrap()
 }
 
 fn stack(joint: usize) -> JointStack {

@@ -16,7 +16,7 @@ use aurt_traits::{MeasurementUnit, Motion};
 
 use super::models::{
     Case, Load, arm, case, case_with_load, case_with_memory, checks_along_a_path, checks_along_a_swing,
-    gantry, half_of_gravity,
+    gantry, half_of_gravity, two_arms,
 };
 use super::{named_by_other_people, provenance, source};
 
@@ -312,6 +312,7 @@ fn a_forward_unit_moves_as_the_simulation_does() {
     for (mut case, name) in [
         (case(arm(), true), "arm"),
         (case(gantry(), true), "gantry"),
+        (case(two_arms(), true), "two arms"),
         (case_with_memory(arm()), "arm with memory"),
         (case_with_memory(gantry()), "gantry with memory"),
         (named_by_other_people(), "arm with names of other people"),

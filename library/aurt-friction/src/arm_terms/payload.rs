@@ -7,7 +7,7 @@
 //! # Parameters
 //! | key | unit | meaning |
 //! |---|---|---|
-//! | `link` | – | link that carries the body, of all links, those of joints that follow others too; the last unless given |
+//! | `link` | – | link that carries the body, of all links, those of joints that follow others too; of a chain the last unless given |
 //! | `parameters` | – | which of `XX XY XZ YY YZ ZZ mX mY mZ m` are columns; all ten unless given |
 //!
 //! # Columns
@@ -78,7 +78,7 @@ impl Inertial {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
-    /// Link that carries the body, counted from 0; the last unless given.
+    /// Link that carries the body, counted from 0; of a chain the last unless given. Trees have no last link.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<usize>,
     /// Inertial parameters that are columns; all ten unless given.
@@ -172,6 +172,22 @@ impl ArmTerm for Payload {
                     each * joints
                 ),
             ));
+        }
+        let loads = |joint: usize| (0..each).any(|k| series.rigid_body.loads(each * link + k, joint));
+        if self.link.is_none()
+            && let Some(joint) = (0..joints).find(|joint| !loads(*joint))
+        {
+            let reason = format!(
+                "the robot is a tree, and its last link {link} does not load joint {joint}; say with `link` which one \
+                 carries the body"
+            );
+            return Err(ModelError::evaluation("payload", reason));
+        }
+        if let Some(joint) = (link + 1..joints).find(|joint| loads(*joint)) {
+            let reason = format!(
+                "link {link} loads joint {joint}, which comes after it, by joints that follow others"
+            );
+            return Err(ModelError::evaluation("payload", reason));
         }
         let parameters = self.parameters();
         let mut destination = vec![RegressorTile::UNWANTED; joints * standard];

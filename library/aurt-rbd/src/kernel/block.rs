@@ -24,21 +24,22 @@ const AS_WANTED: u16 = 0;
 /// The entries of a link's block that can load its own revolute joint: its mass and its first moment along the axis
 /// cannot.
 const OWN: u16 = 0b00_1111_1111;
-/// The entries of the first link's block that can load its revolute joint, whose axis is fixed in space: of the
+/// The entries of the block of a link on the base that can load its revolute joint, whose axis is fixed in space: of the
 /// inertias only ZZ.
 const OWN_ON_BASE: u16 = 0b00_1110_0000;
 /// The entries of a link's block that can load a prismatic joint: inertias need no force.
 const SLIDE: u16 = 0b11_1100_0000;
-/// The entries of the first link's block that can load its prismatic joint: the link does not turn.
+/// The entries of the block of a link on the base that can load its prismatic joint: the link does not turn.
 const SLIDE_ON_BASE: u16 = 0b10_0000_0000;
 
-/// The entries of the block of a joint of this kind and a link, at or behind it, that can be other than zero.
-pub(crate) const fn possible_entries(kind: JointKind, joint: usize, link: usize) -> u16 {
+/// The entries of the block of a joint of this kind and a link that it carries that can be other than zero; the link may be
+/// its `own`, and that may be `on_base`.
+pub(crate) const fn possible_entries(kind: JointKind, own: bool, on_base: bool) -> u16 {
     match kind {
-        JointKind::Revolute if joint < link => ALL,
-        JointKind::Revolute if link == 0 => OWN_ON_BASE,
+        JointKind::Revolute if !own => ALL,
+        JointKind::Revolute if on_base => OWN_ON_BASE,
         JointKind::Revolute => OWN,
-        JointKind::Prismatic if link == 0 => SLIDE_ON_BASE,
+        JointKind::Prismatic if own && on_base => SLIDE_ON_BASE,
         JointKind::Prismatic => SLIDE,
     }
 }

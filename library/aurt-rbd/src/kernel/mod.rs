@@ -1,8 +1,9 @@
 //! The batched regressor kernel: one source, compiled once per instruction set, chosen at run time.
 //!
-//! One lane is one sample. For each link i the motion of its frame follows from that of frame i − 1; the
-//! unit twist of every joint j < i is carried along into frame i; and the 1 × 10 block of (joint j, link i)
-//! is the projection of the link's 6 × 10 wrench regressor on that twist.
+//! One lane is one sample. For each link i the motion of its frame follows from that of its parent's frame; the
+//! unit twist of every joint j on the path to link i is carried along into frame i; and the 1 × 10 block of (joint j,
+//! link i) is the projection of the link's 6 × 10 wrench regressor on that twist. Blocks of joints that do not carry the
+//! link are zero and never written.
 
 mod block;
 mod lanes;
@@ -20,13 +21,13 @@ use crate::{JointKind, SerialChain};
 use block::{other_blocks, own_block, own_slide_block};
 use lanes::{Lanes, Plain2};
 use motion::{
-    GROUP, JointLanes, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,
+    GROUP, JointLanes, Kept, LinkMotion, Rates, carry, carry_previous, first_link, joint_angles, next_link,
 };
 use plan::Plan;
 use slide::{slide_carry, slide_carry_previous, slide_first_link, slide_next_link};
 
 pub(crate) use block::possible_entries;
-pub(crate) use motion::Place;
+pub(crate) use motion::{Branching, Place};
 pub(crate) use operations::count;
 
 pub use operations::Operations;
@@ -86,6 +87,7 @@ fn evaluate_lanes<T: Lanes>(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
         &mut many[..]
     };
     let mut links = [LinkMotion::zero(); GROUP];
+    let mut kept = plan.kept();
     // Too few samples for the lanes are filled up, worked on beside the tile and copied into it. One loop serves both
     // cases: everything in it is compiled for each place that it stands at.
     let few_samples = samples < T::LANES;
@@ -96,7 +98,7 @@ fn evaluate_lanes<T: Lanes>(plan: Plan<'_>, stride: usize, data: &mut [f64]) {
     let columns = if few_samples { &mut values[..] } else { &mut *data };
     let mut groups = Groups::new(plan.samples, T::LANES, aligned);
     while let Some(group) = groups.next() {
-        evaluate_group(&plan, group, joints, &mut links, columns);
+        evaluate_group(&plan, group, joints, &mut links, &mut kept, columns);
     }
     for (target, lanes) in targets.iter().zip(values.chunks_exact(T::LANES)) {
         data[*target..target + samples].copy_from_slice(&lanes[..samples]);
@@ -170,6 +172,7 @@ fn evaluate_group<T: Lanes>(
     group: &[usize],
     joints: &mut [JointLanes<T>],
     links: &mut [LinkMotion<T>; GROUP],
+    kept: &mut [Kept<T>],
     data: &mut [f64],
 ) {
     for first in group {
@@ -180,11 +183,11 @@ fn evaluate_group<T: Lanes>(
         joint_angles(joint, position, group, &mut lanes.angles);
     }
     for (i, joint) in plan.joints.iter().enumerate() {
-        advance(plan, i, group, joints, links);
+        advance(plan, i, group, joints, links, kept);
         let Some((own, others)) = plan.blocks_of(i).split_last() else { return };
         // SAFETY: `assert_fits` has compared the largest offset with the length of `data`.
         unsafe {
-            other_blocks(links, &joints[..i], others, group, to);
+            other_blocks(links, &joints[..others.len()], others, group, to);
             match joint.kind {
                 JointKind::Revolute => own_block(links, joint.sign, *own, group, to),
                 JointKind::Prismatic => own_slide_block(links, joint.sign, *own, group, to),
@@ -193,9 +196,29 @@ fn evaluate_group<T: Lanes>(
     }
 }
 
-/// From link i − 1 to link i: its motion, and the twists of the joints before it in its frame.
+/// From the parent link to link i: its motion, and the twists of the joints on its path in its frame.
 #[inline(always)]
 fn advance<T: Lanes>(
+    plan: &Plan<'_>,
+    i: usize,
+    group: &[usize],
+    joints: &mut [JointLanes<T>],
+    links: &mut [LinkMotion<T>; GROUP],
+    kept: &mut [Kept<T>],
+) {
+    let place = &plan.places[i];
+    if let Some(number) = place.branching.resumes {
+        kept[number].resume(links, joints);
+    }
+    cross(plan, i, group, joints, links);
+    if let Some(number) = place.branching.kept {
+        kept[number].keep(links, joints);
+    }
+}
+
+/// Across joint i, with the motion of the parent link and the twists in its frame at work.
+#[inline(always)]
+fn cross<T: Lanes>(
     plan: &Plan<'_>,
     i: usize,
     group: &[usize],
@@ -204,6 +227,7 @@ fn advance<T: Lanes>(
 ) {
     let place = &plan.places[i];
     let (before, here) = joints.split_at_mut(i);
+    let before = &mut before[..place.branching.depth];
     let angles = &here[0].angles[..group.len()];
     let [position, velocity, acceleration] = plan.series[i];
     let rates = Rates { sign: plan.joints[i].sign, position, velocity, acceleration };

@@ -7,9 +7,23 @@ use crate::joint::{Joint, JointFrame, JointKind};
 /// dependent operations, and several of them keep the processor busy. More would not fit its fastest cache.
 pub(super) const GROUP: usize = 6;
 
-/// What the kernel needs of a joint's place on the previous link.
+/// Where a link is in the tree.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Branching {
+    /// Where the link's path begins among those of all links.
+    pub path: usize,
+    /// How many joints carry the link beside its own.
+    pub depth: usize,
+    /// The number of what is kept of this link: a joint other than the next sits on it.
+    pub kept: Option<usize>,
+    /// What was kept of the parent, which is not the link before.
+    pub resumes: Option<usize>,
+}
+
+/// What the kernel needs of a joint's place on its parent link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
+    pub branching: Branching,
     /// What the joint does.
     pub kind: JointKind,
     turn: Turn,
@@ -17,17 +31,17 @@ pub(crate) struct Place {
     pub rotation: [[f64; 3]; 3],
     /// The origin in the joint's own axes, as a [`Shift`].
     shift: Shift,
-    /// The origin in the previous link frame, in m.
+    /// The origin in the parent link's frame, in m.
     pub translation_m: [f64; 3],
-    /// The unit twist of the previous joint, carried to this joint but not yet turned by its angle: the same
+    /// The unit twist of the parent link's joint, carried to this joint but not yet turned by its angle: the same
     /// in every sample.
     previous_omega: [f64; 3],
     previous_velocity: [f64; 3],
 }
 
 impl Place {
-    /// The place of a joint behind the joint `previous`.
-    pub fn new(kind: JointKind, frame: &JointFrame, previous: Option<&Joint>) -> Self {
+    /// The place of a joint on the link of the joint `previous`.
+    pub fn new(kind: JointKind, frame: &JointFrame, previous: Option<&Joint>, branching: Branching) -> Self {
         let z = previous.map_or(1.0, |joint| joint.sign);
         let p = frame.translation_m;
         let (omega, velocity) = match previous.map(|joint| joint.kind) {
@@ -39,6 +53,7 @@ impl Place {
         // notice, its speed does.
         let dust = 4.0 * f64::EPSILON * p.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self {
+            branching,
             kind,
             rotation: frame.rotation,
             turn: Turn::of(&frame.rotation),
@@ -255,7 +270,8 @@ pub(super) fn next_link<T: Lanes>(
 pub(super) struct JointLanes<T> {
     /// The joint's angles.
     pub angles: [Angle<T>; GROUP],
-    /// The joint's unit twists in the link frame at work.
+    /// In the link frame at work, the unit twists of that joint of the link's path which stands at this place in it; in
+    /// a chain, of this joint.
     pub twists: [Twist<T>; GROUP],
 }
 
@@ -264,6 +280,37 @@ impl<T: Lanes> JointLanes<T> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self { angles: [Angle::zero(); GROUP], twists: [Twist::zero(); GROUP] }
+    }
+}
+
+/// The state at a link from which further branches go on: its motion, and the twists of the joints before its own.
+#[derive(Debug, Clone)]
+pub(super) struct Kept<T> {
+    links: [LinkMotion<T>; GROUP],
+    twists: Vec<[Twist<T>; GROUP]>,
+}
+
+impl<T: Lanes> Kept<T> {
+    /// Zeros for a link that `depth` joints carry beside its own, to be overwritten.
+    #[inline(always)]
+    pub fn zero(depth: usize) -> Self {
+        Self { links: [LinkMotion::zero(); GROUP], twists: vec![[Twist::zero(); GROUP]; depth] }
+    }
+
+    #[inline(always)]
+    pub fn keep(&mut self, links: &[LinkMotion<T>; GROUP], joints: &[JointLanes<T>]) {
+        self.links = *links;
+        for (kept, joint) in self.twists.iter_mut().zip(joints) {
+            *kept = joint.twists;
+        }
+    }
+
+    #[inline(always)]
+    pub fn resume(&self, links: &mut [LinkMotion<T>; GROUP], joints: &mut [JointLanes<T>]) {
+        *links = self.links;
+        for (kept, joint) in self.twists.iter().zip(joints) {
+            joint.twists = *kept;
+        }
     }
 }
 

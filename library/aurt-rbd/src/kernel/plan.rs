@@ -1,7 +1,8 @@
 use aurt_traits::{MotionView, RegressorTile};
 
 use super::block::{Block, possible_entries};
-use super::motion::Place;
+use super::lanes::Lanes;
+use super::motion::{Branching, Kept, Place};
 use crate::joint::Joint;
 use crate::{INERTIAL_PARAMETERS, SerialChain};
 
@@ -11,10 +12,12 @@ pub(super) struct Plan<'a> {
     pub gravity_m_s2: [f64; 3],
     pub joints: &'a [Joint],
     pub places: &'a [Place],
+    /// The paths of all links, one after the other.
+    pub paths: &'a [usize],
     /// Position, velocity and acceleration of each joint.
     pub series: Vec<[&'a [f64]; 3]>,
     pub samples: usize,
-    /// The blocks of link after link, of each the joints from 0 up to its own.
+    /// The blocks of link after link, of each the joints of its path.
     blocks: Vec<Block>,
     /// An offset that none in `blocks` exceeds; `None` if nothing is wanted.
     largest_offset: Option<usize>,
@@ -26,12 +29,13 @@ impl<'a> Plan<'a> {
         let (destinations, stride, _) = tile.raw_mut();
         // One more than the largest destination: an entry that is not wanted wraps around to 0.
         let destinations_end = destinations.iter().map(|d| d.wrapping_add(1)).max().unwrap_or(0);
-        let mut blocks = Vec::with_capacity(joints.len() * (joints.len() + 1) / 2);
+        let mut blocks = Vec::with_capacity(chain.paths().len());
         // One group of ten destinations for each (joint, link).
         let (groups, _) = destinations.as_chunks::<INERTIAL_PARAMETERS>();
         for link in 0..joints.len() {
-            for joint in 0..=link {
-                let possible = possible_entries(joints[joint].kind, joint, link);
+            for joint in chain.path(link).iter().copied() {
+                let possible =
+                    possible_entries(joints[joint].kind, joint == link, chain.path(link).len() == 1);
                 blocks.push(Block::new(&groups[joint * joints.len() + link], possible, stride));
             }
         }
@@ -46,6 +50,7 @@ impl<'a> Plan<'a> {
             gravity_m_s2: chain.gravity_m_s2(),
             joints,
             places: chain.places(),
+            paths: chain.paths(),
             series: (0..joints.len())
                 .map(|j| [motion.position_rad(j), motion.velocity_rad_s(j), motion.acceleration_rad_s2(j)])
                 .collect(),
@@ -55,11 +60,31 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The blocks of a link and the joints from 0 up to its own.
+    /// The blocks of a link and the joints of its path.
     #[inline(always)]
     pub fn blocks_of(&self, link: usize) -> &[Block] {
-        let start = link * (link + 1) / 2;
-        &self.blocks[start..=start + link]
+        let Branching { path, depth, .. } = self.places[link].branching;
+        &self.blocks[path..=path + depth]
+    }
+
+    /// The joints that carry a link beside its own, base first.
+    #[inline(always)]
+    pub fn carriers_of(&self, link: usize) -> &[usize] {
+        let Branching { path, depth, .. } = self.places[link].branching;
+        &self.paths[path..path + depth]
+    }
+
+    /// Room for what is kept of links from which further branches go on.
+    #[inline(always)]
+    pub fn kept<T: Lanes>(&self) -> Vec<Kept<T>> {
+        let mut kept = Vec::new();
+        for place in self.places {
+            if let Some(number) = place.branching.kept {
+                kept.resize(kept.len().max(number + 1), Kept::zero(0));
+                kept[number] = Kept::zero(place.branching.depth);
+            }
+        }
+        kept
     }
 
     /// Refuses work whose columns do not have `end` samples in `length` values.
@@ -109,6 +134,7 @@ impl<'a> Plan<'a> {
             gravity_m_s2: self.gravity_m_s2,
             joints: self.joints,
             places: self.places,
+            paths: self.paths,
             series: padded.chunks_exact(3 * lanes).map(of_joint).collect(),
             samples: lanes,
             blocks: self.blocks.clone(),

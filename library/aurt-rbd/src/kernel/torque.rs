@@ -1,7 +1,7 @@
 use aurt_traits::{Dispatch, MotionView};
 
 use super::lanes::{self, Lanes, Plain2};
-use super::motion::{GROUP, JointLanes, LinkMotion, Twist, joint_angles};
+use super::motion::{GROUP, JointLanes, Kept, LinkMotion, Twist, joint_angles};
 use super::plan::Plan;
 use super::turn::{Vector, dot};
 use super::{FEW_JOINTS, Groups, advance};
@@ -12,7 +12,7 @@ type Output<'a> = (&'a mut [f64], usize);
 
 /// Writes τ = Y π for every sample of `motion`, π the standard parameters.
 ///
-/// A link's parameters and motion give one wrench, which is projected on the unit twists of the joints before it: a
+/// A link's parameters and motion give one wrench, which is projected on the unit twists of the joints of its path: a
 /// quarter of the work of the columns of Y. Lanes are independent of one another.
 pub(crate) fn torque(
     level: Dispatch,
@@ -78,10 +78,11 @@ fn torque_lanes<T: Lanes>(
     let whole = few_samples.then(|| plan.with_series(&padded, T::LANES));
     let mut values = vec![0.0; if few_samples { count * T::LANES } else { 0 }];
     let plan = whole.as_ref().unwrap_or(plan);
+    let mut kept = plan.kept();
     let mut groups = Groups::new(plan.samples, T::LANES, 0);
     while let Some(group) = groups.next() {
         let to = if few_samples { (&mut values[..], T::LANES) } else { (&mut *out, stride) };
-        torque_group(plan, standard, group, joints, torques, to);
+        torque_group(plan, standard, group, (&mut *joints, &mut kept), torques, to);
     }
     for (joint, lanes) in values.chunks_exact(T::LANES).enumerate() {
         out[joint * stride..joint * stride + samples].copy_from_slice(&lanes[..samples]);
@@ -94,7 +95,7 @@ fn torque_group<T: Lanes>(
     plan: &Plan<'_>,
     standard: &[[f64; INERTIAL_PARAMETERS]],
     group: &[usize],
-    joints: &mut [JointLanes<T>],
+    (joints, kept): (&mut [JointLanes<T>], &mut [Kept<T>]),
     torques: &mut [[T; GROUP]],
     (out, stride): Output<'_>,
 ) {
@@ -103,17 +104,18 @@ fn torque_group<T: Lanes>(
         joint_angles(joint, position, group, &mut lanes.angles);
     }
     for (i, joint) in plan.joints.iter().enumerate() {
-        advance(plan, i, group, joints, &mut links);
+        advance(plan, i, group, joints, &mut links, kept);
         let sign = T::splat(joint.sign);
-        let (torques_before, own) = torques.split_at_mut(i);
+        let carriers = plan.carriers_of(i);
         for (member, link) in links.iter().enumerate().take(group.len()) {
             let wrench = wrench(link, &standard[i]);
-            own[0][member] = match joint.kind {
+            torques[i][member] = match joint.kind {
                 JointKind::Revolute => wrench.moment[2] * sign,
                 JointKind::Prismatic => wrench.force[2] * sign,
             };
-            for (torque, joint) in torques_before.iter_mut().zip(&joints[..i]) {
-                torque[member] = wrench.along(&joint.twists[member], torque[member]);
+            for (carrier, joint) in carriers.iter().zip(&*joints) {
+                let torque = &mut torques[*carrier][member];
+                *torque = wrench.along(&joint.twists[member], *torque);
             }
         }
     }

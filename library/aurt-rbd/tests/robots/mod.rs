@@ -3,7 +3,7 @@
 #![expect(dead_code, reason = "each test binary uses a part of this")]
 #![expect(clippy::unwrap_used, reason = "the tables are constants")]
 
-use aurt_rbd::{Joint, JointKind, LinkBody, MdhRows, MdhTable, Placement, SerialChain};
+use aurt_rbd::{Joint, JointKind, LinkBody, MdhRows, MdhTable, Parent, Placement, SerialChain};
 use proptest::prelude::*;
 
 pub const TWO_LINK: &str = "alpha,a,d\n0,0,0\n0,1,0\n";
@@ -87,19 +87,29 @@ fn placement() -> impl Strategy<Value = Placement> {
     ]
 }
 
-/// A chain of 1 to 12 joints, every third prismatic, under any gravity.
-pub fn any_chain() -> impl Strategy<Value = SerialChain> {
+/// A chain or tree of 1 to 12 joints, every third prismatic, under any gravity.
+pub fn any_tree() -> impl Strategy<Value = SerialChain> {
     let kind = prop_oneof![2 => Just(JointKind::Revolute), 1 => Just(JointKind::Prismatic)];
-    let joint = (kind, placement(), prop_oneof![Just(0.0), -3.0..3.0], any::<bool>()).prop_map(
-        |(kind, placement, theta_offset_rad, positive)| Joint {
-            kind,
-            placement,
-            theta_offset_rad,
-            sign: if positive { 1.0 } else { -1.0 },
+    let joint = (kind, placement(), prop_oneof![Just(0.0), -3.0..3.0], any::<bool>(), 0_usize..36).prop_map(
+        |(kind, placement, theta_offset_rad, positive, parent)| {
+            let sign = if positive { 1.0 } else { -1.0 };
+            (Joint { kind, placement, theta_offset_rad, sign, ..Joint::revolute(placement) }, parent)
         },
     );
-    (prop::collection::vec(joint, 1..=12), [-10.0..10.0, -10.0..10.0, -10.0..10.0])
-        .prop_map(|(joints, gravity)| SerialChain::new(joints, gravity).unwrap())
+    let joints = prop::collection::vec(joint, 1..=12);
+    // Most joints sit on the link before; one in three robots is a chain.
+    (joints, 0..3, [-10.0..10.0, -10.0..10.0, -10.0..10.0]).prop_map(|(joints, shape, gravity)| {
+        let on = |(j, (joint, parent)): (usize, (Joint, usize))| {
+            let parent = match parent.checked_sub(12).map(|link| link % (j + 1)) {
+                None => Parent::Previous,
+                Some(_) if shape == 0 => Parent::Previous,
+                Some(0) => Parent::Base,
+                Some(link) => Parent::Link(link - 1),
+            };
+            Joint { parent, ..joint }
+        };
+        SerialChain::new(joints.into_iter().enumerate().map(on).collect(), gravity).unwrap()
+    })
 }
 
 /// Standard parameters of a body of positive density: six point masses.
@@ -116,9 +126,9 @@ fn body() -> impl Strategy<Value = Vec<f64>> {
     })
 }
 
-/// A chain with bodies, and a state: positions, velocities, accelerations.
+/// A chain or tree with bodies, and a state: positions, velocities, accelerations.
 pub fn any_robot() -> impl Strategy<Value = (SerialChain, Vec<f64>, [Vec<f64>; 3])> {
-    any_chain().prop_flat_map(|chain| {
+    any_tree().prop_flat_map(|chain| {
         let n = chain.joints().len();
         let bodies = prop::collection::vec(body(), n).prop_map(|b| b.concat());
         let state = [

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 use aurt_rbd::{Joint, Placement};
 
 use crate::pose::{Pose, along};
-use crate::{DescribedRobot, JointFriction, JointLimits};
+use crate::{DescribedRobot, JointFriction, JointLimits, Part};
 
 pub use arms::KNOWN_ROBOTS;
 
@@ -93,6 +93,7 @@ impl KnownRobot {
             name: self.name.into(),
             base: "base".into(),
             tip: "flange".into(),
+            part: Part::All,
             joint_names: match self.joint_names {
                 JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
                 JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),

@@ -13,9 +13,18 @@ const POSES: usize = 40;
 /// An arm that is flatter than this share of its length, seen from the side, is drawn from above.
 const FLAT: f64 = 0.1;
 
-/// Base and joints in the plane of a drawing, m: in the pose, of some of all recordings, in which they take the most room. None of an
-/// arm that is no serial chain.
-pub fn points_m(model: &RobotModel, recordings: &[QuestionedRecording]) -> Option<Vec<[f64; 2]>> {
+/// A robot as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// The base and then every joint, in the plane of a drawing, m.
+    pub points_m: Vec<[f64; 2]>,
+    /// As in [`Arm::from`].
+    pub from: Vec<usize>,
+}
+
+/// Base and joints in the pose, of some of all recordings, in which they take the most room. None where joints follow others
+/// or the bodies are of a kind of their own.
+pub fn outline(model: &RobotModel, recordings: &[QuestionedRecording]) -> Option<Outline> {
     let any: &dyn Any = &**model.rigid_body();
     let chain = any.downcast_ref::<SerialChain>()?;
     let mut best: Option<(f64, Vec<[f64; 2]>)> = None;
@@ -38,7 +47,9 @@ pub fn points_m(model: &RobotModel, recordings: &[QuestionedRecording]) -> Optio
             }
         }
     }
-    best.map(|(_, points)| points).filter(|points| points.iter().flatten().all(|x| x.is_finite()))
+    let from = (0..model.joints()).map(|joint| chain.parent(joint).map_or(0, |link| link + 1)).collect();
+    let points_m = best.map(|(_, points)| points)?;
+    points_m.iter().flatten().all(|x| x.is_finite()).then_some(Outline { points_m, from })
 }
 
 fn extent(values: impl Iterator<Item = f64> + Clone) -> f64 {
@@ -83,7 +94,8 @@ fn seen(points: &[[f64; 3]], gravity: [f64; 3]) -> Vec<[f64; 2]> {
 }
 
 /// The drawing: errors on held-out data over the noise, or, without such data, on the rows that were fitted.
-pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
+pub fn figure(verdict: &Verdict, outline: &Outline) -> Arm {
+    let points_m = &outline.points_m;
     let held = &verdict.held_out;
     let joints = points_m.len().saturating_sub(1);
     let is_held_out = [&held.rms_before, &held.rms_after, &held.rms_floor].iter().all(|l| l.len() == joints);
@@ -110,7 +122,8 @@ pub fn figure(verdict: &Verdict, points_m: &[[f64; 2]]) -> Arm {
              are drawn side by side."
         ),
         of: "noise".into(),
-        points_m: points_m.to_vec(),
+        points_m: points_m.clone(),
+        from: outline.from.clone(),
         states: vec![("before".into(), state(true)), ("after".into(), state(false))],
     }
 }

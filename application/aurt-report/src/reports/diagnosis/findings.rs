@@ -1,6 +1,6 @@
 //! What was found, effect by effect.
 
-use aurt_diagnosis::{Finding, RegisteredFinding, effects};
+use aurt_diagnosis::{Evidence, Finding, RegisteredFinding, effects};
 use serde_json::Value;
 
 use super::{Diagnosed, capital};
@@ -71,12 +71,11 @@ impl Diagnosed<'_> {
         }
         let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
         let mut facts = vec![format!(
-            "{} on joints {}, in {} recordings; score {:.0}, {:.0} were needed",
+            "{} on joints {}, in {} recordings; {}",
             finding.effect,
             listed(&joints),
             listed(&finding.present_in),
-            finding.evidence.score,
-            finding.evidence.threshold
+            evidence(&finding.evidence)
         )];
         if let Some(share) = finding.stability {
             facts.push(format!("lowers the error on {:.0} % of the blocks of time", 100.0 * share));
@@ -105,14 +104,19 @@ fn registered_blocks(model: &RegisteredFinding) -> Vec<Block> {
     }
     let facts = vec![
         format!("{} model {} of {}", model.slot.name(), model.model, model.origin),
-        format!(
-            "in {} recordings; score {:.0}, {:.0} were needed",
-            listed(&model.present_in),
-            model.evidence.score,
-            model.evidence.threshold
-        ),
+        format!("in {} recordings; {}", listed(&model.present_in), evidence(&model.evidence)),
     ];
     vec![Block::List(facts), Block::Table(table)]
+}
+
+/// The score, and what it is worth.
+fn evidence(evidence: &Evidence) -> String {
+    let Evidence { score, threshold, p, .. } = *evidence;
+    match p {
+        Some(p) if p < 0.001 => format!("score {score:.0}, by chance with a probability below 0.001"),
+        Some(p) => format!("score {score:.0}, by chance with a probability of {p:.3}"),
+        None => format!("score {score:.0}, {threshold:.0} were needed"),
+    }
 }
 
 /// What an entry of a list is of: a component of a vector or tensor, or a joint.

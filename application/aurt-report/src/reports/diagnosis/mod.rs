@@ -42,8 +42,8 @@ pub struct Diagnosed<'a> {
     pub recording_notes: Vec<Vec<String>>,
     /// What verdict.json holds.
     pub document: &'a Value,
-    /// Base and joints in the plane of a drawing, m, where the arm can be drawn.
-    pub arm_m: Option<Vec<[f64; 2]>>,
+    /// The robot as it is drawn, where it can be.
+    pub arm: Option<arm::Outline>,
 }
 
 impl<'a> Diagnosed<'a> {
@@ -61,7 +61,7 @@ impl<'a> Diagnosed<'a> {
             notes: &explanation.notes,
             recording_notes: recordings.iter().map(notes).collect(),
             document,
-            arm_m: arm::points_m(&explanation.diagnosed, recordings),
+            arm: arm::outline(&explanation.diagnosed, recordings),
         }
     }
 }
@@ -245,8 +245,8 @@ impl Diagnosed<'_> {
 
     /// The bars, beside the arm if it can be drawn.
     fn where_it_is(&self, bars: Figure) -> Block {
-        match &self.arm_m {
-            Some(points) => Block::Figures(vec![Figure::Arm(arm::figure(self.verdict, points)), bars]),
+        match &self.arm {
+            Some(outline) => Block::Figures(vec![Figure::Arm(arm::figure(self.verdict, outline)), bars]),
             None => Block::Figure(bars),
         }
     }
