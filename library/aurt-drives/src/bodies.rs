@@ -4,7 +4,7 @@
 //! transformations (Featherstone, *Rigid Body Dynamics Algorithms*, chapters 5 and 6): with the joint's axis
 //! S_j = (z_j, o_j × z_j), the torques are S_jᵀ Σ_{i ≥ j} (I_i a_i + v_i ×* I_i v_i) and M_jk = S_jᵀ I_{≥ k} S_k, k ≥ j.
 
-use aurt_rbd::{JointKind, SerialChain};
+use aurt_rbd::{JointKind, LinkFrame, SerialChain};
 use aurt_traits::Jet;
 
 /// A vector in the base frame.
@@ -122,19 +122,17 @@ impl Bodies {
         let mut at_zero = Vec::new();
         chain.link_frames(&vec![0.0; joints], &mut at_zero);
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (mut rotation, mut origin) = (identity, [0.0; 3]);
-        let frames = at_zero
-            .iter()
-            .map(|frame| {
-                let step: [f64; 3] = std::array::from_fn(|i| frame.origin_m[i] - origin[i]);
-                let relative = std::array::from_fn(|r| {
-                    std::array::from_fn(|c| (0..3).map(|k| rotation[k][r] * frame.rotation[k][c]).sum())
-                });
-                let translation = std::array::from_fn(|r| (0..3).map(|k| rotation[k][r] * step[k]).sum());
-                (rotation, origin) = (frame.rotation, frame.origin_m);
-                (relative, translation)
-            })
-            .collect();
+        let relative_to_parent = |(j, frame): (usize, &LinkFrame)| {
+            let parent = chain.parent(j).map(|p| at_zero[p]);
+            let rotation = parent.map_or(identity, |p| p.rotation);
+            let origin = parent.map_or([0.0; 3], |p| p.origin_m);
+            let step: [f64; 3] = std::array::from_fn(|i| frame.origin_m[i] - origin[i]);
+            let relative = std::array::from_fn(|r| {
+                std::array::from_fn(|c| (0..3).map(|k| rotation[k][r] * frame.rotation[k][c]).sum())
+            });
+            (relative, std::array::from_fn(|r| (0..3).map(|k| rotation[k][r] * step[k]).sum()))
+        };
+        let frames = at_zero.iter().enumerate().map(relative_to_parent).collect();
         let standard = standard.as_chunks().0.to_vec();
         Self { chain: chain.clone(), frames, standard, placed: vec![Placed::default(); joints] }
     }
@@ -145,10 +143,11 @@ impl Bodies {
 
     /// Places the links at q, the masses of each link multiplied by `mass_scale`.
     pub(crate) fn place(&mut self, q: &[Jet], mass_scale: &[Jet]) {
-        let mut rotation: [Vector; 3] =
+        let base: [Vector; 3] =
             std::array::from_fn(|r| std::array::from_fn(|c| Jet::constant(f64::from(u8::from(r == c)))));
-        let mut origin = [Jet::ZERO; 3];
         for j in 0..self.joints() {
+            let parent = self.chain.parent(j).map(|p| &self.placed[p]);
+            let (rotation, mut origin) = parent.map_or((base, [Jet::ZERO; 3]), |p| (p.rotation, p.origin));
             let joint = &self.chain.joints()[j];
             let (relative, translation) = &self.frames[j];
             let along = |v: &[f64; 3]| -> Vector {
@@ -172,7 +171,7 @@ impl Bodies {
                 }
             };
             let z = columns[2];
-            rotation = std::array::from_fn(|r| [x[r], y[r], z[r]]);
+            let rotation = std::array::from_fn(|r| [x[r], y[r], z[r]]);
             let axis = match joint.kind {
                 JointKind::Revolute => Twist { turn: axis, slide: cross(origin, axis) },
                 JointKind::Prismatic => Twist { turn: [Jet::ZERO; 3], slide: axis },
@@ -185,34 +184,42 @@ impl Bodies {
     /// The torques C(q, q̇) q̇ + g(q) of the placed links.
     pub(crate) fn bias(&self, qd: &[Jet], out: &mut [Jet]) {
         let gravity = self.chain.gravity_m_s2().map(|g| Jet::constant(-g));
-        let mut velocity = Twist::default();
-        let mut acceleration = Twist { turn: [Jet::ZERO; 3], slide: gravity };
+        let still = (Twist::default(), Twist { turn: [Jet::ZERO; 3], slide: gravity });
+        let mut motions: Vec<(Twist, Twist)> = Vec::with_capacity(self.joints());
         let mut forces = Vec::with_capacity(self.joints());
-        for (placed, rate) in self.placed.iter().zip(qd) {
+        for (j, (placed, rate)) in self.placed.iter().zip(qd).enumerate() {
+            let (velocity, acceleration) = self.chain.parent(j).map_or(still, |p| motions[p]);
             let own = placed.axis.times(*rate);
-            acceleration = acceleration.plus(velocity.carry(own));
-            velocity = velocity.plus(own);
+            let acceleration = acceleration.plus(velocity.carry(own));
+            let velocity = velocity.plus(own);
             let momentum = placed.inertia.momentum(velocity);
             forces.push(placed.inertia.momentum(acceleration).plus(velocity.carry_momentum(momentum)));
+            motions.push((velocity, acceleration));
         }
-        let mut force = Twist::default();
         for j in (0..self.joints()).rev() {
-            force = force.plus(forces[j]);
-            out[j] = self.placed[j].axis.power(force);
+            out[j] = self.placed[j].axis.power(forces[j]);
+            if let Some(parent) = self.chain.parent(j) {
+                forces[parent] = forces[parent].plus(forces[j]);
+            }
         }
     }
 
     /// The mass matrix of the placed links, row after row.
     pub(crate) fn mass_matrix(&self, out: &mut [Jet]) {
         let n = self.joints();
-        let mut composite = Inertia::default();
+        out.fill(Jet::ZERO);
+        let mut composite: Vec<Inertia> = self.placed.iter().map(|p| p.inertia).collect();
         for k in (0..n).rev() {
-            composite = composite.plus(&self.placed[k].inertia);
-            let momentum = composite.momentum(self.placed[k].axis);
-            for j in 0..=k {
+            let momentum = composite[k].momentum(self.placed[k].axis);
+            if let Some(parent) = self.chain.parent(k) {
+                composite[parent] = composite[parent].plus(&composite[k]);
+            }
+            let mut ancestor = Some(k);
+            while let Some(j) = ancestor {
                 let entry = self.placed[j].axis.power(momentum);
                 out[j * n + k] = entry;
                 out[k * n + j] = entry;
+                ancestor = self.chain.parent(j);
             }
         }
     }
@@ -223,8 +230,12 @@ impl Bodies {
         let point: Vector = std::array::from_fn(|r| {
             last.origin[r] + (0..3).fold(Jet::ZERO, |sum, c| sum + last.rotation[r][c] * in_link_m[c])
         });
-        for (placed, column) in self.placed.iter().zip(jacobian) {
-            *column = add(placed.axis.slide, cross(placed.axis.turn, point));
+        jacobian.fill([Jet::ZERO; 3]);
+        let mut ancestor = self.joints().checked_sub(1);
+        while let Some(j) = ancestor {
+            let axis = &self.placed[j].axis;
+            jacobian[j] = add(axis.slide, cross(axis.turn, point));
+            ancestor = self.chain.parent(j);
         }
         point
     }
@@ -255,16 +266,17 @@ fn in_base(standard: &[f64; 10], rotation: &[Vector; 3], origin: Vector, factor:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use aurt_rbd::{ChainDynamics, Joint, LinkBody, Placement};
+    use aurt_rbd::{ChainDynamics, Joint, LinkBody, Parent, Placement};
 
-    /// An arm of turning and sliding joints in no special position.
+    /// A tree of turning and sliding joints in no special position.
     pub(crate) fn arm() -> (SerialChain, Vec<f64>) {
         let place = |x: f64| Placement::from_roll_pitch_yaw([0.1 * x, -0.2, 0.3], [0.4 + x, -0.7 * x, 0.9]);
         let joints = vec![
             Joint::revolute(place(0.3)),
             Joint { theta_offset_rad: 0.4, sign: -1.0, ..Joint::revolute(place(0.8)) },
             Joint { theta_offset_rad: 0.2, ..Joint::prismatic(place(-0.4)) },
-            Joint { sign: -1.0, ..Joint::prismatic(place(0.6)) },
+            // A branch: the third joint moves none of what follows.
+            Joint { sign: -1.0, parent: Parent::Link(1), ..Joint::prismatic(place(0.6)) },
             Joint::revolute(place(-0.9)),
         ];
         let body = |k: f64| LinkBody {
