@@ -70,13 +70,6 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
 /// # Errors
 /// If its model cannot be assembled.
 pub fn job(experiment: &Experiment) -> Result<Job, Failure> {
-    if experiment.drive.is_some() {
-        return Err(Failure::unfit(
-            &experiment.path,
-            "its recordings hold commands of a [drive], no torques",
-            "use `aurt run`, and `aurt predict` with the drive_calibrated.json that it writes",
-        ));
-    }
     Ok(Job {
         model: experiment.robot_model()?,
         preprocessing: experiment.preprocess.clone(),
@@ -127,7 +120,7 @@ pub fn calibration_options(experiment: &Experiment) -> CalibrationOptions {
             experiment::Estimator::Consistent => Estimator::Consistent,
             experiment::Estimator::Essential => Estimator::Essential,
             experiment::Estimator::ReweightedLeastSquares => Estimator::Irls,
-            // Refused by `job`: it fits no torques.
+            // Of drives, which are not calibrated with these options.
             experiment::Estimator::OutputError => Estimator::Wls,
         },
         load_torque: match load_torque {

@@ -109,7 +109,7 @@ fn the_published_values_of_emps_are_found_by_output_error() {
         return;
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/5-servo/emps.toml");
-    let experiment = Experiment::read(&path, &mut Registry::linked().unwrap()).unwrap();
+    let experiment = Experiment::read_with_drives(&path, &mut Registry::linked().unwrap()).unwrap();
     let outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
     let of = |name: &str| {
         let numbers = outcome.json["numbers"].as_array().unwrap();

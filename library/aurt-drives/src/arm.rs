@@ -87,7 +87,6 @@ impl DrivenArm {
     /// # Errors
     /// Every complaint.
     pub fn validate(&self) -> Result<(), DriveError> {
-        self.chain.check_serial().map_err(|error| DriveError::Robot(error.to_string()))?;
         let joints = self.chain.joints().len();
         let counts = [
             ("drives", self.joints.len(), joints),

@@ -4,9 +4,6 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// A robot that is no chain of joints.
-    #[error("{0}")]
-    Robot(String),
     /// Two things that must have the same number of entries do not.
     #[error("{what}: expected {expected}, got {found}")]
     Count {

@@ -76,7 +76,7 @@ impl Run {
     pub fn run(&self, session: &mut Session<'_>) -> Result<Report, Failure> {
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
-        let experiment = Experiment::read(&self.experiment, &mut session.registry)?;
+        let experiment = Experiment::read_with_drives(&self.experiment, &mut session.registry)?;
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         if experiment.drive.is_some() {
             return run_drives(&experiment, &folder, &session.terminal.progress(2 * count + 1));

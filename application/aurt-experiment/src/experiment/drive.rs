@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use aurt_drives::{DrivenJoint, Floor, Mechanics, Selection};
 use aurt_plugins::{Node, NodeKind};
@@ -10,6 +10,8 @@ use super::{joint_count::JointCheck, section::Section};
 /// `[drive]`: the drives of all joints, what else of the joints a simulation needs, and which numbers are estimated.
 #[derive(Debug, Clone)]
 pub struct Drive {
+    /// Where it stands in the experiment's text.
+    pub span: Range<usize>,
     /// One for each joint.
     pub joints: Vec<DrivenJoint>,
     /// `[drive.floor]`: what the last link can touch.
@@ -46,6 +48,7 @@ impl Drive {
             section.section("deviations").map_or_else(Vec::new, |below| deviations(below, &known));
         let position_deviation_rad = section.positive("position_deviation_rad");
         let piece_s = section.positive("piece_s");
+        let span = section.span().clone();
         section.finish();
         let joints = own?.into_iter().map(|values| {
             let (own, rest) = values.split_at(of_drive.len());
@@ -55,7 +58,7 @@ impl Drive {
             joint
         });
         let selection = Selection { estimate, shared, deviations };
-        Some(Self { joints: joints.collect(), floor, selection, position_deviation_rad, piece_s })
+        Some(Self { span, joints: joints.collect(), floor, selection, position_deviation_rad, piece_s })
     }
 }
 
@@ -177,6 +180,11 @@ mod tests {
             ("model = \"pd_law\"\ndelay_s = [0.1]", "", "delay_s"),
             ("model = \"pd_law\"\nestimate = [\"dead_band_rad\"]", "", "which this drive does not have"),
             ("model = \"pd_law\"", "[calibration]\nestimator = \"wls\"", "fits torques"),
+            (
+                "model = \"pd_law\"",
+                "[joint_dynamics]\nviscous = { model = \"polynomial\" }",
+                "stands in [drive]",
+            ),
         ] {
             let error = read(drive, calibration).unwrap_err();
             assert!(error.contains(expected), "{expected}: {error}");

@@ -85,11 +85,25 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// Reads an experiment from its file. Libraries that it names are loaded into `registry`.
+    /// Reads an experiment whose recordings hold torques or currents from its file. Libraries that it names are loaded into
+    /// `registry`.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if the file cannot be read, else all problems at once as [`Error::Experiment`]; a `[drive]` is one.
+    pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
+        let read = Self::read_with_drives(path, registry)?;
+        let Some(drive) = &read.drive else { return Ok(read) };
+        let complaint =
+            Complaint::new(&drive.span, "[drive]: the recordings hold commands, and this needs torques")
+                .help("use `aurt run`, and `aurt predict` with the drive_calibrated.json that it writes");
+        Err(Box::new(ExperimentErrors::new(read.path, read.source_text, vec![complaint])).into())
+    }
+
+    /// Reads any experiment from its file.
     ///
     /// # Errors
     /// [`Error::Model`] if the file cannot be read, else all problems at once as [`Error::Experiment`].
-    pub fn read(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
+    pub fn read_with_drives(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = read_text(path, MOST_TEXT_BYTES)
             .map_err(|source| aurt_model::Error::Read { path: path.to_owned(), source })?;
@@ -172,6 +186,12 @@ fn read_sections(
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
     let drive = top.section("drive");
     let driven = drive.is_some();
+    for key in ["joint_dynamics", "arm_terms"] {
+        if let Some(node) = top.take(key).filter(|_| driven) {
+            let what = "describes what is fitted to torques; beside [drive], friction stands in [drive]";
+            top.complain(key, node, what, Some("remove it, or [drive]".to_owned()));
+        }
+    }
     let drive = drive.and_then(|section| Drive::read(section, joints));
     let calibration = match top.section("calibration") {
         Some(section) => Calibration::read(section, robot.as_ref(), driven),
