@@ -184,7 +184,7 @@ e.toml:16:40: `unit` cannot be "mA"; known values: `A`, `Nm`
 e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joined`, `joint_names`, `rate_hz`, `take`, `time`, `topic`, `unit`, `window_s`
 e.toml:18:12: `f_dyn_hz` must be above zero, is -1
 e.toml:20:13: `estimator` expects a string, found an integer
-e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `diagnosis`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;
+e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `diagnosis`, `drive`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;
     let registry = Registry::linked().unwrap();
     let list = |slot| registry.names(slot).iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
     let example = |slot, name| registry.model(slot, name).unwrap().example.clone();

@@ -39,8 +39,7 @@ impl CalibratedDrive {
     /// A file that cannot be read, or is damaged.
     pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
         let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
-        let text =
-            aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(|e| unfit(e.to_string()))?;
+        let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).unwrap_or_default();
         let Ok(value) = serde_json::from_str::<Value>(&text) else { return Ok(None) };
         if value.get("drive_schema").is_none() {
             return Ok(None);
