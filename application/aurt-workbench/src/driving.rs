@@ -36,7 +36,7 @@ impl CalibratedDrive {
     /// Reads a calibrated arm; none if the file is another kind of model.
     ///
     /// # Errors
-    /// A file that cannot be read, or is damaged.
+    /// A model of drives that is damaged.
     pub fn read(path: &Path) -> Result<Option<Self>, Failure> {
         let unfit = |reason: String| Failure::unfit(path, reason, format!("name {DRIVE_FILE} of `aurt run`"));
         let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).unwrap_or_default();
