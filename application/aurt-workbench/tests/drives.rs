@@ -8,10 +8,7 @@ use aurt_drives::DriveRecording;
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_recording::RecordedAs;
-use aurt_workbench::{
-    driving::{CalibratedDrive, DRIVE_FILE, fit_drives},
-    experiments::job,
-};
+use aurt_workbench::driving::{CalibratedDrive, DRIVE_FILE, fit_drives};
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -48,7 +45,10 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         (0..600).map(|k| 0.4 * (k as f64 * 0.03).sin() + 0.1 * (k as f64 * 0.11).sin()).collect();
     fs::write(folder.join("a.csv"), table(&command, &command)).unwrap();
     let experiment = read(folder, EXPERIMENT);
-    assert!(job(&experiment).unwrap_err().to_string().contains("[drive]"));
+    let path = folder.join("experiment.toml");
+    fs::write(&path, EXPERIMENT).unwrap();
+    let refused = Experiment::read(&path, &mut Registry::linked().unwrap()).unwrap_err().to_string();
+    assert!(refused.contains("[drive]"), "{refused}");
 
     // What the robot of the experiment does when its friction is 0.3 Nm and its delay 35 ms.
     let mut robot = fit_drives(&experiment, &Progress::silent()).unwrap();

@@ -19,6 +19,7 @@ mod mistake;
 mod search;
 mod setup;
 mod trial;
+mod undoing;
 mod usual;
 mod wording;
 
