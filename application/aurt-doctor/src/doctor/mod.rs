@@ -7,8 +7,8 @@
 //! into the joint would be needed: a model with all signs turned fits as well, but cannot be.
 //!
 //! All mistakes are tried, in pairs too, if the setup as it is leaves more than 20 % at some joint that moves; otherwise the
-//! likely ones, and the others if one of these would be told. A mistake is told by a test of the likelihood of what is held out, of which the rate of false
-//! accusations is stated (`evidence`); undoing it must lower the error.
+//! likely ones, and the others if one of these would be told. A mistake is told by a test of the likelihood of what is held
+//! out, of which the rate of false accusations is stated (`evidence`); undoing it must lower the error.
 
 mod columns;
 mod correction;
