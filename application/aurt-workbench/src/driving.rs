@@ -7,10 +7,10 @@ use aurt::{
     data::{Loaded, Purpose, Source},
 };
 use aurt_drives::{DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error};
-use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_experiment::Experiment;
 use aurt_output::pretty;
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
-use aurt_recording::{RobotJoints, RobotRecording};
+use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
 use aurt_traits::{Command, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -58,17 +58,17 @@ impl CalibratedDrive {
         RobotJoints { count: self.arm.joints.len(), names: self.joint_names.clone(), branches: Vec::new() }
     }
 
-    /// The positions of a rollout over a recording of commands, as a table with a row for each row of it, and the recording.
+    /// The positions of a rollout over a recording of commands, as a table with a row for each row of it, and what to note.
     ///
     /// # Errors
     /// A recording that cannot be read or used, a simulation that diverges.
-    pub fn rollout_file(&self, source: Source) -> Result<(Vec<u8>, DriveRecording), Failure> {
-        let read = read(source, &self.robot_joints())?;
+    pub fn rollout_file(&self, source: Source) -> Result<(Vec<u8>, Vec<String>), Failure> {
+        let read = read(source, &self.robot_joints(), &self.arm)?;
         let simulated = self
             .arm
             .rollout(&read.recording)
             .map_err(|e| Failure::unfit(&read.file, e.to_string(), REMEDY))?;
-        Ok((table(&read.recording, &simulated), read.recording))
+        Ok((table(&read.recording, &simulated), read.notes))
     }
 }
 
@@ -91,6 +91,7 @@ struct Read {
     file: std::path::PathBuf,
     held_out: bool,
     recording: DriveRecording,
+    notes: Vec<String>,
 }
 
 /// Estimates the drives of an experiment, and rolls out all its recordings.
@@ -106,7 +107,9 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let mut recordings = Vec::new();
     for (recording, held_out) in listed {
         progress.step(format!("reading {}", recording.written));
-        recordings.push(Read { held_out, ..read_as(recording, &joints)? });
+        let read = read(source(recording), &joints, &arm)?;
+        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
+        recordings.push(Read { held_out, ..read });
     }
     progress.step("simulating the closed loop");
     let fitted: Vec<DriveRecording> =
@@ -176,12 +179,17 @@ fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) ->
     }
 }
 
-fn read_as(recording: &RecordingSource, joints: &RobotJoints) -> Result<Read, Failure> {
-    read(source(recording), joints)
-}
-
 /// Reads commands, which stand where a measurement does elsewhere, and positions.
-fn read(mut source: Source, joints: &RobotJoints) -> Result<Read, Failure> {
+fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Read, Failure> {
+    let RecordedAs { angle, counts_per_revolution, gear_ratio, .. } = &source.recorded;
+    let scaled = *angle == Some(AngleUnit::Degree) || counts_per_revolution.is_some() || gear_ratio.is_some();
+    if scaled && follows_positions(arm) {
+        return Err(Failure::unfit(
+            &source.file,
+            "`angle`, `counts_per_revolution` and `gear_ratio` convert positions, and not the commands that they follow",
+            "write commands and positions in rad at the joint",
+        ));
+    }
     // The unit of a command is that of the drive.
     source.unit = source.unit.or(Some(MeasurementUnit::NewtonMetre));
     let loaded = Loaded::read(source, Some(joints), Purpose::Calibration)?;
@@ -190,7 +198,8 @@ fn read(mut source: Source, joints: &RobotJoints) -> Result<Read, Failure> {
     recording
         .check(joints.count, 0)
         .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
-    Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording })
+    let notes = loaded.recording.report.notes();
+    Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording, notes })
 }
 
 fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {
@@ -243,15 +252,19 @@ impl Judged {
         let pairs = |a: &[Vec<f64>]| -> Vec<f64> {
             a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, b)).collect()
         };
-        let follows = arm.joints.iter().all(|j| j.drive.command() == Command::Position);
         Self {
             label: read.label.clone(),
             held_out: read.held_out,
             samples: read.recording.time_s.len(),
             rms: pairs(simulated),
-            command_rms: follows.then(|| over_joints(&pairs(&read.recording.command))),
+            command_rms: follows_positions(arm).then(|| over_joints(&pairs(&read.recording.command))),
         }
     }
+}
+
+/// Whether commands are positions.
+fn follows_positions(arm: &DrivenArm) -> bool {
+    arm.joints.iter().all(|j| j.drive.command() == Command::Position)
 }
 
 fn over_joints(rms: &[f64]) -> f64 {

@@ -7,7 +7,7 @@ use aurt::{Progress, data::Source};
 use aurt_drives::DriveRecording;
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_recording::RecordedAs;
+use aurt_recording::{AngleUnit, RecordedAs};
 use aurt_workbench::driving::{CalibratedDrive, DRIVE_FILE, fit_drives};
 
 const EXPERIMENT: &str = r#"schema = 1
@@ -90,6 +90,9 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         columns: experiment.recordings.calibration[0].columns.as_ref().map(Into::into),
         recorded: RecordedAs::default(),
     };
+    let in_degrees = RecordedAs { angle: Some(AngleUnit::Degree), ..RecordedAs::default() };
+    let refused = model.rollout_file(Source { recorded: in_degrees, ..source.clone() }).unwrap_err();
+    assert!(refused.to_string().contains("commands"), "{refused}");
     let (predicted, _) = model.rollout_file(source).unwrap();
     let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
     assert_eq!(&predicted, written);

@@ -1,11 +1,12 @@
 //! Drives of robot joints and the output error of their closed loops.
 //!
 //! - [`models`] are drives: ideal torque, current, voltage with back-EMF, a law of control, a servo that follows a position.
-//! - [`DrivenArm`] puts them on the joints of a chain, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
+//! - [`DrivenArm`] puts them on the joints of a chain or tree, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
 //!   simulates the closed loop from commands alone.
 //! - [`output_error`] estimates its numbers from commands and positions.
 //!
-//! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its exact derivatives.
+//! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its derivatives, of the
+//! branch of dry friction that is taken, with the speed in the Stribeck factor and in the floor's friction held.
 
 mod arm;
 mod bodies;

@@ -3,7 +3,8 @@
 //! # Equation
 //! θ̂ = argmin Σ ρ((q_sim(θ) − q)/σ) + Σ ((θ − θ₀)/s)², ρ(x) = 2 (√(1 + x²) − 1), with what is known beforehand, θ₀ ± s.
 //! ρ bounds what contacts and collisions weigh. Levenberg's method in units of s, projected to the numbers' bounds;
-//! sensitivities ∂q_sim/∂θ are exact, eight directions in each pass of the simulation.
+//! sensitivities ∂q_sim/∂θ are those of the branch of dry friction that is taken, with the speed in the Stribeck factor and in
+//! the floor's friction held (with it they explode in stick–slip); eight directions in each pass of the simulation.
 //!
 //! # Deviations
 //! H⁻¹ (P + Σ_c g_c g_cᵀ) H⁻¹, with the gradients g_c of blocks of [`Options::block_s`], for errors that last (stick–slip makes

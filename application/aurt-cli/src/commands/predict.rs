@@ -50,7 +50,7 @@ impl Predict {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFile::new("--out", &self.out, &[&self.model, &self.data])?;
         if let Some(drive) = CalibratedDrive::read(&self.model)? {
-            return self.roll_out(&drive, &out);
+            return self.roll_out(drive, &out);
         }
         let blake3 = hash_of_file(&self.model).unwrap_or_default();
         let calibrated = self.mounted(CalibratedModel::read(&self.model, &session.registry)?)?;
@@ -98,16 +98,22 @@ impl Predict {
     }
 
     /// The positions to which commands lead, of a model with drives.
-    fn roll_out(&self, drive: &CalibratedDrive, out: &OutputFile) -> Result<Report, Failure> {
-        let (contents, recording) = drive.rollout_file(self.reading.source(&self.data))?;
+    fn roll_out(&self, mut drive: CalibratedDrive, out: &OutputFile) -> Result<Report, Failure> {
+        if SeriesFormat::of_ending(&self.out).is_some() {
+            let reason =
+                "positions from commands are written as a text table; end its name in .csv".to_owned();
+            return Err(Failure::Argument { option: "--out", reason });
+        }
+        if let Some(gravity) = self.gravity {
+            drive.arm.chain = drive.arm.chain.under_gravity(gravity.0);
+        }
+        let (contents, notes) = drive.rollout_file(self.reading.source(&self.data))?;
         out.write(&contents)?;
-        let (rows, joints) = (recording.time_s.len(), recording.command.len());
-        let text = format!(
-            "positions of {joints} joints from the commands of {}, {rows} rows\nwritten: {}\n",
-            self.data.display(),
-            out.path().display()
-        );
-        let json = json!({ "command": "predict", "rows": rows, "outputs": [out.path()] });
+        let joints = drive.arm.joints.len();
+        let mut text = format!("positions of {joints} joints from the commands of {}\n", self.data.display());
+        text.extend(notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        text.push_str(&format!("written: {}\n", out.path().display()));
+        let json = json!({ "command": "predict", "notes": notes, "outputs": [out.path()] });
         Ok(Report { text, json, findings: false })
     }
 

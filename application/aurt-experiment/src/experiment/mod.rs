@@ -186,9 +186,9 @@ fn read_sections(
     let preprocess = top.section("preprocess").map(preprocess::read).unwrap_or_default();
     let drive = top.section("drive");
     let driven = drive.is_some();
-    for key in ["joint_dynamics", "arm_terms"] {
+    for key in ["joint_dynamics", "arm_terms", "instrument", "preprocess"] {
         if let Some(node) = top.take(key).filter(|_| driven) {
-            let what = "describes what is fitted to torques; beside [drive], friction stands in [drive]";
+            let what = "is for fits of torques; what a [drive] needs, friction too, stands in [drive]";
             top.complain(key, node, what, Some("remove it, or [drive]".to_owned()));
         }
     }

@@ -60,7 +60,9 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
     let most = largest_of_claims(&by_chance, question.selection.level);
     for (p, fails) in by_chance.iter().zip(&mut fails) {
         if let Some(p) = p.filter(|p| *p > most) {
-            fails.push(format!("chance alone makes such a finding with a probability of {p:.2}"));
+            fails.push(format!(
+                "chance alone makes such a finding with a probability of {p:.2}, too large for its rank"
+            ));
         }
     }
     for (joint, times) in trial.worse_in_all() {

@@ -32,7 +32,8 @@ pub(crate) struct Errors {
 /// saves time and decides nothing else: 0 tries all groups that bring anything.
 const IN_SAMPLE: f64 = 0.5;
 
-/// What chance reaches in every second search is not put to the test of held-out rows, which could hardly make up for it.
+/// What chance reaches in every second search is not put to the test of held-out rows: a number of choice, so that what is
+/// no finding does not fill the model beside which findings are tested.
 const EVERY_SECOND: f64 = 0.5;
 
 /// Scores of hypotheses beside a model.
