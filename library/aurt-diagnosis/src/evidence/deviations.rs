@@ -40,22 +40,6 @@ impl Resampled {
         ((count - 1.0) / count * squares).sqrt()
     }
 
-    /// Jackknife variance of series that depend on the coefficients, summed over each series; infinite with less than two
-    /// fits.
-    pub(crate) fn variance(&self, of: impl Fn(&[f64]) -> Vec<Vec<f64>>) -> Vec<f64> {
-        let fits: Vec<Vec<Vec<f64>>> = self.coefficients.iter().map(|c| of(c)).collect();
-        let count = fits.len() as f64;
-        let sum_of = |j: usize| -> f64 {
-            let squares = (0..fits[0][j].len()).map(|k| {
-                let mean = fits.iter().map(|fit| fit[j][k]).sum::<f64>() / count;
-                fits.iter().map(|fit| (fit[j][k] - mean).powi(2)).sum::<f64>()
-            });
-            squares.sum::<f64>() * (count - 1.0) / count
-        };
-        let series = fits.first().map_or(0, Vec::len);
-        (0..series).map(|j| if fits.len() < 2 { f64::INFINITY } else { sum_of(j) }).collect()
-    }
-
     /// Standard deviation of every coefficient: the larger of what residuals with a memory give (`independent_share` of
     /// the rows are independent) and of the jackknife, which sees that a wrong model errs differently at other times.
     pub(crate) fn deviations(&self, fit: &TotalFit, independent_share: f64) -> Vec<f64> {
@@ -71,13 +55,6 @@ impl Resampled {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_variance_of_a_prediction_grows_with_its_row() {
-        let resampled = Resampled { coefficients: vec![vec![1.0], vec![2.0], vec![3.0]] };
-        let variance = resampled.variance(|c| vec![vec![c[0], 2.0 * c[0]], vec![0.0]]);
-        assert!((variance[0] - 2.0 / 3.0 * (2.0 + 8.0)).abs() < 1e-12 && variance[1] == 0.0, "{variance:?}");
-    }
 
     #[test]
     fn the_jackknife_of_a_mean_is_its_standard_error() {

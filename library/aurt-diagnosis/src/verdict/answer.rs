@@ -1,10 +1,8 @@
 //! Which of the four answers a diagnosis gives, to each of its two questions.
 //!
 //! What was selected describes the data better than the model does; whether it *is* what is missing is another
-//! question. It is not where much of the mismatch stays, where held-out data contradict it, or where it takes more
-//! coincidences than happen at once.
+//! question. In part where more than noise is left of a joint, and not where it takes more coincidences than happen at once.
 
-use crate::evidence::account::{Left, accounts_for};
 use crate::investigation::Investigation;
 use crate::verdict::errors::Errors;
 use crate::verdict::{Answer, Finding, RegisteredFinding};
@@ -32,53 +30,34 @@ pub(crate) fn answers(
     something: bool,
 ) -> (Answer, Option<Answer>) {
     let in_all = |present_in: &[String]| present_in.len() > 1;
-    let word = |is_asked: &dyn Fn(&[String]) -> bool, question: &Asked<'_>| {
+    let word = |is_asked: &dyn Fn(&[String]) -> bool, question: &Asked| {
         let named: Vec<&Finding> = effects.iter().filter(|f| is_asked(&f.present_in)).collect();
         let nameless = registered.iter().any(|r| is_asked(&r.present_in));
         word(investigation, &named, nameless, question)
     };
-    match &errors.change {
-        Some(change) => {
-            let coincidence = coincidences(investigation);
-            let changed =
-                Asked { fitted: &change.fitted, confirmed: &change.confirmed, coincidence, something: false };
-            let structure = &errors.structure;
-            let missing = Asked {
-                fitted: &structure.fitted,
-                confirmed: &structure.confirmed,
-                coincidence: false,
-                something,
-            };
-            let change = match word(&|p| !in_all(p), &changed) {
+    let coincidence = coincidences(investigation);
+    match errors.change {
+        Some(left) => {
+            let change = match word(&|p| !in_all(p), &Asked { left, coincidence }) {
                 // Both were fitted together, for want of a reference: what has changed can hide in that.
                 Answer::NoMismatch if investigation.undetermined => Answer::Unexplained,
                 answer => answer,
             };
+            let missing = Asked { left: errors.structure || something, coincidence: false };
             (change, Some(word(&in_all, &missing)))
         }
-        None => {
-            let structure = &errors.structure;
-            let all = Asked {
-                fitted: &structure.fitted,
-                confirmed: &structure.confirmed,
-                coincidence: coincidences(investigation),
-                something,
-            };
-            (word(&|_| true, &all), None)
-        }
+        None => (word(&|_| true, &Asked { left: errors.structure || something, coincidence }), None),
     }
 }
 
 /// One question.
-struct Asked<'a> {
-    fitted: &'a [Left],
-    confirmed: &'a [Left],
+struct Asked {
+    /// Whether more than noise is left.
+    left: bool,
     coincidence: bool,
-    /// Whether more than noise is left of all recordings.
-    something: bool,
 }
 
-fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked: &Asked<'_>) -> Answer {
+fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked: &Asked) -> Answer {
     let (faults, physics): (Vec<&Finding>, Vec<&Finding>) = named.iter().partition(|f| f.family == Family::Q);
     let by_physics = by_physics(&physics, asked);
     match by_physics {
@@ -91,14 +70,13 @@ fn word(investigation: &Investigation, named: &[&Finding], nameless: bool, asked
     }
 }
 
-fn by_physics(physics: &[&Finding], asked: &Asked<'_>) -> Answer {
-    let left = asked.something || asked.fitted.iter().any(Left::has_structure);
+const fn by_physics(physics: &[&Finding], asked: &Asked) -> Answer {
     match physics {
-        [] if left => Answer::Unexplained,
+        [] if asked.left => Answer::Unexplained,
         [] => Answer::NoMismatch,
         _ if asked.coincidence => Answer::Unexplained,
-        _ if accounts_for(asked.fitted) && accounts_for(asked.confirmed) => Answer::Named,
-        _ => Answer::PartlyExplained,
+        _ if asked.left => Answer::PartlyExplained,
+        _ => Answer::Named,
     }
 }
 

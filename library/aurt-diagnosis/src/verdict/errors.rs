@@ -1,42 +1,18 @@
-//! What the model leaves with and without what was found, for each of the two questions.
+//! Whether more is left than noise beside what was found, for each of the two questions.
 
-use crate::evidence::account::{Left, STRUCTURE};
+use crate::evidence::account::has_structure;
 use crate::evidence::baseline::weighted_fit;
-use crate::evidence::deviations::Resampled;
-use crate::evidence::residuals::residuals;
 use crate::evidence::total::TotalFit;
-use crate::hypotheses::group::{Group, Switch};
+use crate::hypotheses::group::Group;
 use crate::investigation::Investigation;
 
-/// Fewer rows that confirm say nothing of a joint.
-const FEWEST_CONFIRMING: f64 = 20.0;
-
-/// Share of its error by which a joint's may change while nothing that was found is about it: terms of other joints move the
-/// base parameters that they share.
-const UNTOUCHED: f64 = 0.05;
-
-/// Errors of one question, joint by joint.
-#[derive(Debug, Clone)]
-pub(crate) struct OfQuestion {
-    /// Over the rows that fit.
-    pub(crate) fitted: Vec<Left>,
-    /// Over held-out rows.
-    pub(crate) confirmed: Vec<Left>,
-}
-
-/// Errors of both questions.
-#[derive(Debug, Clone)]
+/// Whether a joint keeps more than its reference beside what was found.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Errors {
-    /// What has changed in the targets, where recordings stand beside them.
-    pub(crate) change: Option<OfQuestion>,
-    /// What is missing: in the recordings beside the targets, or in all there are.
-    pub(crate) structure: OfQuestion,
-}
-
-/// A fit, with the coefficients that it has.
-struct Model {
-    switches: Vec<Switch>,
-    fit: TotalFit,
+    /// In the targets, where recordings stand beside them.
+    pub(crate) change: Option<bool>,
+    /// In the recordings beside the targets, or in all there are.
+    pub(crate) structure: bool,
 }
 
 impl Errors {
@@ -50,39 +26,21 @@ impl Errors {
     ) -> Self {
         let chosen = investigation.selection.chosen.iter().map(|c| &investigation.groups[c.group]);
         let named: Vec<&Group> = chosen.filter(|g| g.is_named()).collect();
-        let model = |of: &dyn Fn(&Group) -> bool| {
-            let switches = investigation.switches_of(named.iter().copied().filter(|g| of(g)));
-            let fit = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
-            Model { switches, fit }
-        };
-        let whole = model(&|_| true);
+        let switches = investigation.switches_of(named.iter().copied());
+        let whole = weighted_fit(&investigation.problem, &switches, &investigation.floor).0;
         let of = Of { investigation, apart };
-        let noise = || -> Vec<f64> {
-            investigation.floor.iter().zip(louder).map(|(f, louder)| louder * f.sqrt()).collect()
-        };
-        if !(has_targets && investigation.problem.has_reference()) {
-            let bare = model(&|_| false);
-            let kind = usize::from(!investigation.problem.has_reference());
-            let noise = noise();
-            // As it was calibrated, where that was without the rows in question.
-            let calibrated = Model {
-                switches: investigation.base_switches.clone(),
-                fit: TotalFit {
-                    coefficients: investigation.baseline.coefficients.clone(),
-                    ..bare.fit.clone()
-                },
+        let noise: Vec<f64> =
+            investigation.floor.iter().zip(louder).map(|(f, louder)| louder.powi(2) * f).collect();
+        let has_reference = investigation.problem.has_reference();
+        if !(has_targets && has_reference) {
+            return Self {
+                change: None,
+                structure: of.structure(&whole, usize::from(!has_reference), &noise),
             };
-            let structure = of.question([&bare, &calibrated, &whole], kind, &noise, louder);
-            return Self { change: None, structure };
         }
-        let unchanged = model(&|g| !g.target_only());
-        let bare = model(&Group::target_only);
-        let noise = noise();
-        let usual: Vec<f64> = of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.max(*n)).collect();
-        Self {
-            change: Some(of.question([&unchanged, &unchanged, &whole], 1, &usual, &vec![1.0; usual.len()])),
-            structure: of.question([&bare, &bare, &whole], 0, &noise, louder),
-        }
+        let usual: Vec<f64> =
+            of.usual(&whole).into_iter().zip(&noise).map(|(u, n)| u.powi(2).max(*n)).collect();
+        Self { change: Some(of.structure(&whole, 1, &usual)), structure: of.structure(&whole, 0, &noise) }
     }
 }
 
@@ -92,46 +50,25 @@ struct Of<'a> {
 }
 
 impl Of<'_> {
-    /// Errors of `[fitted before, confirmed before, after]` over the rows of a kind, against references, which are `louder`
-    /// times what is seen of them.
-    fn question(&self, models: [&Model; 3], kind: usize, references: &[f64], louder: &[f64]) -> OfQuestion {
-        let [before, calibrated, after] = models;
-        let asked = |j: &usize| !self.apart.contains(j);
-        let joints = self.investigation.problem.joints();
-        let fitted = (0..joints).filter(asked).filter(|j| self.rows(kind, *j) > 0.0).map(|j| Left {
-            before: self.fitted_rms(before, kind, j),
-            after: self.fitted_rms(after, kind, j),
-            floor: references[j],
-            seen: references[j] / louder[j],
-        });
-        let (was, is, counts) = self.confirmed(calibrated, after);
-        let expected = self.expected(after, references);
-        // A joint that the rows that fit show at its reference, and that nothing found touches, says nothing of what was found.
-        let concerned = |j: &usize| {
-            let excess =
-                self.rows(kind, *j) > 0.0 && self.fitted_rms(before, kind, *j) > STRUCTURE * references[*j];
-            excess || (is[*j] - was[*j]).abs() > UNTOUCHED * was[*j]
-        };
-        let judged = (0..joints).filter(asked).filter(|j| counts[*j] >= FEWEST_CONFIRMING).filter(concerned);
-        let confirmed = judged.map(|j| {
-            let floor = (expected[j] / counts[j]).sqrt();
-            let rms = |squares: &[f64]| (squares[j] / counts[j]).sqrt();
-            Left { before: rms(&was), after: rms(&is), floor, seen: floor / louder[j] }
-        });
-        OfQuestion { fitted: fitted.collect(), confirmed: confirmed.collect() }
+    /// Whether a joint keeps more than its reference over the rows of a kind.
+    fn structure(&self, fit: &TotalFit, kind: usize, references: &[f64]) -> bool {
+        let asked = |j: &usize| !self.apart.contains(j) && self.rows(kind, *j) > 0.0;
+        (0..references.len())
+            .filter(asked)
+            .any(|j| has_structure(self.fitted_rms(fit, kind, j).powi(2), references[j]))
     }
 
     fn rows(&self, kind: usize, joint: usize) -> f64 {
         self.investigation.problem.total()[kind][joint].rows
     }
 
-    fn fitted_rms(&self, model: &Model, kind: usize, joint: usize) -> f64 {
-        (model.fit.squared_errors[kind][joint] / self.rows(kind, joint).max(1.0)).sqrt()
+    fn fitted_rms(&self, fit: &TotalFit, kind: usize, joint: usize) -> f64 {
+        (fit.squared_errors[kind][joint] / self.rows(kind, joint).max(1.0)).sqrt()
     }
 
     /// What the whole model leaves of an unchanged arm in the targets' motion: what it leaves of the recordings beside
     /// them, as much larger as the torque is, and no less than noise. A wrong structure errs in proportion to the torque.
-    fn usual(&self, whole: &Model) -> Vec<f64> {
+    fn usual(&self, whole: &TotalFit) -> Vec<f64> {
         let total = self.investigation.problem.total();
         (0..self.investigation.problem.joints())
             .map(|j| {
@@ -166,43 +103,5 @@ impl Of<'_> {
         let errors = problem.squared_errors(problem.total(), base_switches, &baseline.coefficients);
         let given_back = independent / (independent - freedoms);
         (errors[0][joint] / self.rows(0, joint).max(1.0) * given_back).sqrt()
-    }
-
-    /// Sums of squares that a model without a fault leaves of the held-out rows: the noise of those recordings
-    /// (no less than the reference of the rows that fit), and the variance of its prediction, since its coefficients are
-    /// known no better than the rows that fit tell. The variance is the jackknife's over blocks of time, which sees the
-    /// memory and the misfit of the residual: (B − 1)/B Σ_b (w·β_b − w·β̄)², w a row.
-    fn expected(&self, model: &Model, references: &[f64]) -> Vec<f64> {
-        let Investigation { problem, floor, layout, floors, confirm, .. } = self.investigation;
-        let weights = weighted_fit(problem, &model.switches, floor).1;
-        let resampled = Resampled::new(problem, &model.switches, &weights);
-        let mut sums = vec![0.0; problem.joints()];
-        for (r, rows) in confirm.to_judge().iter().enumerate().filter(|(_, rows)| rows.rows() > 0) {
-            let variance = resampled.variance(|c| residuals(rows, layout, &model.switches, c));
-            for (j, sum) in sums.iter_mut().enumerate() {
-                let noise = floors[r][j].max(references[j].powi(2));
-                *sum += noise * rows.joints[j].counted(0, rows.rows()) + variance[j];
-            }
-        }
-        sums
-    }
-
-    /// Sums of squares over the held-out rows, before and after, and how many there are of each joint.
-    fn confirmed(&self, before: &Model, after: &Model) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        let joints = self.investigation.problem.joints();
-        let (mut was, mut is, mut counts) = (vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]);
-        let layout = &self.investigation.layout;
-        for rows in self.investigation.confirm.to_judge().iter().filter(|r| r.rows() > 0) {
-            for (sums, model) in [(&mut was, before), (&mut is, after)] {
-                let left = residuals(rows, layout, &model.switches, &model.fit.coefficients);
-                for (sum, series) in sums.iter_mut().zip(&left) {
-                    *sum += series.iter().map(|v| v * v).sum::<f64>();
-                }
-            }
-            for (count, joint) in counts.iter_mut().zip(&rows.joints) {
-                *count += joint.counted(0, rows.rows());
-            }
-        }
-        (was, is, counts)
     }
 }
