@@ -48,13 +48,17 @@ impl Gear {
     /// Simulates the link by the trapezoidal rule from the twist that bears the first load at rest.
     /// Rows of a gear with play are means over the row's period, since impacts are shorter than that.
     pub fn deflection(self, drive: &Drive<'_>) -> Deflection {
+        if self.half_gap_rad > 0.0 { self.simulated::<true>(drive) } else { self.simulated::<false>(drive) }
+    }
+
+    fn simulated<const PLAY: bool>(self, drive: &Drive<'_>) -> Deflection {
         let rows = drive.load_nm.len();
         let mut out =
             Deflection { angle_rad: Vec::with_capacity(rows), acceleration_rad_s2: Vec::with_capacity(rows) };
         let Some(first) = drive.load_nm.first() else { return out };
         let lightest = drive.inertia_kg_m2.iter().copied().fold(f64::INFINITY, f64::min);
         let omega = (self.stiffness_nm_rad / lightest.max(f64::MIN_POSITIVE)).sqrt();
-        let share = if self.half_gap_rad > 0.0 { STEP_SHARE_IN_PLAY } else { STEP_SHARE };
+        let share = if PLAY { STEP_SHARE_IN_PLAY } else { STEP_SHARE };
         let steps = ((omega * drive.period_s / share).ceil() as usize).clamp(1, MOST_STEPS);
         let h = drive.period_s / steps as f64;
         let mut x = -first / self.stiffness_nm_rad - self.half_gap_rad * first.signum();
@@ -74,15 +78,14 @@ impl Gear {
                 if row > 0 {
                     let ahead = x + h * (v + 0.5 * h * a);
                     let pressed = ahead - ahead.clamp(-self.half_gap_rad, self.half_gap_rad);
-                    let mut touches = self.half_gap_rad == 0.0 || pressed != 0.0;
-                    if touches && self.half_gap_rad > 0.0 {
+                    let mut touches = !PLAY || pressed != 0.0;
+                    if PLAY && touches {
                         // Flanks push; they do not pull when they part.
                         let push = self.stiffness_nm_rad * pressed + self.damping_nm_s * (v + h * a);
                         touches = push * pressed > 0.0;
                     }
                     let (k, d, rest, mobility) = if touches {
-                        let rest =
-                            if self.half_gap_rad > 0.0 { self.half_gap_rad * pressed.signum() } else { 0.0 };
+                        let rest = if PLAY { self.half_gap_rad * pressed.signum() } else { 0.0 };
                         (self.stiffness_nm_rad, self.damping_nm_s, rest, touching)
                     } else {
                         (0.0, 0.0, 0.0, free)
@@ -98,11 +101,10 @@ impl Gear {
                 mean_x += x;
                 mean_a += a;
             }
-            let in_play = self.half_gap_rad > 0.0;
-            out.angle_rad.push(if in_play { mean_x / count as f64 } else { x });
-            out.acceleration_rad_s2.push(if in_play { mean_a / count as f64 } else { a });
+            out.angle_rad.push(if PLAY { mean_x / count as f64 } else { x });
+            out.acceleration_rad_s2.push(if PLAY { mean_a / count as f64 } else { a });
         }
-        if self.half_gap_rad > 0.0 {
+        if PLAY {
             // The mean of what leads to a row and what leads on from it is centred on the row.
             for series in [&mut out.angle_rad, &mut out.acceleration_rad_s2] {
                 for k in 1..series.len() {

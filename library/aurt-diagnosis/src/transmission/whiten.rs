@@ -14,6 +14,8 @@ pub(super) struct Whitener {
 const CLIPPED: f64 = 4.0;
 /// Median of |x| of a normal variable with unit deviation.
 const NORMAL_MEDIAN: f64 = 0.674_49;
+/// Samples that are filtered at once, in registers.
+const LANES: usize = 8;
 /// White noise added for numerical reasons, as a share of the power.
 const RIDGE: f64 = 1e-9;
 
@@ -67,12 +69,20 @@ impl Whitener {
 
     /// The filtered series; samples that lack predecessors are filtered as if these were zero.
     pub fn apply(&self, series: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; series.len()];
-        for (lag, tap) in self.taps.iter().enumerate() {
-            for (o, value) in out.iter_mut().skip(lag).zip(series) {
-                *o += tap * value;
+        let memory = self.memory();
+        let mut padded = vec![0.0; memory + series.len().next_multiple_of(LANES)];
+        padded[memory..memory + series.len()].copy_from_slice(series);
+        let mut out = vec![0.0; padded.len() - memory];
+        for (chunk, start) in out.chunks_exact_mut(LANES).zip((memory..).step_by(LANES)) {
+            let mut sum = [0.0; LANES];
+            for (lag, tap) in self.taps.iter().enumerate() {
+                for (s, value) in sum.iter_mut().zip(&padded[start - lag..][..LANES]) {
+                    *s += tap * value;
+                }
             }
+            chunk.copy_from_slice(&sum);
         }
+        out.truncate(series.len());
         out
     }
 }
