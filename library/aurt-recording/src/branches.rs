@@ -9,33 +9,89 @@ use crate::noise::PositionNoise;
 /// Samples from which the noise of positions is told; more tell nothing new of an encoder.
 pub(crate) const NOISE_SAMPLES: usize = 20_000;
 
-/// Motion of a joint beside the chain, which the model carries as fixed.
+/// Motion of a joint beside the chain, or under its base, which the model takes to be fixed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BranchMotion {
     /// The joint.
     pub joint: String,
     /// Smallest and largest position, rad; m of a joint that slides.
     pub range_rad: [f64; 2],
+    /// Whether it moves; otherwise it stands away from zero.
+    pub moves: bool,
     /// Whether it slides.
     pub slides: bool,
-    /// The joints of the chain whose measurement contains its motion.
+    /// The joints of the chain whose measurement contains its motion; none of a joint that stands.
     pub upstream: Vec<usize>,
+    /// Whether it carries the base of the chain.
+    pub carries_base: bool,
 }
 
 impl fmt::Display for BranchMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [low, high] = self.range_rad;
-        let unit = if self.slides { "m" } else { "rad" };
-        let numbers: Vec<String> = self.upstream.iter().map(ToString::to_string).collect();
-        write!(
-            f,
-            "the joint {} beside the chain moves by {:.3} {unit}, and the model carries it as fixed: the measurement of joint {} \
-             contains its motion, of which nothing is predicted. Record with it at rest, or model a chain through it",
-            self.joint,
-            high - low,
-            numbers.join(", ")
-        )
+        f.write_str(&sentence(&[self]))
     }
+}
+
+/// Turns of the base by less than this, rad, change gravity by less than a hundredth.
+const SAME_GRAVITY_RAD: f64 = 0.01;
+
+impl BranchMotion {
+    /// A joint that carries the base and stands elsewhere in one recording than in another.
+    #[must_use]
+    pub fn elsewhere<'a>(of: &'a [Self], than: &'a [Self]) -> Option<&'a Self> {
+        let stands = |in_all: &[Self], joint: &str| {
+            let found = in_all.iter().find(|b| b.carries_base && !b.slides && b.joint == joint);
+            found.map_or(0.0, |b| 0.5 * (b.range_rad[0] + b.range_rad[1]))
+        };
+        let differs = |b: &&Self| (stands(of, &b.joint) - stands(than, &b.joint)).abs() > SAME_GRAVITY_RAD;
+        of.iter().chain(than).filter(|b| b.carries_base && !b.slides).find(differs)
+    }
+
+    /// What models lack of motions, a sentence for those that show in the same joints.
+    pub(crate) fn sentences(motions: &[Self]) -> Vec<String> {
+        let mut alike: Vec<Vec<&Self>> = Vec::new();
+        for motion in motions {
+            let same = |of: &&mut Vec<&Self>| {
+                of[0].upstream == motion.upstream && of[0].carries_base == motion.carries_base
+            };
+            match alike.iter_mut().find(same) {
+                Some(of) => of.push(motion),
+                None => alike.push(vec![motion]),
+            }
+        }
+        alike.iter().map(|of| sentence(of)).collect()
+    }
+}
+
+/// What models lack of motions that show in the same joints.
+fn sentence(of: &[&BranchMotion]) -> String {
+    let first = of[0];
+    let each = |motion: &&BranchMotion| {
+        let [low, high] = motion.range_rad;
+        let unit = if motion.slides { "m" } else { "rad" };
+        let size = if motion.moves { high - low } else { 0.5 * (low + high) };
+        let by = if motion.moves { "by" } else { "at" };
+        format!("{} {by} {size:.3} {unit}", motion.joint)
+    };
+    let listed = of.iter().map(each).collect::<Vec<_>>().join(", ");
+    if first.carries_base && first.moves {
+        return format!(
+            "joints that carry the base move ({listed}), and the model takes the base to be at rest: the measurements of all joints \
+             contain that motion, of which nothing is predicted. Record with them at rest, or model the robot from its root"
+        );
+    }
+    if first.carries_base {
+        return format!(
+            "joints that carry the base stand away from zero ({listed}): `gravity_m_s2` has to be gravity in the frame of the base as \
+             it stands there, in all recordings alike, or the robot has to be modelled from its root"
+        );
+    }
+    let numbers: Vec<String> = first.upstream.iter().map(ToString::to_string).collect();
+    format!(
+        "joints beside the chain move ({listed}), and the model carries them as fixed: the measurement of joint {} contains their \
+         motion, of which nothing is predicted. Record with them at rest, or model a chain or tree through them",
+        numbers.join(", ")
+    )
 }
 
 /// Positions of a joint beside the chain, row after row.
@@ -68,20 +124,26 @@ impl BranchTrack {
         }
     }
 
-    /// The motion, if there is any: a range beyond a step of the encoder and beyond what white noise σ reaches.
+    /// Where it goes, and whether it moves: its range is beyond a step of the encoder and beyond what white noise σ reaches.
+    /// None for a joint that stands at zero.
     ///
     /// Of n normal values none is beyond 2 σ √ln n but with a probability below 1/n (Pr(|x| > u) < e^{−u²/2σ²}).
     pub(crate) fn motion(self) -> Option<BranchMotion> {
         let noise = PositionNoise::of(&self.time_s, &self.position_rad);
         let [low, high] = self.range_rad;
         let by_noise = 4.0 * noise.white_rad * (self.samples.max(1) as f64).ln().sqrt();
-        let beyond = high - low - by_noise;
-        let steps = noise.step_rad.map_or(f64::INFINITY, |step| (beyond / step).round());
-        (beyond > 0.0 && steps > 1.0).then_some(BranchMotion {
+        let is_beyond = |range: f64| {
+            let beyond = range - by_noise;
+            beyond > 0.0 && noise.step_rad.is_none_or(|step| (beyond / step).round() > 1.0)
+        };
+        let moves = is_beyond(high - low);
+        (moves || is_beyond((low + high).abs())).then_some(BranchMotion {
             joint: self.joint,
             range_rad: self.range_rad,
+            moves,
             slides: false,
             upstream: Vec::new(),
+            carries_base: false,
         })
     }
 }
@@ -106,7 +168,7 @@ mod tests {
     fn moves(position: impl Fn(f64) -> f64) -> Option<BranchMotion> {
         let mut track = BranchTrack::new("wrist".to_owned());
         (0..3000).map(|k| 0.01 * f64::from(k)).for_each(|t| track.add(t, position(t)));
-        track.motion()
+        track.motion().filter(|found| found.moves)
     }
 
     #[test]

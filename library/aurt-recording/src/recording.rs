@@ -95,7 +95,7 @@ pub struct DroppedRow {
 impl ReadReport {
     /// What a model of the chain cannot predict of the recording, as sentences.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        self.branches.iter().filter(|branch| !branch.upstream.is_empty()).map(ToString::to_string)
+        BranchMotion::sentences(&self.branches).into_iter()
     }
 
     /// The report in sentences.

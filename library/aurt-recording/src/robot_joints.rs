@@ -75,7 +75,7 @@ impl RobotJoints {
         }
     }
 
-    /// The motions beside the chain that its measurements contain.
+    /// The motions beside the chain that its measurements contain, and joints that carry its base turned away from zero.
     ///
     /// Gravity makes at most g h of torque of the first moment h that a joint displaces by a unit of its motion. A range that
     /// makes less than the noise of a measured torque is not seen. Where the measurement is a current, or no masses are stated,
@@ -89,8 +89,14 @@ impl RobotJoints {
                 _ => true,
             };
             let upstream: Vec<usize> = branch.upstream.iter().filter(shows).copied().collect();
-            let moves = BranchMotion { slides: branch.slides, upstream, ..motion.clone() };
-            Some(moves).filter(|motion| !motion.upstream.is_empty())
+            let upstream = if motion.moves { upstream } else { Vec::new() };
+            let turns_base = branch.carries_base && !branch.slides;
+            (turns_base || !upstream.is_empty()).then(|| BranchMotion {
+                slides: branch.slides,
+                carries_base: branch.carries_base,
+                upstream,
+                ..motion.clone()
+            })
         };
         found.iter().filter_map(of_branch).collect()
     }

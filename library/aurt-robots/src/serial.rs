@@ -146,6 +146,7 @@ pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<Descr
             .iter()
             .filter(|joint| tree.joints[**joint].mimic.is_none())
             .map(|joint| branch(tree, selection, &links, &own, *joint, has_masses))
+            .chain(carriers(tree, selection.base, own.len()))
             .collect(),
         frames: links
             .iter()
@@ -204,7 +205,25 @@ fn branch(
             Freedom::Slides(_) => Some(mass_kg),
             Freedom::Fixed | Freedom::Other(_) => None,
         });
-    Branch { joint: of.name.clone(), upstream, displaced, slides: matches!(of.freedom, Freedom::Slides(_)) }
+    let slides = matches!(of.freedom, Freedom::Slides(_));
+    Branch { joint: of.name.clone(), upstream, displaced, slides, carries_base: false }
+}
+
+/// The joints between the root and the base of a selection of so many joints.
+fn carriers(tree: &Tree, base: usize, joints: usize) -> Vec<Branch> {
+    let below =
+        std::iter::successors(tree.links[base].parent, |joint| tree.links[tree.joints[*joint].parent].parent);
+    below
+        .map(|joint| &tree.joints[joint])
+        .filter(|joint| matches!(joint.freedom, Freedom::Turns(_) | Freedom::Slides(_)))
+        .map(|joint| Branch {
+            joint: joint.name.clone(),
+            upstream: (0..joints).collect(),
+            displaced: None,
+            slides: matches!(joint.freedom, Freedom::Slides(_)),
+            carries_base: true,
+        })
+        .collect()
 }
 
 /// A joint of the selection that moves on its own, with what the joints that follow it add.

@@ -17,4 +17,7 @@ pub struct Branch {
     /// Whether it slides: its positions are in m.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub slides: bool,
+    /// Whether it carries the base: its motion moves all joints of the chain, and where it stands turns gravity.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub carries_base: bool,
 }

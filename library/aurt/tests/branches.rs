@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use aurt::{Drive, data::Loaded, friction::arm_terms::payload::Payload, prelude::*, traits::Motion};
-use aurt_recording::{ReadOptions, RecordedJoints, RobotJoints, read_recording};
+use aurt_recording::{BranchMotion, ReadOptions, ReadReport, RecordedJoints, RobotJoints, read_recording};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 const NOISE_NM: f64 = 0.05;
@@ -136,7 +136,7 @@ fn an_arm_that_moves_beside_the_chain_is_told_and_nothing_is_claimed_upstream() 
     assert_eq!(told, [""; 0]);
     let (moved, told) = calibrate(0.7);
     assert_eq!(told.len(), 2, "both recordings: {told:?}");
-    assert!(told[0].contains("moves by 1.400 rad") && told[0].contains("joint 0 "), "{told:?}");
+    assert!(told[0].contains("left_shoulder by 1.400 rad") && told[0].contains("joint 0 "), "{told:?}");
     let error = |outcome: &Outcome| outcome.recordings[1].validation.all.nrmse[0];
     assert!(error(&moved) > 10.0 * error(&still), "{} {}", error(&moved), error(&still));
 
@@ -159,6 +159,40 @@ fn an_arm_that_moves_beside_the_chain_is_told_and_nothing_is_claimed_upstream() 
         verdict.not_examined.iter().filter(|n| n.joints == [0] && n.reason.contains("left_shoulder"));
     assert_eq!(beside.count(), 2, "{:?}", verdict.not_examined);
     assert_eq!(verdict.warnings.iter().filter(|w| w.contains("left_shoulder")).count(), 2);
+}
+
+#[test]
+fn a_base_that_moves_or_leans_is_told() {
+    let robot = Robot::from_urdf(&urdf(4.0), Some("torso"), Some("right_hand"), GRAVITY).unwrap();
+    let joints = RobotJoints::of(robot.rigid_body());
+    let names = ["torso_pitch", "right_shoulder", "right_elbow"].map(str::to_owned).to_vec();
+    let time_s: Vec<f64> = (0..500).map(|k| 0.01 * f64::from(k)).collect();
+    let report = |torso: &dyn Fn(f64) -> f64| {
+        let series = |of: &dyn Fn(f64) -> f64| time_s.iter().map(|t| of(*t)).collect::<Vec<f64>>();
+        let arm = series(&|t| t.sin());
+        let recording =
+            Recording::from_arrays(time_s.clone(), vec![series(torso), arm.clone(), arm]).unwrap();
+        let named = Recording { joints: RecordedJoints::Named(names.clone()), ..recording };
+        named.of_robot(&joints).unwrap().report.clone()
+    };
+    let [upright, leans, moves] = [report(&|_| 0.0), report(&|_| 0.4), report(&|t| 0.1 * t)];
+    assert_eq!(upright.branches, []);
+    let told = |report: &ReadReport| report.warnings().collect::<Vec<_>>().join("; ");
+    assert!(
+        told(&leans).contains("torso_pitch at 0.400 rad") && told(&leans).contains("gravity"),
+        "{}",
+        told(&leans)
+    );
+    assert!(told(&moves).contains("torso_pitch by 0.499 rad"), "{}", told(&moves));
+    assert_eq!((leans.branches[0].moves, &moves.branches[0].upstream[..]), (false, &[0, 1][..]));
+    assert!(BranchMotion::elsewhere(&leans.branches, &upright.branches).is_some());
+    assert!(BranchMotion::elsewhere(&leans.branches, &leans.branches).is_none());
+
+    let model = robot.model().friction(Friction::coulomb()).build().unwrap();
+    let asked =
+        Diagnoser::new(model).calibration(&read(&robot, 1.0, 0.0)).calibration(&read(&robot, 2.0, 0.0));
+    let refused = asked.diagnose(&Progress::silent()).unwrap_err().to_string();
+    assert!(refused.contains("joints that carry the base move"), "{refused}");
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn what_cannot_be_tracked_is_refused() {
     let refused = |arguments: &[&str], words: &[&str]| {
         folder.aurt(START[..4].iter().chain(&["--out", "out"]).chain(arguments)).refused(words);
     };
-    refused(&["empty"], &["empty", "no file that ends in .csv"]);
+    refused(&["empty"], &["empty", "holds no recording"]);
     refused(&["nowhere.csv"], &["nowhere.csv"]);
     refused(&["-", "-"], &["standard input is named twice"]);
     refused(&["other_motion.csv", "--window-s", "15"], &["whole windows", "--window-s"]);

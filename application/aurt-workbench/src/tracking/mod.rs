@@ -18,8 +18,9 @@ use aurt_calibration::{
 };
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_recording::{RecordedAs, Recording};
-use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
+use aurt_rbd::INERTIAL_PARAMETERS;
+use aurt_recording::{BranchMotion, FORMATS, RecordedAs, Recording, is_recording_folder};
+use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RigidBodyRegressor, RobotModel};
 use serde::Serialize;
 use serde_json::json;
 
@@ -173,16 +174,21 @@ pub fn track(
     let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
     let sources: Vec<Source> = sources.map(source).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    // Recordings of each motion.
-    let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
+    // Recordings of each motion, with the joints whose rows do not count.
+    let mut unchanged: Vec<Vec<(NamedRecording, Vec<usize>)>> = Vec::new();
     let mut notes: Vec<String> = Vec::new();
+    if ends_in_branches(&**calibrated.model.rigid_body()) {
+        notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
+    }
+    let mut base: Option<Vec<BranchMotion>> = None;
     let mut ended_s = f64::NEG_INFINITY;
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
         let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
         let [first_s, last_s] = span_s(&loaded);
         notes.extend(loaded.warnings());
-        let recording = prepared_of(calibrated, &loaded)?;
+        base.get_or_insert_with(|| loaded.recording.report.branches.clone());
+        let recording = (prepared_of(calibrated, &loaded)?, contaminated(&loaded));
         match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
             Some(motion) => motion.push(recording),
             None => unchanged.push(vec![recording]),
@@ -198,8 +204,8 @@ pub fn track(
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
         let mut windows = Vec::new();
-        for recording in recordings {
-            windows.extend(drift_windows(&reference, recording, Cut::whole(options.window_s))?);
+        for (recording, left_out) in recordings {
+            windows.extend(drift_windows(&reference, recording, left_out, Cut::whole(options.window_s))?);
         }
         let whole = windows.iter().filter(|w| w.whole);
         let estimate = |w: &DriftWindow| Ok(DriftEstimate::of(&w.system, &calibration.sigma)?.solution);
@@ -238,7 +244,22 @@ pub fn track(
         };
         follower.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
-        let windows = drift_windows(&reference, &recording, Cut::whole(options.window_s))?;
+        let left_out = contaminated(&loaded);
+        let elsewhere =
+            BranchMotion::elsewhere(&loaded.recording.report.branches, base.as_deref().unwrap_or_default());
+        if let Some(joint) = elsewhere.map(|branch| &branch.joint) {
+            let note = format!(
+                "{}: {joint} turns the base to another posture, and nothing is followed",
+                recording.name
+            );
+            follower.notes.push(note);
+            continue;
+        }
+        if left_out.len() == calibrated.model.joints() {
+            follower.notes.push(format!("{}: nothing of it is followed", recording.name));
+            continue;
+        }
+        let windows = drift_windows(&reference, &recording, &left_out, Cut::whole(options.window_s))?;
         follower.begin(recording.name.clone(), span_s(&loaded));
         for window in windows {
             if let Some(alarm) = follower.take(&window, &baseline)? {
@@ -250,7 +271,8 @@ pub fn track(
     Ok(follower.finished(baseline, names, calibration.unit))
 }
 
-/// The files of a folder that are recordings, by name; a file stands for itself.
+/// The recordings in a folder, by name: files of every format but `.txt`, which notes have too, and bags that are folders
+/// themselves. A file stands for itself.
 ///
 /// # Errors
 /// [`Failure::Argument`] for folders without any, or that cannot be read.
@@ -264,25 +286,27 @@ pub fn recordings_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
                 remedy: "name `-` once".into(),
             });
         }
-        if !path.is_dir() {
+        if !path.is_dir() || is_recording_folder(path) {
             found.push(path.clone());
             continue;
         }
         let refuse = |reason: String| Failure::Argument {
             option: "RECORDING",
             reason: format!("{} {reason}", path.display()),
-            remedy: "name recordings, or a folder of recordings that end in .csv".into(),
+            remedy: "name recordings, or a folder with recordings".into(),
         };
         let entries = std::fs::read_dir(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
         let mut inside = Vec::new();
         for entry in entries {
             let file = entry.map_err(|e| refuse(format!("cannot be read: {e}")))?.path();
-            if file.is_file() && file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            let ending = file.extension().map(|e| e.to_string_lossy().to_lowercase()).filter(|e| e != "txt");
+            let is_known = |e: String| FORMATS.iter().any(|format| format.endings().contains(&e.as_str()));
+            if file.is_file() && ending.is_some_and(is_known) || is_recording_folder(&file) {
                 inside.push(file);
             }
         }
         if inside.is_empty() {
-            return Err(refuse("holds no file that ends in .csv".into()));
+            return Err(refuse("holds no recording".into()));
         }
         inside.sort();
         found.append(&mut inside);
@@ -299,11 +323,13 @@ fn span_s(loaded: &Loaded) -> [f64; 2] {
 /// The coefficients of all motions of the unchanged machine, and of all but each of them.
 fn left_out(
     calibrated: &CalibratedModel,
-    unchanged: &[Vec<NamedRecording>],
+    unchanged: &[Vec<(NamedRecording, Vec<usize>)>],
 ) -> Result<LeftOut, CalibrationError> {
     let (model, calibration) = (&calibrated.model, &calibrated.calibration);
-    let of =
-        |motion: &Vec<NamedRecording>| accumulate(model, motion, &calibration.load, &calibration.options);
+    let of = |motion: &Vec<(NamedRecording, Vec<usize>)>| {
+        let recordings: Vec<NamedRecording> = motion.iter().map(|(recording, _)| recording.clone()).collect();
+        accumulate(model, &recordings, &calibration.load, &calibration.options)
+    };
     let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
 }
@@ -316,10 +342,27 @@ fn prepared_of(calibrated: &CalibratedModel, loaded: &Loaded) -> Result<NamedRec
     Ok(pipeline.preprocess(loaded, Purpose::Calibration)?)
 }
 
-/// The model with a body on its last link; without one where masses have no unit, in amperes.
+/// The joints whose measurement contains a motion that the model lacks.
+fn contaminated(loaded: &Loaded) -> Vec<usize> {
+    let mut joints: Vec<usize> =
+        loaded.recording.report.branches.iter().flat_map(|branch| branch.upstream.clone()).collect();
+    joints.sort_unstable();
+    joints.dedup();
+    joints
+}
+
+/// Whether the last link does not load every joint: it is the end of one branch among others.
+fn ends_in_branches(body: &dyn RigidBodyRegressor) -> bool {
+    let parameters = body.standard_parameters().len();
+    (0..body.joints()).any(|joint| {
+        !(parameters.saturating_sub(INERTIAL_PARAMETERS)..parameters).any(|k| body.loads(k, joint))
+    })
+}
+
+/// The model with a body on its last link; without one where masses have no unit, in amperes, and on trees.
 fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotModel, Failure> {
     let model = &calibrated.model;
-    if calibrated.calibration.unit == MeasurementUnit::Ampere {
+    if calibrated.calibration.unit == MeasurementUnit::Ampere || ends_in_branches(&**model.rigid_body()) {
         return Ok(model.clone());
     }
     let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });

@@ -182,7 +182,7 @@ impl<'a> Running<'a> {
         };
         self.watch(&prepared.data.report, span_s);
         let cut = Cut { window_s: self.follower.options.window_s, span_s, origin_s: Some(self.origin_s) };
-        for window in drift_windows(self.reference, &prepared, cut)? {
+        for window in drift_windows(self.reference, &prepared, &[], cut)? {
             if let Some(alarm) = self.follower.take(&window, self.baseline)? {
                 said(&alarm);
             }

@@ -116,13 +116,14 @@ impl Cut {
 }
 
 /// A recording in windows of about `cut.window_s` seconds, which divide each segment evenly, as triangles over the drift
-/// parameters.
+/// parameters, of the rows of all joints but `left_out`.
 ///
 /// # Errors
 /// [`CalibrationError::Joints`], [`CalibrationError::NoMeasurement`], and what models report.
 pub fn drift_windows(
     reference: &DriftReference<'_>,
     recording: &NamedRecording,
+    left_out: &[usize],
     cut: Cut,
 ) -> Result<Vec<DriftWindow>, CalibrationError> {
     crate::rows::check(reference.model, std::slice::from_ref(recording))?;
@@ -131,7 +132,7 @@ pub fn drift_windows(
     let cut = Cut { origin_s: cut.origin_s.or(Some(first_s)), ..cut };
     let mut windows = Vec::new();
     for segment in &recording.data.segments {
-        windows_of_segment(reference, segment, cut, &mut windows)?;
+        windows_of_segment(reference, segment, left_out, cut, &mut windows)?;
     }
     Ok(windows)
 }
@@ -139,6 +140,7 @@ pub fn drift_windows(
 fn windows_of_segment(
     reference: &DriftReference<'_>,
     segment: &Segment,
+    left_out: &[usize],
     cut: Cut,
     windows: &mut Vec<DriftWindow>,
 ) -> Result<(), CalibrationError> {
@@ -177,7 +179,7 @@ fn windows_of_segment(
         });
     }
     for_each_row_block(model, segment, reference.load, |block| {
-        for joint in 0..model.joints() {
+        for joint in (0..model.joints()).filter(|joint| !left_out.contains(joint)) {
             let friction = model.group(ColumnGroup::JointDynamics(joint));
             let mut left = block.measurement(&measurement[joint]).to_vec();
             let (mut rubbed, mut predicted) = (vec![0.0; block.rows], vec![0.0; block.rows]);

@@ -21,6 +21,7 @@ pub(crate) use reshaped::reshape;
 pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;
+use aurt_recording::BranchMotion;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
@@ -196,6 +197,14 @@ fn investigate_as_it_is(
     }
     length::check(question, BLOCKS, GAP_PERIODS / question.f_dyn_hz)?;
     progress("looking for faults of the recordings");
+    let first = question.recordings.first();
+    for recording in question.recordings {
+        let [own, other] = [Some(recording), first].map(|r| r.map_or(&[][..], |r| &r.raw.report.branches));
+        if let Some(branch) = BranchMotion::elsewhere(own, other) {
+            let (recording, branch) = (recording.data.name.clone(), branch.clone());
+            return Err(DiagnosisError::Branch { recording, branch });
+        }
+    }
     let repaired = |r: &QuestionedRecording| r.repaired(question.without);
     let recordings = question.recordings.iter().map(repaired).collect::<Result<Vec<_>, _>>()?;
     let constant = constant_joints(&recordings);

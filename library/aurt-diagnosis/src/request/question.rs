@@ -85,7 +85,7 @@ impl QuestionedRecording {
                 first: *value,
             });
         }
-        if let Some(branch) = self.raw.report.branches.first()
+        if let Some(branch) = self.raw.report.branches.iter().find(|branch| branch.moves)
             && (0..self.raw.joints()).all(|joint| self.contains_branch(joint))
         {
             let (recording, branch) = (self.data.name.clone(), branch.clone());

@@ -47,7 +47,7 @@ fn beside(question: &Question<'_>) -> Vec<NotExamined> {
     let of_recording = |recording: &QuestionedRecording| {
         let name = recording.data.name.clone();
         let branches = recording.raw.report.branches.clone();
-        branches.into_iter().map(move |branch| NotExamined {
+        branches.into_iter().filter(|branch| branch.moves).map(move |branch| NotExamined {
             recording: Some(name.clone()),
             reason: format!(
                 "{} moves beside the chain in {name}, and no claim is made on {} upstream of it",
