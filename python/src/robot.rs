@@ -7,6 +7,7 @@ use aurt::{
     traits::{RegressorTile, RobotModel},
 };
 use aurt_plugins::{Registry, SlotModel};
+use aurt_robots::Part;
 use aurt_workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
@@ -34,31 +35,44 @@ pub struct Robot {
 
 #[pymethods]
 impl Robot {
-    /// The serial chain between two links of a URDF file; without `tip` all joints on the base, as a tree.
+    /// A part of a URDF file on the link `base` or the root: all joints as a tree, the chain to `tip`, the tree to `tips`, or `joints`.
     #[staticmethod]
-    #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
+    #[pyo3(signature = (path, *, base=None, tip=None, tips=None, joints=None, gravity=GRAVITY_M_S2))]
     fn from_urdf(
         py: Python<'_>,
         path: PathBuf,
         base: Option<String>,
         tip: Option<String>,
+        tips: Option<Vec<String>>,
+        joints: Option<Vec<String>>,
         gravity: [f64; 3],
     ) -> PyResult<Self> {
-        let read = || aurt::Robot::read_urdf(&path, base.as_deref(), tip.as_deref(), gravity);
+        let part = match (tip, tips, joints) {
+            (tip, None, None) => Part::from(tip.as_deref()),
+            (None, Some(tips), None) => Part::Tips(tips),
+            (None, None, Some(joints)) => Part::Joints(joints),
+            _ => return Err(refused("`tip`, `tips` and `joints` are three ways to choose a part; give one")),
+        };
+        let read = || {
+            let described = aurt_robots::read_part(&path, base.as_deref(), &part)?;
+            aurt::Robot::of_description(described, gravity)
+        };
         Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
     }
 
     /// The same of a MuJoCo file, with bodies instead of links.
     #[staticmethod]
-    #[pyo3(signature = (path, *, base=None, tip=None, gravity=GRAVITY_M_S2))]
+    #[pyo3(signature = (path, *, base=None, tip=None, tips=None, joints=None, gravity=GRAVITY_M_S2))]
     fn from_mjcf(
         py: Python<'_>,
         path: PathBuf,
         base: Option<String>,
         tip: Option<String>,
+        tips: Option<Vec<String>>,
+        joints: Option<Vec<String>>,
         gravity: [f64; 3],
     ) -> PyResult<Self> {
-        Self::from_urdf(py, path, base, tip, gravity)
+        Self::from_urdf(py, path, base, tip, tips, joints, gravity)
     }
 
     /// The robot of a table of modified Denavit–Hartenberg parameters: a file, or the text itself with its header.

@@ -69,6 +69,22 @@ def test_a_finger_that_follows_another_has_parameters_of_its_own(tmp_path):
     assert numpy.allclose(robot.regressor(*motion) @ values, robot.torque(*motion), rtol=0, atol=1e-9)
 
 
+def test_a_part_of_a_tree_is_chosen(tmp_path):
+    def arm(side):
+        inner = f"<body name='{side}2'><joint name='{side}_elbow'/><geom type='sphere' size='.1' mass='1'/></body>"
+        return f"<body name='{side}1'><joint name='{side}_shoulder'/><geom type='sphere' size='.1' mass='2'/>{inner}</body>"
+
+    path = tmp_path / "arms.xml"
+    path.write_text(f"<mujoco><worldbody>{arm('left')}{arm('right')}</worldbody></mujoco>")
+    robot = aurt.Robot.from_mjcf(path)
+    assert robot.joint_names == ["left_shoulder", "left_elbow", "right_shoulder", "right_elbow"]
+    part = aurt.Robot.from_mjcf(path, tips=["left2", "right1"])
+    assert part.joint_names == ["left_shoulder", "left_elbow", "right_shoulder"]
+    assert aurt.Robot.from_mjcf(path, joints=["right_elbow"]).joint_names == ["right_elbow"]
+    with pytest.raises(aurt.Error, match="give one"):
+        aurt.Robot.from_mjcf(path, tip="left2", joints=["right_elbow"])
+
+
 def test_a_mujoco_file_is_a_robot(tmp_path):
     path = tmp_path / "arm.xml"
     path.write_text(

@@ -38,7 +38,7 @@ pub struct Known {
     pub mdh_rows: Option<MdhRows>,
     /// The link of a robot description that its chain starts from.
     pub base: Option<String>,
-    /// The link that its chain ends at.
+    /// The link that its chain ends at; all joints without.
     pub tip: Option<String>,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
@@ -138,16 +138,14 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
-        let described =
-            aurt_robots::read(file, known.base.as_deref(), known.tip.as_deref()).map_err(|errors| {
-                Failure::Argument {
-                    option: "--robot",
-                    reason: errors.to_string(),
-                    remedy: "choose the ends of the chain with `--base` and `--tip`, or correct the file"
-                        .into(),
-                }
+        let described = aurt_robots::read_part(file, known.base.as_deref(), &known.tip.as_deref().into())
+            .map_err(|errors| Failure::Argument {
+                option: "--robot",
+                reason: errors.to_string(),
+                remedy: "choose the ends of a chain with `--base` and `--tip`, or correct the file".into(),
             })?;
-        let mut ends = format!("tip = {}\n", quoted(&described.tip));
+        let is_tree = described.tip.is_empty();
+        let mut ends = if is_tree { String::new() } else { format!("tip = {}\n", quoted(&described.tip)) };
         if known.base.is_some() {
             ends.insert_str(0, &format!("base = {}\n", quoted(&described.base)));
         }

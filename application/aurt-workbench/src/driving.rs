@@ -203,19 +203,20 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
 }
 
 fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {
-    let first = *recording.time_s.first()?;
-    let [begin, end] = window_s.unwrap_or([0.0, f64::INFINITY]);
-    let inside = |t: f64| (begin..=end).contains(&(t - first));
-    let mut kept: Vec<usize> = (0..recording.time_s.len()).filter(|k| inside(recording.time_s[*k])).collect();
+    let begin_s = *recording.time_s.first()?;
+    let mut kept: Vec<usize> = (0..recording.time_s.len()).collect();
     // Stamps that repeat say nothing of what came between.
     kept.dedup_by(|b, a| recording.time_s[*b] <= recording.time_s[*a]);
     let of = |series: &Vec<Vec<f64>>| series.iter().map(|s| kept.iter().map(|k| s[*k]).collect()).collect();
-    Some(DriveRecording {
-        time_s: kept.iter().map(|k| recording.time_s[*k] - first).collect(),
+    let whole = DriveRecording {
+        time_s: kept.iter().map(|k| recording.time_s[*k] - begin_s).collect(),
         command: of(recording.measurement.as_ref()?),
         position_rad: of(&recording.position_rad),
         ..DriveRecording::default()
-    })
+    };
+    let Some([begin, end]) = window_s else { return Some(whole) };
+    let before = |edge: &dyn Fn(f64) -> bool| whole.time_s.partition_point(|t| edge(*t));
+    Some(whole.part(before(&|t| t < begin)..before(&|t| t <= end)))
 }
 
 fn table(recording: &DriveRecording, simulated: &[Vec<f64>]) -> Vec<u8> {
@@ -224,9 +225,10 @@ fn table(recording: &DriveRecording, simulated: &[Vec<f64>]) -> Vec<u8> {
         (0..simulated.len()).for_each(|j| text.push_str(&format!(",{name}_{j}")));
     }
     text.push('\n');
-    for k in 0..recording.time_s.len() {
+    let first = recording.first;
+    for k in first..recording.time_s.len() {
         text.push_str(&recording.time_s[k].to_string());
-        for series in [simulated, &recording.position_rad, &recording.command] {
+        for (series, k) in [(simulated, k - first), (&recording.position_rad, k), (&recording.command, k)] {
             series.iter().for_each(|s| text.push_str(&format!(",{}", s[k])));
         }
         text.push('\n');
@@ -249,15 +251,20 @@ impl Judged {
         let rms = |a: &[f64], b: &[f64]| {
             (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len().max(1) as f64).sqrt()
         };
+        let first = read.recording.first;
         let pairs = |a: &[Vec<f64>]| -> Vec<f64> {
-            a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, b)).collect()
+            a.iter().zip(&read.recording.position_rad).map(|(a, b)| rms(a, &b[first..])).collect()
         };
         Self {
             label: read.label.clone(),
             held_out: read.held_out,
-            samples: read.recording.time_s.len(),
+            samples: read.recording.time_s.len() - first,
             rms: pairs(simulated),
-            command_rms: follows_positions(arm).then(|| over_joints(&pairs(&read.recording.command))),
+            command_rms: follows_positions(arm).then(|| {
+                let sent: Vec<Vec<f64>> =
+                    read.recording.command.iter().map(|c| c[first..].to_vec()).collect();
+                over_joints(&pairs(&sent))
+            }),
         }
     }
 }

@@ -96,6 +96,19 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let (predicted, _) = model.rollout_file(source).unwrap();
     let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
     assert_eq!(&predicted, written);
+
+    // A window on the way starts where the robot was, as fast as it was; a model without estimates is judged as it is.
+    let window = "window_s = [5.0, 9.0] }]\n";
+    let text = EXPERIMENT.trim_end().trim_end_matches(" }]").to_owned() + ", " + window;
+    let text = text.replace(r#"["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
+    let text = text.replace("damping_nm_s_per_rad = 0.5", "damping_nm_s_per_rad = 0.4");
+    let text =
+        text.replace("delay_s = 0.02", "delay_s = 0.035").replace("coulomb_nm = 0.1", "coulomb_nm = 0.3");
+    let outcome = fit_drives(&read(folder, &text), &Progress::silent()).unwrap();
+    assert!(outcome.json["held_out_rms"].as_f64().unwrap() < 3e-4, "{}", outcome.text);
+    let rows = &outcome.files.iter().find(|(name, _)| name == "rollout_a_1.csv").unwrap().1;
+    assert_eq!(String::from_utf8_lossy(rows).lines().count(), 202);
+
     fs::write(&file, "{ \"drive_schema\": 7 }").unwrap();
     assert!(CalibratedDrive::read(&file).is_err());
     fs::write(&file, "{ \"kind\": \"rd_calibrated\" }").unwrap();
@@ -128,4 +141,34 @@ fn the_published_values_of_emps_are_found_by_output_error() {
     }
     let [mass, _] = of("rotor_inertia_kg_m2_0");
     assert!((mass - 95.1089).abs() < 0.01 * 95.1089, "{mass}");
+}
+
+/// A held quadruped as one tree of twelve joints. Legs on a trunk at rest do not feel each other: one of them alone is rolled
+/// out as in the tree.
+#[test]
+fn a_held_quadruped_is_one_tree() {
+    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
+    if data.is_none_or(|data| !data.join("go2").is_dir()) {
+        println!("skipped: AURT_DATA names no folder with recordings of a Go2");
+        return;
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/6-quadruped/go2.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    // The numbers of the description, simulated: the fit takes long in a debug build.
+    let begin = text.find("estimate").unwrap();
+    let text = text.replace(&text[begin..text.find("# Of the controller").unwrap()], "");
+    let of = |text: &str| {
+        let experiment = Experiment::parse(text, &path, &mut Registry::linked().unwrap()).unwrap();
+        let json = fit_drives(&experiment, &Progress::silent()).unwrap().json;
+        let held_out = &json["recordings"][1];
+        assert_eq!(held_out["held_out"], true, "{json}");
+        let rms: Vec<f64> = held_out["rms"].as_array().unwrap().iter().map(|r| r.as_f64().unwrap()).collect();
+        rms
+    };
+    let tree = of(&text);
+    assert_eq!(tree.len(), 12);
+    assert!(tree.iter().all(|rms| *rms < 0.1), "{tree:?}");
+    let leg = text.replace("base = \"base\"", "base = \"base\"\ntip = \"FR_calf\"");
+    let leg = of(&leg.replace("[1, 12]", "[4, 6]").replace("[13, 24]", "[16, 18]"));
+    assert!(leg.iter().zip(&tree[3..6]).all(|(a, b)| (a - b).abs() < 1e-9), "{leg:?} {tree:?}");
 }

@@ -40,6 +40,9 @@ pub(crate) fn undetermined(
     fixed: &[bool],
 ) -> Vec<Undetermined> {
     let free: Vec<usize> = (0..columns.len()).filter(|k| !fixed[*k]).collect();
+    if free.is_empty() {
+        return Vec::new();
+    }
     let reduced = DMatrix::from_fn(free.len(), free.len(), |r, c| information[(free[r], free[c])]);
     let eigen = reduced.symmetric_eigen();
     let mut found: Vec<Undetermined> = (0..free.len())

@@ -55,29 +55,34 @@ impl DriveRecording {
 
     /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity.
     pub(crate) fn pieces(&self, piece_s: f64) -> Vec<Self> {
-        let n = self.time_s.len();
         let at = |t: f64| self.time_s.partition_point(|s| *s < t);
-        let (begin, end) = (self.time_s[self.first], self.time_s[n - 1]);
+        let (begin, end) = (self.time_s[self.first], self.time_s[self.time_s.len() - 1]);
         let count = ((end - begin) / piece_s).round().max(1.0);
         let edge = |k: f64| if k == 0.0 { self.first } else { at(begin + (end - begin) * k / count) };
-        let part = |k: usize| {
-            let (first, last) = (edge(k as f64), (edge((k + 1) as f64) + 1).min(n));
-            let from = at(self.time_s[first] - HISTORY_S);
-            let of = |series: &[Vec<f64>]| series.iter().map(|s| s[from..last].to_vec()).collect();
-            let velocity = |s: &Vec<f64>| slope(&self.time_s, s, first);
-            Self {
-                time_s: self.time_s[from..last].to_vec(),
-                command: of(&self.command),
-                position_rad: of(&self.position_rad),
-                first: first - from,
-                first_velocity_rad_s: if k == 0 {
-                    self.first_velocity_rad_s.clone()
-                } else {
-                    self.position_rad.iter().map(velocity).collect()
-                },
-            }
-        };
+        let part = |k: usize| self.part(edge(k as f64)..edge((k + 1) as f64) + 1);
         (0..count as usize).map(part).collect()
+    }
+
+    /// Some of the samples. A part that begins on the way starts where the robot was, with its velocity, and keeps the commands
+    /// before; samples of the range that are not there are left out.
+    #[must_use]
+    pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
+        let last = samples.end.min(self.time_s.len());
+        let first = samples.start.min(last.saturating_sub(1));
+        let from = self.time_s.partition_point(|s| *s < self.time_s[first] - HISTORY_S);
+        let of = |series: &[Vec<f64>]| series.iter().map(|s| s[from..last].to_vec()).collect();
+        let velocity = |s: &Vec<f64>| slope(&self.time_s, s, first);
+        Self {
+            time_s: self.time_s[from..last].to_vec(),
+            command: of(&self.command),
+            position_rad: of(&self.position_rad),
+            first: first - from,
+            first_velocity_rad_s: if first == self.first {
+                self.first_velocity_rad_s.clone()
+            } else {
+                self.position_rad.iter().map(velocity).collect()
+            },
+        }
     }
 }
 
@@ -109,7 +114,7 @@ fn slope(time_s: &[f64], series: &[f64], k: usize) -> f64 {
 pub const LONGEST_STEP_S: f64 = 2.5e-3;
 
 impl DrivenArm {
-    /// The positions of a rollout: the arm starts at rest at the recording's first position and is driven by its commands
+    /// The positions of a rollout: the arm starts at the recording's first position and velocity and is driven by its commands
     /// alone. One series a joint, with a value at each stamp from the recording's first on.
     ///
     /// # Errors

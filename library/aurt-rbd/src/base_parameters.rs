@@ -24,7 +24,8 @@ const MOST_ROUNDS: usize = 12;
 /// columns, scaled to unit length, are orthogonalised from left to right; a column is independent if its
 /// diagonal element of R is not numerically zero, and else its linear combination of the kept columns
 /// follows from R₁⁻¹R₂. Of a set of dependent parameters the first in the order of
-/// [`RigidBodyRegressor::standard_parameters`] is kept, and the others are added to it.
+/// [`RigidBodyRegressor::standard_parameters`] is kept, and the others are added to it. Where the first are dependent but for
+/// little (joints that follow one another), those with the largest diagonal elements are kept.
 ///
 /// The result is checked on motions of another seed: Y_base · values(π) = Y π.
 ///
@@ -38,7 +39,9 @@ pub fn base_parameters(body: &dyn RigidBodyRegressor, seed: u64) -> Result<BaseP
     for round in 1..=MOST_ROUNDS {
         samples += samples / 2;
         let next = independent_columns(&observe(body, seed.wrapping_add(round as u64), samples)?);
-        settled = if next.columns == last.columns { settled + 1 } else { 1 };
+        // Which columns have the largest remainders depends on the motions; their number does not.
+        let same = next.columns.len() == last.columns.len() && (next.pivoted || next.columns == last.columns);
+        settled = if same { settled + 1 } else { 1 };
         last = next;
         if settled == SETTLED_ROUNDS {
             let base = BaseParameters {
@@ -139,10 +142,56 @@ fn observe(body: &dyn RigidBodyRegressor, seed: u64, samples: usize) -> Result<O
 struct Selection {
     columns: Vec<usize>,
     combinations: Vec<Vec<(usize, f64)>>,
+    /// What the column that is kept with the least has of its unit length.
+    smallest: f64,
+    /// Whether the columns are those of the largest remainders.
+    pivoted: bool,
 }
 
-/// Step 2: QR decomposition column by column, in which dependent columns are left out of Q.
+/// Step 2: the first columns that are independent, where these determine the others; else those of the largest remainders.
 fn independent_columns(observations: &Observations) -> Selection {
+    let all: Vec<usize> = (0..observations.columns.len()).collect();
+    let first = eliminated(observations, &all);
+    // What is kept with a remainder δ has a direction known to ε/δ, which is what later columns may then leave by rounding.
+    // Fingers that follow one another have such columns.
+    if first.smallest * NUMERICAL_ZERO >= f64::EPSILON {
+        return first;
+    }
+    let kept = of_largest_remainders(observations);
+    let others = all.into_iter().filter(|index| !kept.contains(index));
+    let order: Vec<usize> = kept.iter().copied().chain(others).collect();
+    Selection { pivoted: true, ..eliminated(observations, &order) }
+}
+
+/// Columns with the largest remainder beside those before, as many as are independent, in ascending order.
+fn of_largest_remainders(observations: &Observations) -> Vec<usize> {
+    let longest = observations.columns.iter().map(|c| dot(c, c).sqrt()).fold(0.0, f64::max);
+    let scaled = observations.columns.iter().enumerate().filter_map(|(index, column)| {
+        let length = dot(column, column).sqrt();
+        let unit = || column.iter().map(|v| v / length).collect::<Vec<f64>>();
+        (length > NUMERICAL_ZERO * longest).then(|| (index, unit()))
+    });
+    let mut open: Vec<(usize, Vec<f64>)> = scaled.collect();
+    let mut kept = Vec::new();
+    loop {
+        let remainders = open.iter().map(|(_, rest)| dot(rest, rest)).enumerate();
+        let Some((at, square)) = remainders.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        if square.sqrt() <= NUMERICAL_ZERO {
+            break;
+        }
+        let (index, direction) = open.swap_remove(at);
+        kept.push(index);
+        for (_, rest) in &mut open {
+            let share = dot(&direction, rest) / square;
+            rest.iter_mut().zip(&direction).for_each(|(v, d)| *v -= share * d);
+        }
+    }
+    kept.sort_unstable();
+    kept
+}
+
+/// QR decomposition column by column in an order, in which dependent columns are left out of Q.
+fn eliminated(observations: &Observations, order: &[usize]) -> Selection {
     let lengths: Vec<f64> = observations.columns.iter().map(|c| dot(c, c).sqrt()).collect();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let mut kept: Vec<usize> = Vec::new();
@@ -150,7 +199,8 @@ fn independent_columns(observations: &Observations) -> Selection {
     // Upper triangle R₁ of the kept columns, and R₂ of the dependent ones with their index.
     let mut r1: Vec<Vec<f64>> = Vec::new();
     let mut dependent: Vec<(usize, Vec<f64>)> = Vec::new();
-    for (index, column) in observations.columns.iter().enumerate() {
+    let mut smallest = f64::INFINITY;
+    for (index, column) in order.iter().map(|index| (*index, &observations.columns[*index])) {
         if lengths[index] <= NUMERICAL_ZERO * longest {
             continue;
         }
@@ -168,6 +218,7 @@ fn independent_columns(observations: &Observations) -> Selection {
         }
         let diagonal = dot(&rest, &rest).sqrt();
         if diagonal > NUMERICAL_ZERO {
+            smallest = smallest.min(diagonal);
             rest.iter_mut().for_each(|v| *v /= diagonal);
             q.push(rest);
             r.push(diagonal);
@@ -192,7 +243,7 @@ fn independent_columns(observations: &Observations) -> Selection {
             }
         }
     }
-    Selection { columns: kept, combinations }
+    Selection { columns: kept, combinations, smallest, pivoted: false }
 }
 
 /// A factor with its rounding removed where it is almost an integer, which the usual ones (0, 1, −1, 2) are.

@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use crate::RobotError;
 use crate::part::Part;
-use crate::tree::{Freedom, Tree};
+use crate::tree::{Freedom, Tie, Tree};
 
 /// How many names a message lists.
 const MOST_NAMES: usize = 40;
@@ -139,6 +139,20 @@ fn checked(
         };
         let what = format!("joint {}", joint.name);
         return Err(RobotError::Element { path: tree.path.clone(), line: joint.line, what, reason });
+    }
+    let tied = |tie: &&Tie| tie.joints.iter().any(|joint| moves[*joint]);
+    if let Some(tie) = tree.ties.iter().find(tied) {
+        let of = tie.joints.iter().find(|joint| moves[**joint]).map_or("", |j| &tree.joints[*j].name);
+        let reason = format!(
+            "{}, which models do not know; leave out the joint `{of}`, or remove the element",
+            tie.reason
+        );
+        return Err(RobotError::Element {
+            path: tree.path.clone(),
+            line: tie.line,
+            what: tie.what.clone(),
+            reason,
+        });
     }
     if moves.contains(&true) {
         return Ok(Selection { base, tip, joints, on_path, moves });

@@ -17,6 +17,8 @@ pub(crate) struct Tree {
     pub joints: Vec<TreeJoint>,
     /// What a person should know of how the file was read.
     pub notes: Vec<String>,
+    /// What ties joints in ways that models do not know.
+    pub ties: Vec<Tie>,
     /// What each joint follows in the end, once it is asked.
     pub followed: OnceCell<Vec<Option<Followed>>>,
 }
@@ -62,6 +64,16 @@ pub(crate) struct Mimic {
     pub joint: String,
     pub multiplier: f64,
     pub offset: f64,
+}
+
+/// An element that ties joints in a way that models do not know: none of them may move.
+#[derive(Debug)]
+pub(crate) struct Tie {
+    pub line: u32,
+    pub what: String,
+    /// What it does.
+    pub reason: String,
+    pub joints: Vec<usize>,
 }
 
 /// What a joint follows in the end: multiplier · q_joint + offset.

@@ -155,11 +155,11 @@ fn what_acts_on_joints_beside_is_noted() {
     let text = format!(
         "<mujoco><compiler inertiafromgeom=\"false\"/><worldbody><body name=\"a\" gravcomp=\"1\"><joint name=\"j\" \
          stiffness=\"3\"/>{INERTIAL}<body name=\"c\"><joint name=\"k\"/><geom size=\"1\"/></body></body></worldbody>\
-         <equality><joint joint1=\"j\" joint2=\"k\"/></equality></mujoco>"
+         <tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>"
     );
     let notes = parse(&text, "a.xml", None, None).unwrap().notes.join("\n");
     for part in [
-        "<equality>",
+        "<tendon>",
         "springs are not read",
         "they are in: j",
         "`gravcomp` is not read; it is in: a",
@@ -167,6 +167,44 @@ fn what_acts_on_joints_beside_is_noted() {
     ] {
         assert!(notes.contains(part), "{part}\n---\n{notes}");
     }
+}
+
+#[test]
+fn joints_follow_others_and_other_ties_are_refused() {
+    let text = |equality: &str| {
+        let joint = |name: &str, more: &str, inner: &str| {
+            format!("<body name=\"b{name}\"><joint name=\"{name}\" {more}/>{INERTIAL}{inner}</body>")
+        };
+        let (k, l) = (joint("k", "ref=\"90\"", ""), joint("l", "", ""));
+        format!(
+            "<mujoco><worldbody>{}</worldbody>\n<equality>{equality}</equality>\
+             <tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>",
+            joint("j", "", &format!("{k}{l}"))
+        )
+    };
+    let read = |equality: &str, tip: &str| parse(&text(equality), "a.xml", None, Some(tip));
+    let tied = "<joint joint1=\"k\" joint2=\"j\" polycoef=\"0.1 -2\"/>";
+    let robot = read(tied, "bk").unwrap();
+    let coupling = robot.couplings[1];
+    assert_eq!((coupling.coordinate, coupling.multiplier), (0, -2.0));
+    assert!((coupling.offset - (std::f64::consts::FRAC_PI_2 + 0.1)).abs() < 1e-12, "{coupling:?}");
+    assert_eq!(read("<joint joint1=\"k\" joint2=\"j\" active=\"false\"/>", "bk").unwrap().joints.len(), 2);
+    for (equality, expected) in [
+        (
+            "<joint joint1=\"k\" joint2=\"j\" polycoef=\"0 1 2 0 0\"/>",
+            "<joint>: lets a joint follow another by a polynomial",
+        ),
+        ("<joint joint1=\"k\"/>", "holds a joint"),
+        ("<joint joint1=\"k\" joint2=\"x\"/>", "there is no joint `x`"),
+        ("<weld body1=\"bk\" body2=\"bl\"/>", "a.xml:2: <equality>, <weld>: closes a loop of bodies"),
+        ("<connect body1=\"bk\" anchor=\"0 0 0\"/>", "leave out the joint `k`"),
+        ("<tendon tendon1=\"t\"/>", "ties tendons"),
+    ] {
+        let error = read(equality, "bk").unwrap_err().to_string();
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+    // What is tied beside the chain does not matter.
+    assert_eq!(read("<weld body1=\"bk\" body2=\"bj\"/>", "bl").unwrap().joints.len(), 2);
 }
 
 /// Reading takes time in proportion to the file: what grows with its square would take minutes.

@@ -63,15 +63,27 @@ class Robot:
 
     @staticmethod
     def from_urdf(
-        path: _Path, *, base: str | None = None, tip: str | None = None, gravity: Sequence[float] = ...
+        path: _Path,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        tips: Sequence[str] | None = None,
+        joints: Sequence[str] | None = None,
+        gravity: Sequence[float] = ...,
     ) -> Robot:
-        """The serial chain between two links of a URDF file."""
+        """All joints of a URDF file on a link as a tree, the chain to `tip`, the tree to `tips`, or `joints`."""
 
     @staticmethod
     def from_mjcf(
-        path: _Path, *, base: str | None = None, tip: str | None = None, gravity: Sequence[float] = ...
+        path: _Path,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        tips: Sequence[str] | None = None,
+        joints: Sequence[str] | None = None,
+        gravity: Sequence[float] = ...,
     ) -> Robot:
-        """The serial chain between two bodies of a MuJoCo file."""
+        """The same of a MuJoCo file, with bodies instead of links."""
 
     @staticmethod
     def from_mdh(table: _Path, *, gravity: Sequence[float] = ...) -> Robot:

@@ -42,7 +42,7 @@ pub struct Init {
     /// Link from which the chain of a robot description starts
     #[arg(long, value_name = "LINK")]
     base: Option<String>,
-    /// Link at which it ends
+    /// Link at which it ends; without, all joints on the base are taken, as a tree
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
     /// Gravitational acceleration in the base frame, m/s²

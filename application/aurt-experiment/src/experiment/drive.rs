@@ -33,11 +33,10 @@ impl Drive {
         let model = model?;
         let mechanics = Mechanics::default().numbers();
         let of_drive = model.parameters();
-        let own: Option<Vec<Vec<f64>>> = joints.map(|joints| {
-            let numbers = of_drive.iter().chain(&mechanics);
-            let by_key: Vec<Vec<f64>> = numbers.map(|p| numbers_of(&mut section, p, joints)).collect();
-            (0..joints).map(|j| by_key.iter().map(|values| values[j]).collect()).collect()
-        });
+        // Of a robot that cannot be read, the keys are known all the same.
+        let numbers = of_drive.iter().chain(&mechanics);
+        let count = joints.unwrap_or(1);
+        let by_key: Vec<Vec<f64>> = numbers.map(|p| numbers_of(&mut section, p, count)).collect();
         let floor = section.section("floor").map(read_floor);
         let mut known: Vec<String> =
             of_drive.iter().chain(&mechanics).map(|p| p.parameter.name.clone()).collect();
@@ -50,7 +49,8 @@ impl Drive {
         let piece_s = section.positive("piece_s");
         let span = section.span().clone();
         section.finish();
-        let joints = own?.into_iter().map(|values| {
+        let joints = (0..joints?).map(|j| {
+            let values: Vec<f64> = by_key.iter().map(|values| values[j]).collect();
             let (own, rest) = values.split_at(of_drive.len());
             let mut joint = DrivenJoint { drive: model.clone(), mechanics: Mechanics::default() };
             joint.drive.set_parameters(own);

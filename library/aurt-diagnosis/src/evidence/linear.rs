@@ -67,6 +67,10 @@ impl Cholesky {
                 b[k] = 0.0;
                 continue;
             }
+            // Columns of joints that do not interact stay zero.
+            if b[k] == 0.0 {
+                continue;
+            }
             b[k] *= self.reciprocal[k];
             let (value, column) = (b[k], &self.lower[k * self.n + k + 1..(k + 1) * self.n]);
             for (x, l) in b[k + 1..].iter_mut().zip(column) {

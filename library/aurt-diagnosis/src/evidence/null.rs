@@ -340,8 +340,14 @@ fn of_group(
             problem.extended(fold.train, &fold.fit, places, (n, 0), &group.switches, weights);
         let mut absorbed = projected.clone();
         absorbed.chunks_exact_mut(n.max(1)).for_each(|c| fold.fit.backward(c));
-        let tested: Vec<Tested> =
-            (0..joints).map(|j| Tested::new(fold, j, (&places[j], &own[j]), &absorbed, g)).collect();
+        // A joint that has none of the group's columns, and none of those that share with them, is left as it is.
+        let touched = |j: &usize| {
+            let taken = || places[*j].iter().any(|p| (0..g).any(|b| absorbed[b * n + p.at] != 0.0));
+            !own[*j].is_empty() || taken()
+        };
+        let (touched, apart): (Vec<usize>, Vec<usize>) = (0..joints).partition(touched);
+        let of_joint = |j: &usize| (*j, Tested::new(fold, *j, (&places[*j], &own[*j]), &absorbed, g));
+        let tested: Vec<(usize, Tested)> = touched.iter().map(of_joint).collect();
         for (sum, shift) in sums.iter_mut().zip(&fold.shifts) {
             let mut right: Vec<f64> =
                 (0..g).map(|k| -dot(&projected[k * n..(k + 1) * n], &shift.forward)).collect();
@@ -349,8 +355,9 @@ fn of_group(
                 own.iter().for_each(|p| right[p.at] += weights[j] * measured(&shift.train, j, *p));
             }
             let extension = solve_signed(&schur, &right, &nonnegative);
-            for (j, tested) in tested.iter().enumerate() {
-                let of = &shift.joints[j];
+            apart.iter().for_each(|j| sum[*j] += shift.joints[*j].squared);
+            for (j, tested) in &tested {
+                let (j, of) = (*j, &shift.joints[*j]);
                 let mut inner = vec![0.0; g];
                 own[j].iter().for_each(|p| inner[p.at] = measured(&shift.test, j, *p));
                 let mut change = 0.0;

@@ -20,6 +20,8 @@ pub(super) struct ReadJoint {
     pub friction: JointFriction,
     pub armature: f64,
     pub spring: Spring,
+    /// The coordinate at which the body is where the file has it.
+    pub reference: f64,
 }
 
 /// What says how joints are read.
@@ -67,7 +69,8 @@ impl<'x> Reading<'_, 'x> {
             }
         };
         // At the coordinate `ref` the body is where the file has it.
-        let back = -number("ref")? * unit;
+        let reference = number("ref")? * unit;
+        let back = -reference;
         let at_zero = match freedom {
             Freedom::Turns(_) => Pose::turned(Rotation3::new(axis * back).into_inner()),
             _ => Pose { origin_m: axis * back, ..Pose::identity() },
@@ -84,6 +87,7 @@ impl<'x> Reading<'_, 'x> {
             friction,
             armature: number("armature")?,
             spring: Spring { stiffness: number("stiffness")?, reference: number("springref")?, unit },
+            reference,
         })
     }
 

@@ -1,13 +1,14 @@
 //! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
 
 mod classes;
+mod equality;
 mod joint;
 mod orientation;
 mod settings;
 mod shapes;
 
 use std::cell::OnceCell;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use nalgebra::{Matrix3, Vector3};
@@ -28,8 +29,6 @@ pub(crate) const ROOT: &str = "mujoco";
 const WORLD: &str = "world";
 /// Elements that make bodies, joints or masses which are not read.
 const GENERATING: [&str; 5] = ["attach", "composite", "flexcomp", "include", "replicate"];
-/// Sections that act on joints and are not read.
-const ACTING: [&str; 2] = ["equality", "tendon"];
 
 /// Reads bodies and joints.
 pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors> {
@@ -41,6 +40,7 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         links: vec![world],
         joints: Vec::new(),
         notes: Vec::new(),
+        ties: Vec::new(),
         followed: OnceCell::new(),
     };
     let source = Source::of(root, path);
@@ -68,9 +68,13 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         unweighed: Vec::new(),
         springs: Vec::new(),
         lifted: Vec::new(),
+        references: HashMap::new(),
     };
     reader.bodies(root);
     reader.refuse_shapes();
+    if let Err(error) = equality::read(root, &source, &reader.references, &mut reader.tree) {
+        reader.errors.push(error);
+    }
     reader.note(root);
     let Reader { tree, errors, .. } = reader;
     if tree.joints.is_empty() && errors.is_empty() {
@@ -106,6 +110,8 @@ struct Reader<'a, 'x> {
     springs: Vec<String>,
     /// Bodies that MuJoCo holds against gravity.
     lifted: Vec<String>,
+    /// The coordinates at which joints are where the file has them, of those that say so.
+    references: HashMap<String, f64>,
 }
 
 impl<'a, 'x> Reader<'a, 'x> {
@@ -196,8 +202,11 @@ impl<'a, 'x> Reader<'a, 'x> {
             if let Some(class) = self.classes.unknown(own.node) {
                 return Err(joint_element.error(format!("there is no class `{class}` under <default>")));
             }
-            let ReadJoint { pose, body, freedom, limits, friction, armature, spring } =
+            let ReadJoint { pose, body, freedom, limits, friction, armature, spring, reference } =
                 reading.joint(&joint_element, own.class, &own.frame)?;
+            if reference != 0.0 {
+                self.references.insert(joint_name.clone(), reference);
+            }
             if spring.stiffness != 0.0 {
                 self.springs.push(joint_name.clone());
             }
@@ -324,11 +333,6 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 
     fn note(&mut self, root: Node<'x, 'x>) {
-        let acting: Vec<&str> = root
-            .children()
-            .filter(|c| ACTING.contains(&c.tag_name().name()) && c.children().any(|n| n.is_element()))
-            .map(|c| c.tag_name().name())
-            .collect();
         let of = |what: &str, names: &[String]| format!("{what}: {}", names.join(", "));
         if !self.unstated.is_empty() {
             self.tree.notes.push(of("no inertia is stated, and so none is assumed, for", &self.unstated));
@@ -340,8 +344,8 @@ impl<'a, 'x> Reader<'a, 'x> {
             let what = "mass and inertia are computed from shapes and their density, as MuJoCo does, of";
             self.tree.notes.push(of(what, &weighed));
         }
-        if !acting.is_empty() {
-            self.tree.notes.push(format!("what <{}> does to joints is not read", acting.join("> and <")));
+        if root.children().any(|c| c.has_tag_name("tendon") && c.children().any(|n| n.is_element())) {
+            self.tree.notes.push("springs, damping and limits of <tendon> are not read".into());
         }
         if !self.springs.is_empty() {
             self.tree

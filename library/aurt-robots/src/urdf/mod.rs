@@ -59,7 +59,8 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
             without_inertia.join(", ")
         ));
     }
-    let mut tree = Tree { path: path.into(), name, links, joints, notes, followed: OnceCell::new() };
+    let (ties, followed) = (Vec::new(), OnceCell::new());
+    let mut tree = Tree { path: path.into(), name, links, joints, notes, ties, followed };
     if errors.is_empty() {
         errors.extend(hang(&mut tree));
     }
