@@ -101,7 +101,11 @@ impl Predict {
     fn roll_out(&self, mut drive: CalibratedDrive, out: &OutputFile) -> Result<Report, Failure> {
         if SeriesFormat::of_ending(&self.out).is_some() {
             let reason = "positions from commands are written as a text table".to_owned();
-            return Err(Failure::Argument { option: "--out", reason, remedy: "end its name in .csv".to_owned() });
+            return Err(Failure::Argument {
+                option: "--out",
+                reason,
+                remedy: "end its name in .csv".to_owned(),
+            });
         }
         if let Some(gravity) = self.gravity {
             drive.arm.chain = drive.arm.chain.under_gravity(gravity.0);
