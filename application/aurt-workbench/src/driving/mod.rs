@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use crate::{experiments::source, failure::Failure};
 
 mod diagnosing;
+mod exporting;
 mod rival;
 
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};

@@ -150,7 +150,7 @@ pub fn diagnose(
         probabilities.resize(absent.len(), 1.0);
         let largest = largest_of_claims(&probabilities, demands.level);
         let passes = |(s, trial, c): &(Structure, Trial, Comparison)| {
-            search.claims(s, s.is_in(arm), &trial.fit, c, largest)
+            lowers(trial, &model) && search.claims(s, s.is_in(arm), &trial.fit, c, largest)
         };
         let best = (0..tried.len())
             .filter(|k| passes(&tried[*k]))
@@ -221,6 +221,13 @@ pub fn diagnose(
     })
 }
 
+/// Whether the cost of the fitted recordings is lower than that of `model` by two for each number that was added: by chance
+/// alone it is lower by one.
+fn lowers(trial: &Trial, model: &Trial) -> bool {
+    let more = trial.fit.numbers.len() - model.fit.numbers.len();
+    model.fit.cost - trial.fit.cost >= 2.0 * more as f64
+}
+
 fn finding(
     structure: Structure,
     answer: Answer,
@@ -245,7 +252,8 @@ impl Search<'_> {
         Ok(Trial { arm, selection, fit, missed })
     }
 
-    /// The model with a structure; none if it lowers the cost of the fitted recordings no more than chance does.
+    /// The model with a structure, estimated to the end if the first steps lower the cost of the fitted recordings by more than
+    /// chance does; none if it cannot be simulated.
     fn with(&self, structure: &Structure, model: &Trial) -> Option<Trial> {
         let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
             let mut arm = a.clone();
@@ -257,11 +265,10 @@ impl Search<'_> {
         let selection = structure.select(&arm, &model.selection);
         let first = Options { most_iterations: FIRST_STEPS, ..self.options.clone() };
         let begun = self.trial(arm.clone(), selection.clone(), &from, &first).ok()?;
-        let more = begun.fit.numbers.len() - model.fit.numbers.len();
-        if model.fit.cost - begun.fit.cost < 2.0 * more as f64 {
-            return None;
+        if lowers(&begun, model) {
+            return self.trial(arm, selection, &begun.fit.arm, self.options).ok();
         }
-        self.trial(arm, selection, &begun.fit.arm, self.options).ok()
+        Some(begun)
     }
 
     fn claims(
