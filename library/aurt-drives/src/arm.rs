@@ -10,7 +10,7 @@ use crate::{
 numbers! {
     /// What a joint has beside its links and its drive. Friction is that of the model `stribeck` with `load = "absolute"` and
     /// of `polynomial` with the power 1,
-    /// τ_F = (F_C + F_L |τ_J| + F_S e^(−(q̇/v_S)²)) sgn q̇ + F_v q̇, set-valued at rest; τ_J is the torque of gravity, of
+    /// τ_F = (F_C + F_L |τ_J| + F_S e^(−(q̇/v_S)²)) sgn q̇ + F_v q̇ + F_A |q̇|, set-valued at rest; τ_J is the torque of gravity, of
     /// velocities and of the floor.
     pub struct Mechanics {
         /// Inertia of rotor and gear, at the joint, in kg m².
@@ -25,6 +25,8 @@ numbers! {
         stribeck_velocity_rad_s: "rad/s" = 0.05, 0.05, [1e-3, 10.0];
         /// F_v in Nm s/rad.
         viscous_nm_s_per_rad: "Nm s/rad" = 0.0, 0.5, [0.0, 1e6];
+        /// F_A in Nm s/rad, what F_v is larger forwards and smaller backwards.
+        viscous_asymmetry_nm_s_per_rad: "Nm s/rad" = 0.0, 0.2, [-1e6, 1e6];
         /// A constant torque on the joint, in Nm.
         torque_offset_nm: "Nm" = 0.0, 0.1, [-1e6, 1e6];
         /// What the description's coordinate of the joint exceeds the recorded position by, in rad.

@@ -25,19 +25,21 @@ pub(crate) struct Column {
     pub bounds: [f64; 2],
 }
 
+/// A name without its joint.
+pub(crate) fn stem(name: &str) -> &str {
+    name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0)
+}
+
 /// The columns of a selection.
 pub(crate) fn columns(arm: &DrivenArm, selection: &Selection) -> Result<Vec<Column>, DriveError> {
     let names = arm.names();
     let numbers = arm.numbers();
-    let stem = |name: &str| {
-        name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0).to_owned()
-    };
     let mut columns: Vec<Column> = Vec::new();
     for key in &selection.estimate {
         let places: Vec<usize> =
             (0..names.len()).filter(|k| names[*k] == *key || stem(&names[*k]) == *key).collect();
         if places.is_empty() {
-            let mut known: Vec<String> = names.iter().map(|n| stem(n)).collect();
+            let mut known: Vec<&str> = names.iter().map(|n| stem(n)).collect();
             known.sort();
             known.dedup();
             return Err(DriveError::Unknown { name: key.clone(), known: known.join(", ") });

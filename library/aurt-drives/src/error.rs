@@ -56,4 +56,10 @@ pub enum DriveError {
         /// When.
         time_s: f64,
     },
+    /// Held-out recordings that are too short to decide anything.
+    #[error("the held-out recordings are too short to decide anything; at least {needed_s} s are needed")]
+    TooShort {
+        /// What is needed in s.
+        needed_s: f64,
+    },
 }

@@ -4,6 +4,7 @@
 //! - [`DrivenArm`] puts them on the joints of a chain or tree, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
 //!   simulates the closed loop from commands alone.
 //! - [`output_error`] estimates its numbers from commands and positions.
+//! - [`diagnosis`] tells which structures recordings need and which the model lacks.
 //!
 //! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its derivatives, of the
 //! branch of dry friction that is taken, with the speed in the Stribeck factor and in the floor's friction held.
@@ -13,6 +14,7 @@ mod bodies;
 mod columns;
 mod declare;
 mod determined;
+pub mod diagnosis;
 mod error;
 pub mod models;
 mod output_error;
@@ -23,5 +25,5 @@ pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
 pub use columns::Selection;
 pub use determined::Undetermined;
 pub use error::DriveError;
-pub use output_error::{EstimatedNumber, Options, OutputErrorFit, output_error};
+pub use output_error::{EstimatedNumber, Options, OutputErrorFit, output_error, output_error_from};
 pub use rollout::{DriveRecording, LONGEST_STEP_S};

@@ -89,6 +89,8 @@ pub struct OutputErrorFit {
     pub undetermined: Vec<Undetermined>,
     /// Rms of q_sim − q in rad, by recording, or piece, and joint.
     pub rms_rad: Vec<Vec<f64>>,
+    /// The least sum that was found.
+    pub cost: f64,
     /// Steps taken.
     pub iterations: usize,
     /// Passes of the simulation over a recording, each with eight directions.
@@ -110,6 +112,20 @@ pub fn output_error(
     recordings: &[DriveRecording],
     options: &Options,
 ) -> Result<OutputErrorFit, DriveError> {
+    output_error_from(arm, selection, recordings, options, arm)
+}
+
+/// The same, with the search starting at the numbers of `from`, an arm with the same parts.
+///
+/// # Errors
+/// As [`output_error`].
+pub fn output_error_from(
+    arm: &DrivenArm,
+    selection: &Selection,
+    recordings: &[DriveRecording],
+    options: &Options,
+    from: &DrivenArm,
+) -> Result<OutputErrorFit, DriveError> {
     let began = Instant::now();
     arm.validate()?;
     let columns = columns(arm, selection)?;
@@ -122,7 +138,9 @@ pub fn output_error(
     };
     let recordings = &pieces[..];
     let problem = Problem { arm, columns: &columns, recordings, options, passes: AtomicU64::new(0) };
-    let mut theta: Vec<f64> = columns.iter().map(|c| c.start.clamp(c.bounds[0], c.bounds[1])).collect();
+    let first = from.numbers();
+    let start = |c: &Column| c.places.first().and_then(|p| first.get(*p)).map_or(c.start, |n| n.value);
+    let mut theta: Vec<f64> = columns.iter().map(|c| start(c).clamp(c.bounds[0], c.bounds[1])).collect();
     let mut at = problem.linearised(&theta)?;
     let mut damping = 1e-2;
     let (mut iterations, mut converged, mut small) = (0, columns.is_empty(), 0);
@@ -166,6 +184,7 @@ pub fn output_error(
         numbers: numbers.collect(),
         undetermined: undetermined(&columns, &at.information, &fixed),
         rms_rad: at.rms_rad,
+        cost: at.cost,
         iterations,
         passes: problem.passes.into_inner(),
         converged,
@@ -384,7 +403,7 @@ impl Linearised {
 }
 
 /// ρ(x) and the weight ρ'(x)/2x.
-fn loss(x: f64) -> (f64, f64) {
+pub(crate) fn loss(x: f64) -> (f64, f64) {
     let root = (1.0 + x * x).sqrt();
     (2.0 * (root - 1.0), 1.0 / root)
 }

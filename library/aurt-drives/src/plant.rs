@@ -34,6 +34,7 @@ struct Numbers {
     excess: Jet,
     stribeck: Jet,
     viscous: Jet,
+    asymmetry: Jet,
     offset: Jet,
     zero: Jet,
     lower: Jet,
@@ -76,7 +77,7 @@ impl<'a> Plant<'a> {
             drives.push(rest.by_ref().take(joint.drive.parameters().len()).collect());
             let mut next = || rest.next().unwrap_or_default();
             let (rotor, coulomb, per_load, excess, stribeck) = (next(), next(), next(), next(), next());
-            let (viscous, offset, zero) = (next(), next(), next());
+            let (viscous, asymmetry, offset, zero) = (next(), next(), next(), next());
             mass_scale.push(next());
             let (lower, upper) = (next(), next());
             joints.push(Numbers {
@@ -86,6 +87,7 @@ impl<'a> Plant<'a> {
                 excess,
                 stribeck,
                 viscous,
+                asymmetry,
                 offset,
                 zero,
                 lower,
@@ -159,8 +161,13 @@ impl<'a> Plant<'a> {
                 velocity_rad_s: velocity,
             };
             let driven = self.arm.joints[j].drive.torque(&self.drives[j], &input, &mut self.drive_states[j]);
-            matrix[j * n + j] += numbers.rotor + (driven.damping + numbers.viscous) * (0.5 * h);
-            right[j] = (driven.torque + numbers.offset - numbers.viscous * velocity - load[j]) * h;
+            let viscous = if velocity.value < 0.0 {
+                numbers.viscous - numbers.asymmetry
+            } else {
+                numbers.viscous + numbers.asymmetry
+            };
+            matrix[j * n + j] += numbers.rotor + (driven.damping + viscous) * (0.5 * h);
+            right[j] = (driven.torque + numbers.offset - viscous * velocity - load[j]) * h;
             level[j] = numbers.coulomb + numbers.per_load * load[j].abs();
             if numbers.excess.value > 0.0 || numbers.excess.slope != [0.0; Jet::LANES] {
                 // Friction that falls with speed makes derivatives grow without bound from slip to slip, as the phase of

@@ -54,7 +54,8 @@ impl DriveRecording {
     }
 
     /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity.
-    pub(crate) fn pieces(&self, piece_s: f64) -> Vec<Self> {
+    #[must_use]
+    pub fn pieces(&self, piece_s: f64) -> Vec<Self> {
         let at = |t: f64| self.time_s.partition_point(|s| *s < t);
         let (begin, end) = (self.time_s[self.first], self.time_s[self.time_s.len() - 1]);
         let count = ((end - begin) / piece_s).round().max(1.0);

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use aurt::Progress;
 use aurt_diagnosis::{Learnt, effects};
 use aurt_doctor::doctor::{self, Examination, Subject};
+use aurt_drives::diagnosis::STRUCTURES;
 use aurt_experiment::Experiment;
 use aurt_output::pretty;
 use aurt_plugins::{Registry, suggestion};
@@ -11,6 +13,7 @@ use aurt_report::{rendering::text::wrapped, reports};
 use aurt_workbench::{
     described_model::{ChainEnds, GivenModel},
     diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
+    driving::{DriveOutcome, diagnose_drives},
     failure::Failure,
     output::{OutputFolder, Outputs},
     results::diagnosed_series,
@@ -27,7 +30,8 @@ use crate::{
 /// Locate the mismatch between a model and recordings, name the missing physics, and model it.
 ///
 /// With `[recordings] target`, reports what the targets show beyond the model; without, what the model
-/// lacks in its calibration recordings. Exit status 1 if something was found.
+/// lacks in its calibration recordings. With `[drive]`, says which structures of drives and joints the held-out
+/// positions need, and which the model lacks. Exit status 1 if something was found.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
@@ -102,7 +106,10 @@ impl Diagnose {
         let terminal: &Terminal = terminal;
         let folder = OutputFolder::new("--out", &self.out)?;
         let plots = self.plots.folder()?;
-        let experiment = Experiment::read(&self.experiment, registry)?;
+        let experiment = Experiment::read_with_drives(&self.experiment, registry)?;
+        if experiment.drive.is_some() {
+            return self.drives(&experiment, &folder, &terminal.progress(48));
+        }
         let ends = ChainEnds { base: self.base.as_deref(), tip: self.tip.as_deref() };
         let given = self.model.as_deref().map(|p| GivenModel::read(p, ends, &experiment, registry));
         let given = given.transpose()?;
@@ -167,24 +174,66 @@ impl Diagnose {
 }
 
 impl Diagnose {
+    /// Diagnoses an experiment with a `[drive]`.
+    fn drives(
+        &self,
+        experiment: &Experiment,
+        folder: &OutputFolder,
+        progress: &Progress,
+    ) -> Result<Report, Failure> {
+        let unused = [
+            ("--model", self.model.is_some()),
+            ("--learnt", self.learnt.is_some()),
+            ("--compare", self.compare),
+            ("--series", self.series.is_some()),
+            ("--plots", self.plots.folder()?.is_some()),
+        ];
+        if let Some((option, _)) = unused.into_iter().find(|(_, given)| *given) {
+            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
+            return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
+        }
+        let known: Vec<&str> = STRUCTURES.iter().map(|s| s.id).collect();
+        let without = self.left_out(&known, "structure")?;
+        let (DriveOutcome { text, mut json, files }, findings) =
+            diagnose_drives(experiment, &without, progress)?;
+        let mut outputs = Outputs::default();
+        outputs.folder(folder, files);
+        let written = outputs.paths();
+        outputs.write()?;
+        json["command"] = json!("diagnose");
+        json["outputs"] = json!(written);
+        Ok(Report { text: text + &written_text(&written), json, findings })
+    }
+
     /// The effects and registered models that are not examined.
     fn excluded(&self, registry: &Registry) -> Result<Vec<String>, Failure> {
+        let models = registry.models().map(|m| m.name.as_str());
+        let known: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).chain(models).collect();
+        self.left_out(&known, "effect or registered model")
+    }
+
+    /// Those of `known` that are not examined.
+    fn left_out(&self, known: &[&str], kind: &str) -> Result<Vec<String>, Failure> {
         let (option, names) =
             if self.only.is_empty() { ("--without", &self.without) } else { ("--only", &self.only) };
-        let models: Vec<&str> = registry.models().map(|m| m.name.as_str()).collect();
-        let known = || effects::ALL.into_iter().map(|e| e.id).chain(models.iter().copied());
-        if let Some(name) = names.iter().find(|name| !known().any(|k| k == **name)) {
-            let meant = suggestion::likely(name, known()).map(|k| format!("did you mean `{k}`? "));
+        if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+            let meant = suggestion::likely(name, known.iter().copied());
+            let meant = meant.map_or_else(String::new, |k| format!("did you mean `{k}`? "));
             return Err(Failure::Argument {
                 option,
-                reason: format!("there is no effect or registered model `{name}`"),
-                remedy: format!("{}`aurt explain` lists what there is", meant.unwrap_or_default()),
+                reason: format!("there is no {kind} `{name}`"),
+                remedy: if kind == "structure" {
+                    format!("{meant}known: {}", known.join(", "))
+                } else {
+                    format!("{meant}`aurt explain` lists what there is")
+                },
             });
         }
         if self.only.is_empty() {
             return Ok(self.without.clone());
         }
-        Ok(known().filter(|name| !self.only.iter().any(|only| only == name)).map(str::to_owned).collect())
+        let left = known.iter().filter(|name| !self.only.iter().any(|only| only == *name));
+        Ok(left.map(|name| (*name).to_owned()).collect())
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
+    driving::CalibratedDrive,
     exporting::{Format, Kind, ModelFile, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
@@ -36,7 +37,8 @@ pub struct Export {
     /// Target of the export
     #[arg(value_enum)]
     target: TargetName,
-    /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`
+    /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`; for `mjcf` drives as well, with a script for what
+    /// MuJoCo has no words for
     #[arg(value_name = "MODEL")]
     model: PathBuf,
     /// Name of the robot; files and functions are called after it
@@ -141,13 +143,26 @@ impl Export {
     pub fn run(&self, session: &Session<'_>) -> Result<Report, Failure> {
         let out = OutputFolder::new("--out", &self.out)?;
         let target = self.target()?;
-        let model = ModelFile::read(&self.model, &session.registry)?;
-        let made = match self.original()? {
-            Some((file, format)) => {
-                let ends = [self.base.as_deref(), self.tip.as_deref()];
-                correct(&model, file, format, ends)?
+        let made = match (CalibratedDrive::read(&self.model)?, self.original()?) {
+            (Some(drive), None) if target == Target::Mjcf => drive.to_mjcf(&self.name)?,
+            (Some(_), original) => {
+                let option = if original.is_some() { "--into" } else { "TARGET" };
+                let reason = "a model of drives is exported as a MuJoCo model of its own".into();
+                return Err(Failure::Argument {
+                    option,
+                    reason,
+                    remedy: "use `aurt export mjcf` without `--into`".into(),
+                });
             }
-            None => export(&model, &self.name, target)?,
+            (None, original) => {
+                let model = ModelFile::read(&self.model, &session.registry)?;
+                match original {
+                    Some((file, format)) => {
+                        correct(&model, file, format, [self.base.as_deref(), self.tip.as_deref()])?
+                    }
+                    None => export(&model, &self.name, target)?,
+                }
+            }
         };
         let inputs: Vec<&Path> =
             [Some(&self.model), self.into.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();

@@ -7,7 +7,7 @@
 //! With B, A and R the squared held-out errors of the baseline, of the improved model, and of the improved model with the trees,
 //! (B − A)/(B − R) is the share of what can be predicted that the claims explain, and (A − R)/A the predictable share of the rest.
 
-mod boosting;
+pub mod boosting;
 mod features;
 
 use rayon::prelude::*;

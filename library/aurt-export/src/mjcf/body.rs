@@ -12,13 +12,14 @@ const SLENDER: f64 = 0.15;
 const THICKEST_M: f64 = 0.05;
 
 /// The nested `body` elements. Frame j of the chain or tree at coordinate zero is the frame of body j; its joint turns
-/// about, or slides along, the frame's z axis, in the sense of the joint's sign.
+/// about, or slides along, the frame's z axis, in the sense of the joint's sign. The last body holds `in_last` as well.
 pub(super) fn tree(
     name: &str,
     names: &[String],
     chain: &SerialChain,
     standard: &[f64],
     joints: &[JointDynamics],
+    in_last: &str,
 ) -> Result<String, ExportError> {
     let frames = frames(chain)?;
     let mut text = String::new();
@@ -72,7 +73,13 @@ pub(super) fn tree(
                 let _ = write!(text, " {attribute}=\"{value:?}\"");
             }
         }
+        if let Some(range) = dynamics.range {
+            let _ = write!(text, " limited=\"true\" range=\"{}\"", numbers(&range));
+        }
         text.push_str("/>\n");
+        if j + 1 == frames.len() && !in_last.is_empty() {
+            let _ = write!(text, "{indent}  {in_last}");
+        }
         // A last link ends at its centre of mass, as far as the model knows.
         let end = on(Some(j)).next_back().map_or(body.com_m, |next| frames[next].origin_m);
         let length = end.iter().map(|v| v * v).sum::<f64>().sqrt();

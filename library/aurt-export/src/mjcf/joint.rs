@@ -14,6 +14,7 @@ pub(crate) struct JointDynamics {
     pub friction_loss: f64,
     pub stiffness: f64,
     pub spring_ref: f64,
+    pub range: Option<[f64; 2]>,
 }
 
 /// The attributes of all joints, and all coefficients that have none.

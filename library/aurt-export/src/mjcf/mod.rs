@@ -5,9 +5,12 @@
 //! it is listed in the file and in [`Export::lost`]. [`crate::into`] corrects the user's own file instead.
 
 pub(crate) mod body;
+mod driven;
 pub(crate) mod joint;
 
 use std::fmt::Write;
+
+pub use driven::{Beyond, DrivenJoint, Ground, driven};
 
 use crate::{
     Export, ExportError, Source,
@@ -31,7 +34,7 @@ pub fn export(source: &Source<'_>) -> Result<Export, ExportError> {
     let (joints, mut lost) = joint::dynamics(source);
     lost.push("limits of positions and torques, and shapes that collide: the model file has none".into());
     let names = joint_names(chain, attribute, &[]);
-    let bodies = body::tree(source.name, &names, chain, standard, &joints)?;
+    let bodies = body::tree(source.name, &names, chain, standard, &joints, "")?;
 
     let first = format!("{}, written by `aurt export mjcf`.", source.name);
     let mut text = heading(source, first, &[], "MuJoCo", &lost);

@@ -17,6 +17,12 @@ use serde_json::{Value, json};
 
 use crate::{experiments::source, failure::Failure};
 
+mod diagnosing;
+mod exporting;
+mod rival;
+
+pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
+
 /// The file of a calibrated arm with drives.
 pub const DRIVE_FILE: &str = "drive_calibrated.json";
 
@@ -102,23 +108,11 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
     let joints = experiment.robot.robot_joints();
-    let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
-    let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
-    let mut recordings = Vec::new();
-    for (recording, held_out) in listed {
-        progress.step(format!("reading {}", recording.written));
-        let read = read(source(recording), &joints, &arm)?;
-        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
-        recordings.push(Read { held_out, ..read });
-    }
+    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
     progress.step("simulating the closed loop");
     let fitted: Vec<DriveRecording> =
         recordings.iter().filter(|r| !r.held_out).map(|r| r.recording.clone()).collect();
-    let mut options = Options { piece_s: drive.piece_s, ..Options::default() };
-    if let Some(deviation) = drive.position_deviation_rad {
-        options.deviation_rad = deviation;
-    }
-    let fit = output_error(&arm, &drive.selection, &fitted, &options)
+    let fit = output_error(&arm, &drive.selection, &fitted, &options_of(experiment))
         .map_err(|error| of_drive(&error, experiment, &recordings))?;
     if !fit.converged {
         notes.push(format!("the search ended after {} steps without converging", fit.iterations));
@@ -146,6 +140,35 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     outcome.json = to_json(&fit, &judged, &notes);
     outcome.files.push(("metrics.json".to_owned(), pretty(&outcome.json).into_bytes()));
     Ok(outcome)
+}
+
+/// Reads the recordings that an experiment lists.
+fn read_all(
+    experiment: &Experiment,
+    arm: &DrivenArm,
+    notes: &mut Vec<String>,
+    progress: &Progress,
+) -> Result<Vec<Read>, Failure> {
+    let joints = experiment.robot.robot_joints();
+    let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
+    let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
+    let mut recordings = Vec::new();
+    for (recording, held_out) in listed {
+        progress.step(format!("reading {}", recording.written));
+        let read = read(source(recording), &joints, arm)?;
+        notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
+        recordings.push(Read { held_out, ..read });
+    }
+    Ok(recordings)
+}
+
+fn options_of(experiment: &Experiment) -> Options {
+    let (default, drive) = (Options::default(), experiment.drive.as_ref());
+    Options {
+        piece_s: drive.and_then(|d| d.piece_s),
+        deviation_rad: drive.and_then(|d| d.position_deviation_rad).unwrap_or(default.deviation_rad),
+        ..default
+    }
 }
 
 /// The arm that an experiment describes, and what to note of it.

@@ -1,0 +1,279 @@
+//! `aurt diagnose` of an experiment with a `[drive]`.
+
+use std::fmt::Write;
+
+use aurt::Progress;
+use aurt_drives::{
+    DriveRecording, Options,
+    diagnosis::{Answer, Demands, Diagnosis, Finding, Structure, deciders, diagnose, is_beyond},
+};
+use aurt_experiment::Experiment;
+use aurt_output::pretty;
+use serde_json::{Value, json};
+
+use super::{
+    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, of_drive, options_of, read_all,
+    rival::{Rest, rests},
+    without_drive,
+};
+use crate::{diagnosing::selection, failure::Failure};
+
+/// The file of the model with what a diagnosis found to be missing.
+pub const IMPROVED_DRIVE_FILE: &str = "drive_improved.json";
+/// What has no model yet.
+const NOT_EXAMINED: &str = "play, elasticity, temperature, a sagging supply";
+/// A rest beyond this many times what the model is expected to miss is something that it lacks.
+const EXPECTED: f64 = 2.0;
+
+/// Says which structures the held-out recordings need, which the experiment's model lacks, and whether more is missing; the
+/// second value tells whether something is.
+///
+/// # Errors
+/// Why it could not be done.
+pub fn diagnose_drives(
+    experiment: &Experiment,
+    without: &[String],
+    progress: &Progress,
+) -> Result<(DriveOutcome, bool), Failure> {
+    let (arm, mut notes) = arm_of(experiment)?;
+    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    let settings = selection(experiment)?;
+    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
+    let of = |held_out: bool| -> Vec<DriveRecording> {
+        recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
+    };
+    let (fitted, held_out) = (of(false), of(true));
+    let options = options_of(experiment);
+    let demands = Demands { level: settings.level, reduction: settings.reduction, without: without.to_vec() };
+    let found = diagnose(&arm, &drive.selection, [&fitted, &held_out], &options, &demands, |what| {
+        progress.step(what.to_owned())
+    })
+    .map_err(|error| of_drive(&error, experiment, &recordings))?;
+    let rolled = |recordings: &'_ [DriveRecording]| -> Result<Vec<Vec<Vec<f64>>>, Failure> {
+        let one = |r: &DriveRecording| rollout(&found, r, &options);
+        recordings
+            .iter()
+            .map(|r| one(r).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY)))
+            .collect()
+    };
+    progress.step("what a black box predicts of the rest");
+    let rests = rests(
+        &fitted.iter().zip(rolled(&fitted)?).collect::<Vec<_>>(),
+        &held_out.iter().zip(rolled(&held_out)?).collect::<Vec<_>>(),
+    );
+    let said =
+        Said { found: &found, rests: &rests, options: &options, notes: &notes, recordings: &recordings };
+    let names = experiment.robot.robot_joints().names;
+    let improved = CalibratedDrive { drive_schema: 1, joint_names: names, arm: found.improved.arm.clone() };
+    let improved = serde_json::to_value(&improved)
+        .map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
+    let json = said.to_json(&demands);
+    let files = vec![
+        ("verdict.json".to_owned(), pretty(&json).into_bytes()),
+        ("structures.csv".to_owned(), said.table().into_bytes()),
+        (IMPROVED_DRIVE_FILE.to_owned(), pretty(&improved).into_bytes()),
+    ];
+    Ok((DriveOutcome { text: said.text(), json, files }, said.verdict() != "no_mismatch"))
+}
+
+/// Positions of the improved model: by pieces where the estimate is.
+fn rollout(
+    found: &Diagnosis,
+    recording: &DriveRecording,
+    options: &Options,
+) -> Result<Vec<Vec<f64>>, aurt_drives::DriveError> {
+    let Some(piece_s) = options.piece_s else { return found.improved.arm.rollout(recording) };
+    let mut all = vec![Vec::new(); recording.command.len()];
+    for piece in recording.pieces(piece_s) {
+        let simulated = found.improved.arm.rollout(&piece)?;
+        // A piece ends with the sample at which the next one starts.
+        all.iter_mut().zip(&simulated).for_each(|(a, s)| {
+            a.pop();
+            a.extend(s);
+        });
+    }
+    Ok(all)
+}
+
+struct Said<'a> {
+    found: &'a Diagnosis,
+    rests: &'a [Rest],
+    options: &'a Options,
+    notes: &'a [String],
+    recordings: &'a [Read],
+}
+
+impl Said<'_> {
+    /// Whether more is left than the model is expected to miss, or a black box predicts it.
+    fn something_is_left(&self) -> bool {
+        self.found.missed_improved.rms_all_rad() > EXPECTED * self.options.deviation_rad
+            || self.rests.iter().any(|r| r.follows.is_some())
+    }
+
+    fn verdict(&self) -> &'static str {
+        let is_named =
+            self.found.findings.iter().any(|f| matches!(f.answer, Answer::Missing | Answer::Wrong));
+        match (is_named, self.something_is_left()) {
+            (false, false) => "no_mismatch",
+            (true, false) => "named",
+            (true, true) => "partly_explained",
+            (false, true) => "unexplained",
+        }
+    }
+
+    fn in_words(&self) -> &'static str {
+        match self.verdict() {
+            "no_mismatch" => "nothing is missing",
+            "named" => "something is missing, and it is named",
+            "partly_explained" => "something is missing; a part of it is named",
+            _ => "something is missing, and no known structure explains it",
+        }
+    }
+
+    fn text(&self) -> String {
+        let (before, after) = (&self.found.missed, &self.found.missed_improved);
+        let held_out: Vec<&str> =
+            self.recordings.iter().filter(|r| r.held_out).map(|r| r.label.as_str()).collect();
+        let mut text = format!(
+            "{}\n\njudged on {} held-out recordings; rms of the position over all joints {:.2}e-3 rad or m\n",
+            self.in_words(),
+            held_out.len(),
+            1e3 * before.rms_all_rad(),
+        );
+        for (answer, title) in [
+            (Answer::Missing, "missing: adding it predicts better"),
+            (Answer::Wrong, "given wrong: with other numbers it predicts better"),
+            (Answer::Needed, "needed: without it, predictions are worse"),
+            (Answer::NotSupported, "not supported: with it, predictions are no better"),
+        ] {
+            let own: Vec<&Finding> = self.found.findings.iter().filter(|f| f.answer == answer).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let _ = write!(
+                text,
+                "\n{title}\n  {:24} {:>8} {:>8} {:>17} {:>8}\n",
+                "", "rms with", "without", "nats/s", "p"
+            );
+            own.iter().for_each(|f| line(f, &mut text));
+        }
+        if !self.found.improved.undetermined.is_empty() {
+            text.push_str("\nleft open by these recordings\n");
+            for open in &self.found.improved.undetermined {
+                let _ = writeln!(text, "  {open}; record {}", deciders(&open.names).join(", "));
+            }
+        }
+        let _ = write!(
+            text,
+            "\nremainder\n  rms {:.2}e-3 with what is missing, expected {:.2}e-3\n",
+            1e3 * after.rms_all_rad(),
+            1e3 * self.options.deviation_rad,
+        );
+        for rest in self.rests {
+            let predicted = match (rest.predictable, rest.deviation) {
+                (Some(share), Some(deviation)) => format!(
+                    "boosted trees predict {:.0} ± {:.0} % of it",
+                    100.0 * share.max(0.0),
+                    100.0 * deviation
+                ),
+                _ => "too little data to try boosted trees".into(),
+            };
+            let follows = rest
+                .follows
+                .as_ref()
+                .map_or_else(String::new, |f| format!(": something that the model lacks, by {f}"));
+            let _ = writeln!(
+                text,
+                "  joint {}: rms {:.2}e-3, {predicted}{follows}",
+                rest.joint,
+                1e3 * after.rms_rad[rest.joint]
+            );
+        }
+        let _ = writeln!(text, "  not examined: {NOT_EXAMINED}");
+        self.notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+        text
+    }
+
+    fn table(&self) -> String {
+        let mut text =
+            "structure,answer,in_model,rms_with_rad,rms_without_rad,gain_nats_per_s,gain_deviation,p\n"
+                .to_owned();
+        for f in &self.found.findings {
+            let c = &f.comparison;
+            let [with, without] = c.rms_rad;
+            let answer = word(f.answer);
+            let _ = writeln!(
+                text,
+                "{},{answer},{},{with},{without},{},{},{}",
+                f.structure.id, f.is_in_model, c.gain_per_s, c.deviation, c.probability
+            );
+        }
+        text
+    }
+
+    fn to_json(&self, demands: &Demands) -> Value {
+        let findings = self.found.findings.iter().map(|f| {
+            let c = &f.comparison;
+            let numbers = f.numbers.iter().map(|n| json!({ "name": n.name, "value": n.value, "deviation": n.deviation, "unit": n.unit, "at_bound": n.at_bound }));
+            json!({
+                "id": f.structure.id, "title": f.structure.title, "answer": word(f.answer), "in_model": f.is_in_model,
+                "numbers": numbers.collect::<Vec<_>>(), "alternatives": f.alternatives, "record": f.structure.decider,
+                "evidence": { "gain_nats_per_s": c.gain_per_s, "deviation": c.deviation, "p": c.probability,
+                    "reduction": c.reduction, "blocks": c.blocks, "held_out_rms_with": c.rms_rad[0], "held_out_rms_without": c.rms_rad[1] },
+            })
+        });
+        let undetermined = self.found.improved.undetermined.iter();
+        let undetermined = undetermined
+            .map(|u| json!({ "says": u.to_string(), "numbers": u.names, "record": deciders(&u.names) }));
+        json!({
+            "schema": 2,
+            "kind": "drive",
+            "verdict": self.verdict(),
+            "settings": { "level": demands.level, "reduction": demands.reduction, "without": demands.without },
+            "structures": findings.collect::<Vec<_>>(),
+            "undetermined": undetermined.collect::<Vec<_>>(),
+            "held_out": { "rms": self.found.missed.rms_rad, "rms_improved": self.found.missed_improved.rms_rad },
+            "remainder": self.rests,
+            "not_examined": NOT_EXAMINED,
+            "notes": self.notes,
+        })
+    }
+}
+
+const fn word(answer: Answer) -> &'static str {
+    match answer {
+        Answer::Needed => "needed",
+        Answer::Missing => "missing",
+        Answer::Wrong => "given_wrong",
+        Answer::NotSupported => "not_supported",
+    }
+}
+
+/// A structure with its evidence, then its numbers.
+fn line(f: &Finding, text: &mut String) {
+    let c = &f.comparison;
+    let [with, without] = c.rms_rad.map(|r| 1e3 * r);
+    let own = if f.is_in_model || f.answer == Answer::Missing { "" } else { " (not in the model)" };
+    let _ = writeln!(
+        text,
+        "  {:24} {with:8.2} {without:8.2} {:8.2} ± {:<6.2} {:8.1e}  {}{own}",
+        f.structure.id, c.gain_per_s, c.deviation, c.probability, f.structure.title
+    );
+    if f.answer == Answer::NotSupported {
+        return;
+    }
+    let shown = |structure: &Structure| {
+        f.numbers.iter().filter(|n| is_beyond(structure, n, f.answer == Answer::Wrong)).collect::<Vec<_>>()
+    };
+    for n in shown(&f.structure) {
+        let _ = writeln!(text, "      {} {:.4} ± {:.4} {}", n.name, n.value, n.deviation, n.unit);
+    }
+    if !f.alternatives.is_empty() {
+        let _ = writeln!(
+            text,
+            "      or: {}; to tell, record {}",
+            f.alternatives.join(", "),
+            f.structure.decider
+        );
+    }
+}

@@ -1,0 +1,93 @@
+//! A calibrated arm with drives as a MuJoCo model.
+
+use aurt_export::mjcf::{Beyond, DrivenJoint, Ground, driven};
+use aurt_rbd::INERTIAL_PARAMETERS;
+
+use super::CalibratedDrive;
+use crate::{exporting::Exported, failure::Failure};
+
+/// From this size on a limit is none.
+const UNLIMITED: f64 = 1e9;
+/// A stop that is not there beside one that is, rad.
+const FAR_RAD: f64 = 1e3;
+
+impl CalibratedDrive {
+    /// The MuJoCo model of a robot called `name`, with a script for what MuJoCo has no words for.
+    ///
+    /// # Errors
+    /// What no MuJoCo model can have.
+    pub fn to_mjcf(&self, name: &str) -> Result<Exported, Failure> {
+        let arm = &self.arm;
+        let mut standard = arm.standard_parameters.clone();
+        let (links, _) = standard.as_chunks_mut::<INERTIAL_PARAMETERS>();
+        let mut lost = Vec::new();
+        let mut joints = Vec::new();
+        for (j, (joint, link)) in arm.joints.iter().zip(links).enumerate() {
+            let mechanics = &joint.mechanics;
+            link.iter_mut().for_each(|p| *p *= mechanics.mass_scale);
+            let numbers = joint.drive.parameters();
+            let of = |key: &str| numbers.iter().find(|p| p.parameter.name == key).map(|p| p.value);
+            let get = |key: &str| of(key).unwrap_or(0.0);
+            let limited = |key: &str| of(key).filter(|v| *v < UNLIMITED);
+            let law = joint.drive.name();
+            let follows = of("gain_nm_per_rad");
+            let gain = follows.or(of("torque_constant_nm_per_a")).or(of("torque_nm_per_v")).unwrap_or(1.0);
+            // K_d acts within the clipping, K_e behind it.
+            let (inside, behind) = match law {
+                "pd_law" => (get("damping_nm_s_per_rad"), 0.0),
+                "position_servo" => (get("firmware_damping_nm_s_per_rad"), get("damping_nm_s_per_rad")),
+                _ => (0.0, get("back_emf_nm_s_per_rad")),
+            };
+            let stops = [mechanics.lower_stop_rad, mechanics.upper_stop_rad];
+            for (key, unit) in [("dead_band_rad", "rad"), ("integral_nm_per_rad_s", "Nm/(rad s)")] {
+                lost.extend(
+                    Some(get(key)).filter(|v| *v != 0.0).map(|v| format!("joint {j}: {key} {v:.4} {unit}")),
+                );
+            }
+            for (key, value) in [
+                ("viscous_asymmetry_nm_s_per_rad", mechanics.viscous_asymmetry_nm_s_per_rad),
+                ("position_offset_rad, to be added to recorded positions", mechanics.position_offset_rad),
+            ] {
+                lost.extend(Some(value).filter(|v| *v != 0.0).map(|v| format!("joint {j}: {key} {v:.4}")));
+            }
+            joints.push(DrivenJoint {
+                armature: mechanics.rotor_inertia_kg_m2,
+                damping: mechanics.viscous_nm_s_per_rad + behind,
+                friction_loss: mechanics.coulomb_nm,
+                range: stops
+                    .iter()
+                    .any(|s| s.abs() < UNLIMITED)
+                    .then(|| stops.map(|s| s.clamp(-FAR_RAD, FAR_RAD))),
+                gain,
+                bias: follows.map_or(0.0, |k| k * get("command_offset_rad")) + mechanics.torque_offset_nm,
+                stiffness: follows.unwrap_or(0.0),
+                braking: inside,
+                limit: limited("torque_limit_nm"),
+                delay_s: get("delay_s"),
+                beyond: Beyond {
+                    per_load: mechanics.coulomb_per_load,
+                    excess: mechanics.static_nm,
+                    stribeck: mechanics.stribeck_velocity_rad_s,
+                    speed: limited("speed_limit_rad_s"),
+                    acceleration: limited("acceleration_limit_rad_s2"),
+                },
+            });
+        }
+        let [x, y, z] = arm.chain.gravity_m_s2();
+        let ground = arm.floor.filter(|_| x == 0.0 && y == 0.0 && z < 0.0).map(|floor| {
+            lost.push(format!(
+                "floor: its stiffness of {:.0} N/m; the engine's contact is stiff",
+                floor.stiffness_n_per_m
+            ));
+            Ground {
+                height_m: floor.height_m,
+                friction: floor.friction,
+                point_m: [floor.x_m, floor.y_m, floor.z_m],
+            }
+        });
+        if ground.is_none() && arm.floor.is_some() {
+            lost.push("the floor, which is not across the z axis of the base".into());
+        }
+        Ok(driven(name, &arm.chain, &standard, &joints, ground, lost)?.into())
+    }
+}

@@ -1,0 +1,177 @@
+//! Whether one model predicts held-out recordings better than another.
+//!
+//! # Equation
+//! With the losses ρ of two models (that of [`output_error`](crate::output_error)), d_b is their difference summed over block b
+//! of [`Options::block_s`]. Errors of neighbouring blocks depend on each other (stick–slip, poses), so the variance of the mean is
+//! the long-run one, γ₀ + 2 Σ_l (1 − l/(L + 1)) γ_l with L = n^⅓ blocks, within recordings; mean over deviation has Student's
+//! distribution with n − 1 degrees of freedom.
+//!
+//! # Source
+//! Diebold, Mariano (1995), *Comparing predictive accuracy*, J. Business & Economic Statistics 13; Newey, West (1987) for the
+//! variance; Benjamini, Hochberg (1995), J. Royal Statistical Society B 57.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::{DriveError, DriveRecording, DrivenArm, Options, output_error::loss};
+
+/// Fewer blocks tell no deviation.
+pub const FEWEST_BLOCKS: usize = 8;
+
+/// What a model misses of recordings.
+#[derive(Debug, Clone)]
+pub struct Missed {
+    /// Losses of blocks of time, by recording, over all joints.
+    blocks: Vec<Vec<f64>>,
+    /// Root mean square of q_sim − q by joint, rad.
+    pub rms_rad: Vec<f64>,
+    /// Mean loss by joint in units of σ²: a mean square in which large errors weigh less.
+    loss: Vec<f64>,
+}
+
+/// A model against another on the same recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Log-likelihood per second that the better model predicts more, in nats.
+    pub gain_per_s: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+    /// Probability of such a gain where there is none.
+    pub probability: f64,
+    /// The largest share by which it lowers the error (mean loss) of a joint.
+    pub reduction: f64,
+    /// Blocks of time that were compared.
+    pub blocks: usize,
+    /// Root mean squares of both over all joints, rad: with the structure, and without.
+    pub rms_rad: [f64; 2],
+}
+
+impl Missed {
+    pub(super) fn of(
+        arm: &DrivenArm,
+        recordings: &[DriveRecording],
+        options: &Options,
+    ) -> Result<Self, DriveError> {
+        let joints = arm.joints.len();
+        let (mut blocks, mut squares, mut losses, mut samples) =
+            (Vec::new(), vec![0.0; joints], vec![0.0; joints], 0.0);
+        for recording in recordings {
+            let pieces = options.piece_s.map_or_else(|| vec![recording.clone()], |s| recording.pieces(s));
+            let begin_s = recording.time_s[recording.first];
+            let mut own: Vec<f64> = Vec::new();
+            for piece in &pieces {
+                let simulated = arm.rollout(piece)?;
+                for k in piece.first..piece.time_s.len() {
+                    let block = ((piece.time_s[k] - begin_s) / options.block_s) as usize;
+                    own.resize(own.len().max(block + 1), 0.0);
+                    samples += 1.0;
+                    for j in 0..joints {
+                        let error = simulated[j][k - piece.first] - piece.position_rad[j][k];
+                        let cost = loss(error / options.deviation_rad).0;
+                        own[block] += cost;
+                        losses[j] += cost;
+                        squares[j] += error * error;
+                    }
+                }
+            }
+            blocks.push(own);
+        }
+        let loss = losses.iter().map(|l| l / samples).collect();
+        Ok(Self { blocks, rms_rad: squares.iter().map(|s| (s / samples).sqrt()).collect(), loss })
+    }
+
+    /// Root mean square over all joints, rad.
+    #[must_use]
+    pub fn rms_all_rad(&self) -> f64 {
+        (self.rms_rad.iter().map(|r| r * r).sum::<f64>() / self.rms_rad.len().max(1) as f64).sqrt()
+    }
+}
+
+impl Comparison {
+    /// Against a model whose closed loop is unstable.
+    pub(super) fn against_divergence(better: &Missed, blocks: usize) -> Self {
+        Self {
+            gain_per_s: f64::INFINITY,
+            deviation: 0.0,
+            probability: 0.0,
+            reduction: 1.0,
+            blocks,
+            rms_rad: [better.rms_all_rad(), f64::INFINITY],
+        }
+    }
+}
+
+/// `better` against `worse`, which may turn out to be the better one.
+pub(super) fn compare(better: &Missed, worse: &Missed, options: &Options) -> Comparison {
+    let of = |(b, w): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        w.iter().zip(b).map(|(w, b)| 0.5 * (w - b)).collect()
+    };
+    let gains: Vec<Vec<f64>> = better.blocks.iter().zip(&worse.blocks).map(of).collect();
+    let blocks = gains.iter().map(Vec::len).sum::<usize>();
+    let n = blocks as f64;
+    let mean = gains.iter().flatten().sum::<f64>() / n;
+    let lags = libm::cbrt(n) as usize;
+    let product = |lag: usize| -> f64 {
+        let own = |g: &Vec<f64>| (lag..g.len()).map(|k| (g[k] - mean) * (g[k - lag] - mean)).sum::<f64>();
+        gains.iter().map(own).sum::<f64>() / (n - 1.0).max(1.0)
+    };
+    let later: f64 = (1..=lags).map(|l| 2.0 * (1.0 - l as f64 / (lags + 1) as f64) * product(l)).sum();
+    // Neighbours that alternate do not make the mean surer than independent ones.
+    let deviation = ((product(0) + later.max(0.0)) / n).sqrt();
+    let probability = StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0))
+        .ok()
+        .filter(|_| deviation > 0.0 && blocks >= FEWEST_BLOCKS)
+        .map_or(1.0, |t| t.sf(mean / deviation));
+    let reduction = better.loss.iter().zip(&worse.loss).filter(|(_, w)| **w > 0.0).map(|(b, w)| 1.0 - b / w);
+    Comparison {
+        gain_per_s: mean / options.block_s,
+        deviation: deviation / options.block_s,
+        probability,
+        reduction: reduction.fold(f64::NEG_INFINITY, f64::max),
+        blocks,
+        rms_rad: [better.rms_all_rad(), worse.rms_all_rad()],
+    }
+}
+
+/// The largest probability of a claim among `probabilities`, of which chance alone makes at most the share `level` on average.
+pub(super) fn largest_of_claims(probabilities: &[f64], level: f64) -> f64 {
+    let mut ascending = probabilities.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    let m = ascending.len() as f64;
+    ascending
+        .into_iter()
+        .zip(1_u32..)
+        .filter(|(p, k)| *p <= f64::from(*k) * level / m)
+        .map(|(p, _)| p)
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn missed(blocks: Vec<f64>) -> Missed {
+        Missed { loss: vec![blocks.iter().sum()], blocks: vec![blocks], rms_rad: vec![1.0] }
+    }
+
+    #[test]
+    fn a_gain_in_every_block_counts_and_one_that_wanders_does_not() {
+        let noise = |k: usize| libm::sin(9.7 * k as f64) * 3.0;
+        let options = Options::default();
+        let worse = missed((0..40).map(|k| 10.0 + noise(k)).collect());
+        let steady = missed((0..40).map(|k| 8.0 + noise(k) + noise(k + 7) * 0.2).collect());
+        let found = compare(&steady, &worse, &options);
+        assert!(found.probability < 1e-6 && (found.gain_per_s - 0.5).abs() < 0.1, "{found:?}");
+        assert!(compare(&worse, &steady, &options).probability > 0.999);
+        // A half of the time better by 3, then worse by 2: independent blocks would say p = 0.1.
+        let slow = missed((0..40).map(|k| 10.0 + noise(k) + if k < 20 { -3.0 } else { 2.0 }).collect());
+        assert!(compare(&slow, &worse, &options).probability > 0.2);
+        assert_eq!(compare(&worse, &worse, &options).probability, 1.0);
+    }
+
+    #[test]
+    fn claims_are_within_the_false_discovery_rate() {
+        assert_eq!(largest_of_claims(&[0.2, 0.01, 0.03, 0.9], 0.05), 0.01);
+        assert_eq!(largest_of_claims(&[0.02, 0.01, 0.03, 0.9], 0.05), 0.03);
+        assert_eq!(largest_of_claims(&[0.2, 0.9], 0.05), 0.0);
+    }
+}

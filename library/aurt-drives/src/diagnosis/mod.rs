@@ -1,0 +1,296 @@
+//! What the drives and joints of a model have too much or too little, judged in the space of positions.
+//!
+//! # Steps
+//! 1. The numbers are estimated from the fitted recordings; rollouts of the held-out ones are its predictions.
+//! 2. Every structure that the model lacks is added on all joints it can concern, or its given numbers are estimated, and all
+//!    numbers are estimated again. One is *missing*, or what is given of it *wrong*, if the held-out recordings are predicted better: the gain of log-likelihood is beyond chance (a paired test
+//!    on blocks of time, false discovery rate over all structures that are tried), it lowers the error of a joint by
+//!    [`Demands::reduction`], and one of its numbers is two deviations from nothing, or from what is given. Of several the one that lowers the error
+//!    of the *fitted* recordings most is added, and the rest is tried again.
+//! 3. Every structure of the final model is taken out and the rest estimated again. It is *needed* if the held-out recordings
+//!    are then predicted worse, by the same test; else it is *not supported*.
+//!
+//! Another structure that would have been added and predicts as well as the one that was is named as its alternative.
+
+mod evidence;
+mod structures;
+
+pub use evidence::{Comparison, FEWEST_BLOCKS, Missed};
+pub use structures::{STRUCTURES, Structure, deciders};
+
+use self::evidence::{compare, largest_of_claims};
+use crate::{
+    DriveError, DriveRecording, DrivenArm, EstimatedNumber, Options, OutputErrorFit, Selection,
+    output_error_from,
+};
+
+/// What a structure must bring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Demands {
+    /// False discovery rate.
+    pub level: f64,
+    /// Least share by which it lowers the held-out error of some joint.
+    pub reduction: f64,
+    /// Names of structures that are not examined.
+    pub without: Vec<String>,
+}
+
+impl Default for Demands {
+    fn default() -> Self {
+        Self { level: 0.05, reduction: 0.05, without: Vec::new() }
+    }
+}
+
+/// What is said of a structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// The model has it, and without it predicts worse.
+    Needed,
+    /// The model lacks it, and with it predicts better.
+    Missing,
+    /// The model has it with given numbers, and with others predicts better.
+    Wrong,
+    /// With it nothing is predicted better.
+    NotSupported,
+}
+
+/// A structure that was examined.
+#[derive(Debug, Clone)]
+pub struct Finding {
+    /// The structure.
+    pub structure: Structure,
+    /// What is said of it.
+    pub answer: Answer,
+    /// Whether the model in question has it.
+    pub is_in_model: bool,
+    /// Its numbers in the model that has it; none of a structure that was given.
+    pub numbers: Vec<EstimatedNumber>,
+    /// The model with it against the model without.
+    pub comparison: Comparison,
+    /// Structures that explain the same as well.
+    pub alternatives: Vec<&'static str>,
+}
+
+/// The result of [`diagnose`].
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The model in question.
+    pub described: OutputErrorFit,
+    /// What it misses of the held-out recordings.
+    pub missed: Missed,
+    /// The model with what is missing; that in question if nothing is.
+    pub improved: OutputErrorFit,
+    /// What it misses of the held-out recordings.
+    pub missed_improved: Missed,
+    /// What is estimated of it.
+    pub selection: Selection,
+    /// Every structure that was examined: needed and missing ones first, the largest gain first.
+    pub findings: Vec<Finding>,
+}
+
+/// A model that was fitted and judged.
+#[derive(Clone)]
+struct Trial {
+    arm: DrivenArm,
+    selection: Selection,
+    fit: OutputErrorFit,
+    missed: Missed,
+}
+
+struct Search<'a> {
+    fitted: &'a [DriveRecording],
+    held_out: &'a [DriveRecording],
+    options: &'a Options,
+    demands: &'a Demands,
+}
+
+/// Steps after which a structure that is added is given up unless it lowers the cost by what chance does.
+const FIRST_STEPS: usize = 4;
+/// A step that lowers the cost by less than this part ends a search from numbers that were found before.
+const AGAIN: f64 = 1e-3;
+
+/// Diagnoses a model: `fitted` recordings are estimated from, `held_out` ones decide; `progress` hears what is being tried.
+///
+/// # Errors
+/// As [`output_error`](crate::output_error) of the model in question, and [`DriveError::TooShort`].
+pub fn diagnose(
+    arm: &DrivenArm,
+    selection: &Selection,
+    [fitted, held_out]: [&[DriveRecording]; 2],
+    options: &Options,
+    demands: &Demands,
+    mut progress: impl FnMut(&str),
+) -> Result<Diagnosis, DriveError> {
+    let search = Search { fitted, held_out, options, demands };
+    progress("the model as it is described");
+    let described = search.trial(arm.clone(), selection.clone(), arm, options)?;
+    let again = Options { tolerance: AGAIN, ..options.clone() };
+    let options = &again;
+    let search = Search { options, ..search };
+    let blocks = compare(&described.missed, &described.missed, options).blocks;
+    if blocks < FEWEST_BLOCKS {
+        return Err(DriveError::TooShort { needed_s: FEWEST_BLOCKS as f64 * options.block_s });
+    }
+    let examined: Vec<Structure> =
+        STRUCTURES.into_iter().filter(|s| s.fits(arm) && demands.without.iter().all(|w| w != s.id)).collect();
+    let mut absent: Vec<Structure> = examined.iter().copied().filter(|s| !s.is_selected(selection)).collect();
+    let mut model = described.clone();
+    let mut added: Vec<(Structure, Vec<&'static str>)> = Vec::new();
+    let refused: Vec<Finding> = loop {
+        let mut tried = Vec::new();
+        for structure in &absent {
+            progress(&format!("with {}", structure.title));
+            if let Some(trial) = search.with(structure, &model) {
+                let comparison = compare(&trial.missed, &model.missed, options);
+                tried.push((*structure, trial, comparison));
+            }
+        }
+        // What did not get so far was tried as well.
+        let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
+        probabilities.resize(absent.len(), 1.0);
+        let largest = largest_of_claims(&probabilities, demands.level);
+        let passes = |(s, trial, c): &(Structure, Trial, Comparison)| {
+            lowers(trial, &model) && search.claims(s, s.is_in(arm), &trial.fit, c, largest)
+        };
+        let best = (0..tried.len())
+            .filter(|k| passes(&tried[*k]))
+            .min_by(|a, b| tried[*a].1.fit.cost.total_cmp(&tried[*b].1.fit.cost));
+        let Some(best) = best else {
+            break tried
+                .into_iter()
+                .filter(|(s, ..)| !s.is_in(arm))
+                .map(|(s, t, c)| finding(s, Answer::NotSupported, false, &t.fit, c))
+                .collect();
+        };
+        let rivals = (0..tried.len()).filter(|k| *k != best && passes(&tried[*k]));
+        let equal = |k: &usize| {
+            compare(&tried[best].1.missed, &tried[*k].1.missed, options).probability > demands.level
+        };
+        let alternatives: Vec<&'static str> = rivals.filter(equal).map(|k| tried[k].0.id).collect();
+        let (structure, trial, _) = tried.swap_remove(best);
+        absent.retain(|s| *s != structure);
+        added.push((structure, alternatives));
+        model = trial;
+    };
+
+    let mut taken = Vec::new();
+    for structure in examined.iter().filter(|s| s.is_in(&model.fit.arm) || s.is_selected(&model.selection)) {
+        progress(&format!("without {}", structure.title));
+        let (arm, from) = [&model.arm, &model.fit.arm]
+            .map(|a| {
+                let mut a = a.clone();
+                structure.remove(&mut a);
+                a
+            })
+            .into();
+        let comparison = match search.trial(arm, structure.unselect(&model.selection), &from, options) {
+            Ok(trial) => compare(&model.missed, &trial.missed, options),
+            Err(DriveError::Diverged { .. }) => Comparison::against_divergence(&model.missed, blocks),
+            Err(error) => return Err(error),
+        };
+        taken.push((*structure, comparison));
+    }
+    let probabilities: Vec<f64> = taken.iter().map(|t| t.1.probability).collect();
+    let largest = largest_of_claims(&probabilities, demands.level);
+    let mut findings = refused;
+    for (structure, comparison) in taken {
+        let addition = added.iter().find(|a| a.0 == structure);
+        let is_given = addition.is_some() && structure.is_in(arm);
+        let supported = search.claims(&structure, is_given, &model.fit, &comparison, largest);
+        let answer = match addition {
+            _ if !supported => Answer::NotSupported,
+            Some(_) if is_given => Answer::Wrong,
+            Some(_) => Answer::Missing,
+            None => Answer::Needed,
+        };
+        let mut found = finding(structure, answer, is_given || addition.is_none(), &model.fit, comparison);
+        found.alternatives = addition.map_or_else(Vec::new, |a| a.1.clone());
+        findings.push(found);
+    }
+    findings.sort_by(|a, b| {
+        let rank = |f: &Finding| f.answer == Answer::NotSupported;
+        rank(a).cmp(&rank(b)).then(b.comparison.gain_per_s.total_cmp(&a.comparison.gain_per_s))
+    });
+    Ok(Diagnosis {
+        described: described.fit,
+        missed: described.missed,
+        improved: model.fit,
+        missed_improved: model.missed,
+        selection: model.selection,
+        findings,
+    })
+}
+
+/// Whether the cost of the fitted recordings is lower than that of `model` by two for each number that was added: by chance
+/// alone it is lower by one.
+fn lowers(trial: &Trial, model: &Trial) -> bool {
+    let more = trial.fit.numbers.len() - model.fit.numbers.len();
+    model.fit.cost - trial.fit.cost >= 2.0 * more as f64
+}
+
+fn finding(
+    structure: Structure,
+    answer: Answer,
+    is_in_model: bool,
+    fit: &OutputErrorFit,
+    comparison: Comparison,
+) -> Finding {
+    let numbers = fit.numbers.iter().filter(|n| structure.has(&n.name)).cloned().collect();
+    Finding { structure, answer, is_in_model, numbers, comparison, alternatives: Vec::new() }
+}
+
+impl Search<'_> {
+    fn trial(
+        &self,
+        arm: DrivenArm,
+        selection: Selection,
+        from: &DrivenArm,
+        options: &Options,
+    ) -> Result<Trial, DriveError> {
+        let fit = output_error_from(&arm, &selection, self.fitted, options, from)?;
+        let missed = Missed::of(&fit.arm, self.held_out, options)?;
+        Ok(Trial { arm, selection, fit, missed })
+    }
+
+    /// The model with a structure, estimated to the end if the first steps lower the cost of the fitted recordings by more than
+    /// chance does; none if it cannot be simulated.
+    fn with(&self, structure: &Structure, model: &Trial) -> Option<Trial> {
+        let [arm, from] = [&model.arm, &model.fit.arm].map(|a| {
+            let mut arm = a.clone();
+            if !structure.is_in(a) {
+                structure.add(&mut arm, self.fitted);
+            }
+            arm
+        });
+        let selection = structure.select(&arm, &model.selection);
+        let first = Options { most_iterations: FIRST_STEPS, ..self.options.clone() };
+        let begun = self.trial(arm.clone(), selection.clone(), &from, &first).ok()?;
+        if lowers(&begun, model) {
+            return self.trial(arm, selection, &begun.fit.arm, self.options).ok();
+        }
+        Some(begun)
+    }
+
+    fn claims(
+        &self,
+        structure: &Structure,
+        is_given: bool,
+        fit: &OutputErrorFit,
+        comparison: &Comparison,
+        largest: f64,
+    ) -> bool {
+        let own: Vec<&EstimatedNumber> = fit.numbers.iter().filter(|n| structure.has(&n.name)).collect();
+        let is_far = |n: &&EstimatedNumber| is_beyond(structure, n, is_given);
+        comparison.probability <= largest
+            && comparison.reduction >= self.demands.reduction
+            && (own.is_empty() || own.iter().any(is_far))
+    }
+}
+
+/// Whether a number is two deviations from the value at which it does nothing, or from what is given.
+#[must_use]
+pub fn is_beyond(structure: &Structure, number: &EstimatedNumber, is_given: bool) -> bool {
+    let from = if is_given { Some(number.start) } else { structure.neutral() };
+    let far = |from: f64| (number.value - from).abs() > (2.0 * number.deviation).max(1e-6);
+    from.is_none_or(far)
+}
