@@ -90,12 +90,23 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         columns: experiment.recordings.calibration[0].columns.as_ref().map(Into::into),
         recorded: RecordedAs::default(),
     };
-    let in_degrees = RecordedAs { angle: Some(AngleUnit::Degree), ..RecordedAs::default() };
-    let refused = model.rollout_file(Source { recorded: in_degrees, ..source.clone() }).unwrap_err();
+    let in_counts = RecordedAs { counts_per_revolution: Some(vec![4096.0]), ..RecordedAs::default() };
+    let refused = model.rollout_file(Source { recorded: in_counts, ..source.clone() }).unwrap_err();
     assert!(refused.to_string().contains("commands"), "{refused}");
-    let (predicted, _) = model.rollout_file(source).unwrap();
+    let (predicted, _) = model.rollout_file(source.clone()).unwrap();
     let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
     assert_eq!(&predicted, written);
+    assert_eq!(outcome.doubts, [""; 0]);
+
+    // In degrees positions and commands are those of a motion that is smaller by that factor.
+    let numbers = |file: &[u8]| -> Vec<f64> {
+        let text = String::from_utf8(file.to_vec()).unwrap();
+        text.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let in_degrees = RecordedAs { angle: Some(AngleUnit::Degree), ..RecordedAs::default() };
+    let (small, _) = model.rollout_file(Source { recorded: in_degrees, ..source }).unwrap();
+    let pairs = numbers(&small).into_iter().zip(numbers(&predicted));
+    assert!(pairs.into_iter().all(|(small, whole)| (small - whole.to_radians()).abs() < 1e-12));
 
     // A window on the way starts where the robot was, as fast as it was; a model without estimates is judged as it is.
     let window = "window_s = [5.0, 9.0] }]\n";

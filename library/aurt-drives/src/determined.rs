@@ -21,10 +21,7 @@ pub struct Undetermined {
 impl std::fmt::Display for Undetermined {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if let [name] = &self.names[..] {
-            return write!(
-                f,
-                "{name} is not determined by these recordings; its value is what was known before"
-            );
+            return write!(f, "these recordings say less of {name} than was known before");
         }
         let together = |k: usize| if self.changes[k] * self.changes[0] > 0.0 { "up" } else { "down" };
         let list: Vec<String> =

@@ -48,7 +48,7 @@ pub enum DriveError {
     },
     /// The simulation left all numbers.
     #[error(
-        "the simulation of recording {recording} diverges at {time_s} s; give starts nearer to the robot, or a shorter step"
+        "the simulation of recording {recording} diverges at {time_s} s; check that positions and commands are in rad, give starts nearer to the robot, or a shorter step"
     )]
     Diverged {
         /// Its place in the list, from 0.

@@ -194,7 +194,7 @@ impl Diagnose {
         }
         let known: Vec<&str> = STRUCTURES.iter().map(|s| s.id).collect();
         let without = self.left_out(&known, "structure")?;
-        let (DriveOutcome { text, mut json, files }, findings) =
+        let (DriveOutcome { text, mut json, files, .. }, findings) =
             diagnose_drives(experiment, &without, progress)?;
         let mut outputs = Outputs::default();
         outputs.folder(folder, files);

@@ -126,14 +126,14 @@ fn run_drives(
     folder: &OutputFolder,
     progress: &aurt::Progress,
 ) -> Result<Report, Failure> {
-    let DriveOutcome { text, mut json, files } = fit_drives(experiment, progress)?;
+    let DriveOutcome { text, mut json, files, doubts } = fit_drives(experiment, progress)?;
     let mut outputs = Outputs::default();
     outputs.folder(folder, files);
     let written = outputs.paths();
     outputs.write()?;
     json["command"] = json!("run");
     json["outputs"] = json!(written);
-    Ok(Report { text: text + &written_text(&written), json, findings: false })
+    Ok(Report { text: text + &written_text(&written), json, findings: !doubts.is_empty() })
 }
 
 /// Does what an experiment says, under a bar of its steps.

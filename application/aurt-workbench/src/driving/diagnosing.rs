@@ -73,7 +73,7 @@ pub fn diagnose_drives(
         ("structures.csv".to_owned(), said.table().into_bytes()),
         (IMPROVED_DRIVE_FILE.to_owned(), pretty(&improved).into_bytes()),
     ];
-    Ok((DriveOutcome { text: said.text(), json, files }, said.verdict() != "no_mismatch"))
+    Ok((DriveOutcome { text: said.text(), json, files, doubts: Vec::new() }, said.verdict() != "no_mismatch"))
 }
 
 /// Positions of the improved model: by pieces where the estimate is.

@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use crate::{experiments::source, failure::Failure};
 
 mod diagnosing;
+mod doubts;
 mod exporting;
 mod rival;
 
@@ -87,6 +88,8 @@ pub struct DriveOutcome {
     pub json: Value,
     /// Files by name.
     pub files: Vec<(String, Vec<u8>)>,
+    /// What speaks against the result.
+    pub doubts: Vec<String>,
 }
 
 const REMEDY: &str = "look at the recording's command and position, and at [drive]";
@@ -117,7 +120,8 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     if !fit.converged {
         notes.push(format!("the search ended after {} steps without converging", fit.iterations));
     }
-    let mut outcome = DriveOutcome { text: String::new(), json: json!({}), files: Vec::new() };
+    let mut outcome =
+        DriveOutcome { text: String::new(), json: json!({}), files: Vec::new(), doubts: Vec::new() };
     let mut judged = Vec::new();
     for (k, read) in recordings.iter().enumerate() {
         progress.step(format!("rolling out {}", read.label));
@@ -136,8 +140,15 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let saved =
         serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
+    outcome.doubts = doubts::of_rollouts(&judged, options_of(experiment).deviation_rad);
+    if follows_positions(&arm) {
+        let named: Vec<_> = recordings.iter().map(|r| (r.label.as_str(), &r.recording)).collect();
+        outcome.doubts.extend(doubts::of_commands(&named));
+    }
     outcome.text = text(&fit, &judged, &notes);
+    outcome.doubts.iter().for_each(|doubt| outcome.text.push_str(&format!("warning: {doubt}\n")));
     outcome.json = to_json(&fit, &judged, &notes);
+    outcome.json["warnings"] = json!(outcome.doubts);
     outcome.files.push(("metrics.json".to_owned(), pretty(&outcome.json).into_bytes()));
     Ok(outcome)
 }
@@ -205,19 +216,23 @@ fn of_drive(error: &DriveError, experiment: &Experiment, recordings: &[Read]) ->
 /// Reads commands, which stand where a measurement does elsewhere, and positions.
 fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Read, Failure> {
     let RecordedAs { angle, counts_per_revolution, gear_ratio, .. } = &source.recorded;
-    let scaled = *angle == Some(AngleUnit::Degree) || counts_per_revolution.is_some() || gear_ratio.is_some();
-    if scaled && follows_positions(arm) {
+    let follows = follows_positions(arm);
+    if follows && (counts_per_revolution.is_some() || gear_ratio.is_some()) {
         return Err(Failure::unfit(
             &source.file,
-            "`angle`, `counts_per_revolution` and `gear_ratio` convert positions, and not the commands that they follow",
-            "write commands and positions in rad at the joint",
+            "`counts_per_revolution` and `gear_ratio` convert positions, and not the commands that they follow",
+            "write commands and positions in rad or degrees at the joint",
         ));
     }
+    let in_degrees = follows && *angle == Some(AngleUnit::Degree);
     // The unit of a command is that of the drive.
     source.unit = source.unit.or(Some(MeasurementUnit::NewtonMetre));
     let loaded = Loaded::read(source, Some(joints), Purpose::Calibration)?;
-    let recording = cut(&loaded.recording, loaded.source.window_s)
+    let mut recording = cut(&loaded.recording, loaded.source.window_s)
         .ok_or_else(|| Failure::unfit(&loaded.source.file, "the recording holds no command", REMEDY))?;
+    if in_degrees {
+        recording.command.iter_mut().flatten().for_each(|c| *c = c.to_radians());
+    }
     recording
         .check(joints.count, 0)
         .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
@@ -265,6 +280,8 @@ struct Judged {
     held_out: bool,
     samples: usize,
     rms: Vec<f64>,
+    /// Deviation of the positions from their mean.
+    spread: Vec<f64>,
     /// Error of the command itself, where it is a position.
     command_rms: Option<f64>,
 }
@@ -283,6 +300,7 @@ impl Judged {
             held_out: read.held_out,
             samples: read.recording.time_s.len() - first,
             rms: pairs(simulated),
+            spread: read.recording.position_rad.iter().map(|q| deviation(&q[first..])).collect(),
             command_rms: follows_positions(arm).then(|| {
                 let sent: Vec<Vec<f64>> =
                     read.recording.command.iter().map(|c| c[first..].to_vec()).collect();
@@ -295,6 +313,11 @@ impl Judged {
 /// Whether commands are positions.
 fn follows_positions(arm: &DrivenArm) -> bool {
     arm.joints.iter().all(|j| j.drive.command() == Command::Position)
+}
+
+fn deviation(series: &[f64]) -> f64 {
+    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    (series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / series.len().max(1) as f64).sqrt()
 }
 
 fn over_joints(rms: &[f64]) -> f64 {
