@@ -141,7 +141,6 @@ def main():
     arguments = parser.parse_args()
     print(f"processor: {processor()}")
     with tempfile.TemporaryDirectory() as name:
-        name = "/tmp/trees"; pathlib.Path(name).mkdir(exist_ok=True)
         upper_body(arguments.aurt, pathlib.Path(name), arguments.seconds, not arguments.skip_figaroh)
         if not arguments.skip_diagnosis:
             two_arms(arguments.aurt, pathlib.Path(name))
