@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use aurt_rbd::{
-    ChainDynamics, CoupledChain, Coupling, Joint, LinkBody, Parent, Placement, SerialChain, base_parameters,
+    ChainDynamics, CoupledChain, Coupling, Joint, LinkBody, Placement, SerialChain, base_parameters,
 };
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 use proptest::prelude::*;
@@ -171,63 +171,4 @@ fn it_is_saved_and_read_and_what_cannot_be_is_refused() {
         let error = refused(change);
         assert!(error.contains(part), "{part}\n---\n{error}");
     }
-}
-
-/// A hand whose fingers all follow one coordinate has columns that differ by little from combinations of those before; its
-/// base parameters are as many as the regressor's rank, which has a gap of ten orders.
-#[test]
-fn fingers_that_follow_have_as_many_base_parameters_as_the_rank() {
-    let at = |origin: [f64; 3], rpy: [f64; 3]| Placement::from_roll_pitch_yaw(origin, rpy);
-    let mut joints: Vec<Joint> = (0..3)
-        .map(|k| Joint::revolute(at([0.0, 0.1, 0.2], [1.5707963267948966 * f64::from(k % 2), 0.3, 0.0])))
-        .collect();
-    let mut couplings: Vec<Coupling> = (0..3).map(Coupling::own).collect();
-    for finger in 0..4_u8 {
-        for phalanx in 0..3 {
-            let joint = Joint::revolute(if phalanx == 0 {
-                at([0.05, 0.02 * f64::from(finger), 0.0], [1.2, 0.2 * f64::from(finger), 0.0])
-            } else {
-                at([0.02, 0.0, 0.0], [0.0, 0.0, 0.0])
-            });
-            let parent = if phalanx == 0 { Parent::Link(2) } else { Parent::Previous };
-            joints.push(Joint { parent, ..joint });
-            couplings.push(Coupling {
-                coordinate: 3,
-                multiplier: if finger == 3 { -1.0 } else { 1.0 },
-                offset: 0.0,
-            });
-        }
-    }
-    let links = joints.len();
-    let hand = CoupledChain::new(SerialChain::new(joints, [0.0, 0.0, -9.81]).unwrap(), couplings).unwrap();
-    let base = base_parameters(&hand, 1).unwrap();
-    let (samples, mut seed) = (200, 1_u64);
-    let mut series = |reach: f64| -> Vec<f64> {
-        let mut next = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            reach * ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
-        };
-        (0..4 * samples).map(|_| next()).collect()
-    };
-    let (q, qd, qdd) = (series(3.0), series(3.0), series(10.0));
-    let motion = Motion::new(4, vec![0.0; samples], q, qd, qdd).unwrap();
-    let parameters = 10 * links;
-    let mut data = vec![0.0; 4 * parameters * samples];
-    let destination: Vec<u32> = (0..4 * parameters as u32).collect();
-    hand.evaluate(
-        motion.view(),
-        &mut RegressorTile::new(&destination, parameters, samples, samples, &mut data),
-    );
-    let columns: Vec<nalgebra::DVector<f64>> = (0..parameters)
-        .map(|p| {
-            nalgebra::DVector::from_fn(4 * samples, |r, _| {
-                data[(r / samples * parameters + p) * samples + r % samples]
-            })
-        })
-        .filter(|column| column.norm() > 1e-9)
-        .map(|column| column.normalize())
-        .collect();
-    let values = nalgebra::DMatrix::from_columns(&columns).singular_values();
-    let rank = values.iter().filter(|v| **v > 1e-9).count();
-    assert_eq!(base.len(), rank, "{values}");
 }

@@ -128,3 +128,42 @@ fn a_robot_that_is_not_there_is_refused() {
     folder.aurt(["init", LOGS[0]]).refused(&["--robot", "the robot is not given"]);
     assert!(!folder.path("experiment.toml").exists());
 }
+
+/// Without a tip all joints on the base are taken, by name, in whatever order the log has them.
+#[test]
+fn a_tree_without_a_tip_is_taken_whole() {
+    let folder = Folder::new();
+    let arm = |side: &str, y: f64| {
+        format!(
+            "<link name=\"{side}\"><inertial><origin xyz=\"0.3 0 0\"/><mass value=\"1\"/><inertia ixx=\"0.1\" iyy=\"0.1\" \
+             izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"{side}_joint\" \
+             type=\"continuous\"><origin xyz=\"0 {y} 0\"/><parent link=\"base\"/><child link=\"{side}\"/><axis xyz=\"0 1 0\"/></joint>"
+        )
+    };
+    let urdf = format!(
+        "<robot name=\"two\"><link name=\"base\"/>{}{}</robot>",
+        arm("left", 0.2),
+        arm("right", -0.2)
+    );
+    folder.write("two.urdf", &urdf);
+    let names = "time,right_joint.position,left_joint.position,right_joint.effort,left_joint.effort\n";
+    let row = |k: u32| {
+        let t = f64::from(k) * 0.01;
+        // With 0.19 kg m² about the joint and 2.943 Nm at a level arm.
+        let of = |w: f64| {
+            let q = (w * t).sin();
+            (q, -0.19 * w * w * q - 2.943 * q.cos() + 0.1 * (w * t).cos().signum())
+        };
+        let ((left, left_nm), (right, right_nm)) = (of(3.0), of(4.1));
+        format!("{t},{right},{left},{right_nm},{left_nm}\n")
+    };
+    folder.write("log.csv", &(names.to_owned() + &(0..3000).map(row).collect::<String>()));
+    let said = folder.aurt(["init", "log.csv", "--robot", "two.urdf"]).succeeded().stdout();
+    assert!(said.contains("base first: left_joint, right_joint"), "{said}");
+    let text = folder.read("experiment.toml");
+    assert!(text.contains("urdf = \"two.urdf\"\ngravity"), "{text}");
+    folder.aurt(["run", "experiment.toml", "--out", "out"]).succeeded();
+    let chain = ["init", "log.csv", "--robot", "two.urdf", "--tip", "right", "--out", "right.toml"];
+    folder.aurt(chain).succeeded();
+    assert!(folder.read("right.toml").contains("tip = \"right\""));
+}

@@ -66,5 +66,28 @@ fn propose(context: &Context<'_>) -> Vec<Proposal> {
             .shaped(RATIO)
     };
     let pairs = (0..context.joints).flat_map(|j| (j + 1..context.joints).map(move |k| (j, k)));
+    // A motor is driven through a joint that carries its own: not from one arm to another.
+    let pairs = pairs.filter(|(j, k)| !context.apart.contains(&[*j, *k]));
     pairs.flat_map(|(joint, partner)| RATIOS.map(|ratio| coupling(joint, partner, ratio))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_motor_turns_with_joints_of_two_arms() {
+        let context = Context {
+            joints: 3,
+            links: 3,
+            apart: &[[1, 2]],
+            recordings: &[],
+            residual: &[],
+            inertial: &[],
+            resolution_rad: &[],
+        };
+        let pairs: std::collections::BTreeSet<Vec<usize>> =
+            propose(&context).into_iter().map(|p| p.joints).collect();
+        assert_eq!(pairs.into_iter().collect::<Vec<_>>(), [[0, 1], [0, 2]]);
+    }
 }

@@ -53,6 +53,7 @@ mod tests {
     const CONTEXT: Context<'_> = Context {
         joints: 2,
         links: 2,
+        apart: &[],
         recordings: &[],
         residual: &[],
         inertial: &[(0, 1.0)],

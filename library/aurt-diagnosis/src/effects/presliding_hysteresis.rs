@@ -108,6 +108,7 @@ mod tests {
         let context = Context {
             joints: 3,
             links: 3,
+            apart: &[],
             recordings: &[],
             residual: &[],
             inertial: &[],

@@ -46,6 +46,7 @@ impl Prepared<'_> {
             let context = Context {
                 joints: joint + 1,
                 links: 0,
+                apart: &[],
                 recordings: &recordings,
                 residual: &left,
                 inertial: &[],

@@ -22,7 +22,7 @@ pub(crate) use selecting::mean_floor;
 
 use aurt_plugins::Registry;
 use aurt_recording::BranchMotion;
-use aurt_traits::RobotModel;
+use aurt_traits::{RigidBodyRegressor, RobotModel};
 use rayon::prelude::*;
 
 use crate::contact::Contact;
@@ -186,6 +186,15 @@ fn resolution_rad(noise: &[RecordingNoise], joints: usize) -> Vec<f64> {
     (0..joints).map(|j| noise.iter().map(|r| of(r, j)).fold(0.0, f64::max)).collect()
 }
 
+/// Pairs of joints that no link loads both of, the first before the second.
+fn apart(body: &dyn RigidBodyRegressor) -> Vec<[usize; 2]> {
+    let (joints, parameters) = (body.joints(), body.standard_parameters().len());
+    let together =
+        |j, k| (0..parameters).any(|parameter| body.loads(parameter, j) && body.loads(parameter, k));
+    let pairs = (0..joints).flat_map(|j| (j + 1..joints).map(move |k| [j, k]));
+    pairs.filter(|[j, k]| !together(*j, *k)).collect()
+}
+
 /// Investigates recordings as they are.
 fn investigate_as_it_is(
     question: &Question<'_>,
@@ -262,6 +271,7 @@ fn investigate_as_it_is(
     let context = Context {
         joints: question.model.joints(),
         links: question.model.rigid_body().bodies().len(),
+        apart: &apart(&**question.model.rigid_body()),
         recordings: &context_rows,
         residual: &context_residual,
         inertial: &inertial,

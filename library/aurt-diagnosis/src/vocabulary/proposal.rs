@@ -15,6 +15,8 @@ pub struct Context<'a> {
     pub joints: usize,
     /// Number of links, which are more than the joints where joints follow others.
     pub links: usize,
+    /// Pairs of joints neither of which carries the other, the first before the second: those of two arms.
+    pub apart: &'a [[usize; 2]],
     /// The recordings' rows.
     pub recordings: &'a [RecordingRows],
     /// Residual of the baseline, `[recording][joint]`.
