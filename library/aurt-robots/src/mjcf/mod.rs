@@ -1,5 +1,6 @@
 //! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
 
+mod acting;
 mod classes;
 mod joint;
 mod orientation;
@@ -67,10 +68,21 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         weighed: Vec::new(),
         unweighed: Vec::new(),
         springs: Vec::new(),
+        damped: Vec::new(),
         lifted: Vec::new(),
     };
     reader.bodies(root);
     reader.refuse_shapes();
+    let driven = acting::drive(root, (&source, &classes), &mut reader.tree.joints);
+    reader.errors.extend(driven.err());
+    for joint in &mut reader.tree.joints {
+        if acting::is_disabled(root, "damper") {
+            (joint.friction.viscous_nm_s_rad, joint.driven[1]) = (0.0, 0.0);
+        }
+        if acting::is_disabled(root, "frictionloss") {
+            joint.friction.coulomb_nm = 0.0;
+        }
+    }
     reader.note(root);
     let Reader { tree, errors, .. } = reader;
     if tree.joints.is_empty() && errors.is_empty() {
@@ -104,6 +116,8 @@ struct Reader<'a, 'x> {
     /// Links that would, and what is wrong with a shape.
     unweighed: Vec<(usize, RobotError)>,
     springs: Vec<String>,
+    /// Joints with `springdamper`.
+    damped: Vec<String>,
     /// Bodies that MuJoCo holds against gravity.
     lifted: Vec<String>,
 }
@@ -198,6 +212,10 @@ impl<'a, 'x> Reader<'a, 'x> {
             }
             let ReadJoint { pose, body, freedom, limits, friction, armature, spring } =
                 reading.joint(&joint_element, own.class, &own.frame)?;
+            let damper = self.classes.attribute(own.node, own.class, "springdamper");
+            if damper.is_some_and(|d| d.split_whitespace().all(|n| n.parse().is_ok_and(|n: f64| n > 0.0))) {
+                self.damped.push(joint_name.clone());
+            }
             if spring.stiffness != 0.0 {
                 self.springs.push(joint_name.clone());
             }
@@ -287,6 +305,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             friction,
             armature,
             spring,
+            driven: [0.0; 2],
         });
         child
     }
@@ -343,7 +362,12 @@ impl<'a, 'x> Reader<'a, 'x> {
         if !acting.is_empty() {
             self.tree.notes.push(format!("what <{}> does to joints is not read", acting.join("> and <")));
         }
-        if !self.springs.is_empty() {
+        if !self.damped.is_empty() {
+            let what = "`springdamper` is not read; write out its stiffness and damping; it is in";
+            self.tree.notes.push(of(what, &self.damped));
+        }
+        self.tree.notes.extend(acting::notes(root));
+        if !self.springs.is_empty() && !acting::is_disabled(root, "spring") {
             self.tree
                 .notes
                 .push(of("springs are not read; an arm term `spring` is one; they are in", &self.springs));
