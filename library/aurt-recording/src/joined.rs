@@ -56,12 +56,16 @@ fn of_file(recording: &Recording) -> ReadReport {
     let report = &recording.report;
     let name = recording.file.file_name().unwrap_or_default().to_string_lossy();
     let found = usize::from(!report.columns.is_empty());
+    let (of_file, choices) =
+        (|n: &String| format!("{name}: {n}"), report.notes().len() - report.irregularities.len());
     ReadReport {
         format: format!("{name}: {} rows, {}", report.rows, report.format),
         rows: recording.samples(),
         columns: report.columns.iter().map(|c| format!("{c} ({name})")).collect(),
-        remarks: report.notes().into_iter().skip(1 + found).map(|n| format!("{name}: {n}")).collect(),
+        remarks: report.notes()[1 + found..choices].iter().map(of_file).collect(),
+        irregularities: report.irregularities.iter().map(of_file).collect(),
         origin_s: report.origin_s,
+        set_back_s: report.set_back_s.clone(),
         branches: report.branches.clone(),
         line_is_row: true,
         ..ReadReport::default()
@@ -96,6 +100,20 @@ fn join(whole: Recording, part: Recording, clock_offset_s: f64) -> Result<Record
     refuse_doubled(&whole, &part)?;
     let shift_s = part.report.origin_s - whole.report.origin_s + clock_offset_s;
     let mut part = part;
+    for recording in [&whole, &part] {
+        if let Some(at) = recording.report.set_back_s.first() {
+            return Err(refusal(
+                &whole,
+                &part,
+                format!(
+                    "the clock of {} was set back {:.3} s after its start",
+                    shown(recording),
+                    at - recording.time_s[0]
+                ),
+                "cut both files there, and join the pieces",
+            ));
+        }
+    }
     if shift_s != 0.0 {
         part.time_s.iter_mut().for_each(|t| *t += shift_s);
     }
@@ -175,6 +193,7 @@ fn assembled(
     report.columns.extend(part.report.columns.iter().cloned());
     report.remarks.push(remark);
     report.remarks.extend(part.report.remarks.iter().cloned());
+    report.irregularities.extend(part.report.irregularities.iter().cloned());
     let mut velocity = whole.velocity_rad_s.as_ref().map(of_whole);
     if let Some(other) = &part.velocity_rad_s {
         if velocity.is_some() {

@@ -67,8 +67,11 @@ pub struct ReadReport {
     pub dropped: Vec<DroppedRow>,
     /// Number of rows that were left out.
     pub dropped_rows: usize,
-    /// Choices made and irregularities found, as sentences.
+    /// Choices made, as sentences.
     pub remarks: Vec<String>,
+    /// Irregularities found, as sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub irregularities: Vec<String>,
     /// Joints beside the robot's chain that move, as far as the file names them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub branches: Vec<BranchMotion>,
@@ -78,6 +81,9 @@ pub struct ReadReport {
     /// Stamps before and after each stretch that was left out on purpose, because the recording is long, s.
     #[serde(skip)]
     pub left_out_s: Vec<[f64; 2]>,
+    /// First stamps since the clock was set back, where the recording is split.
+    #[serde(skip)]
+    pub set_back_s: Vec<f64>,
     /// Seconds that the reader took off all stamps, so that they keep their nanoseconds.
     #[serde(skip)]
     pub origin_s: f64,
@@ -124,7 +130,7 @@ impl ReadReport {
                 lines.join(", ")
             ));
         }
-        notes.extend(self.remarks.iter().cloned());
+        notes.extend(self.remarks.iter().chain(&self.irregularities).cloned());
         notes.extend(self.warnings());
         notes
     }

@@ -234,7 +234,7 @@ fn whole_turns_are_unwrapped_and_other_jumps_reported() {
     for (k, q) in recording.position_rad[0].iter().enumerate() {
         assert!((q - (k as f64 * 0.01).sin()).abs() < 1e-5);
     }
-    let remark = &recording.report.remarks[0];
+    let remark = &recording.report.irregularities[0];
     assert!(remark.contains("2 times") && remark.contains("line 102"), "{remark}");
 
     let jump = made(500, |k, cells| {
@@ -243,7 +243,7 @@ fn whole_turns_are_unwrapped_and_other_jumps_reported() {
         }
     });
     let recording = read_bytes(jump.as_bytes(), &ReadOptions::default()).unwrap();
-    assert!(recording.report.remarks[0].contains("line 252"), "{:?}", recording.report.remarks);
+    assert!(recording.report.irregularities[0].contains("line 252"), "{:?}", recording.report.irregularities);
     assert_eq!(recording.report.dropped_rows, 0);
 }
 
@@ -267,6 +267,26 @@ fn time_that_goes_back() {
     let twice = format!("{once}{}", once.split_once('\n').unwrap().1);
     let error = error(&twice);
     assert!(matches!(error, RecordingError::CorruptRows { line: 302, column: 1, rows: 299, .. }), "{error}");
+}
+
+#[test]
+fn a_clock_that_is_set_back_splits_the_recording() {
+    let once = made(900, |k, cells| {
+        let back = [0.0, 0.3, 4.0, 1e3][k / 200 % 4];
+        cells[0] = format!("{:.4}", cells[0].parse::<f64>().unwrap() - back);
+    });
+    let recording = read_bytes(once.as_bytes(), &ReadOptions::default()).unwrap();
+    let report = &recording.report;
+    assert_eq!((recording.samples(), report.dropped_rows, report.set_back_s.len()), (900, 0, 3));
+    assert!(
+        report.irregularities[0].starts_with("the clock was set back from 1.99"),
+        "{:?}",
+        report.irregularities
+    );
+    let options =
+        aurt_recording::PreprocessOptions { max_gap_s: Some(100.0), f_dyn_hz: 5.0, ..Default::default() };
+    let gaps = aurt_recording::preprocess(&recording, &options).unwrap().report.clock.gaps_s;
+    assert_eq!(gaps.len(), 4, "three steps back and one ahead: {gaps:?}");
 }
 
 proptest! {

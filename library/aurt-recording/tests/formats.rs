@@ -122,7 +122,11 @@ fn a_bag_that_breaks_off_is_read_as_far_as_it_goes() {
         assert!((10..120).contains(&rows), "{name}: {rows}");
         assert_eq!(read.time_s, whole.time_s[..rows], "{name}");
         assert_eq!(read.position_rad[5], whole.position_rad[5][..rows], "{name}");
-        assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
+        assert!(
+            read.report.irregularities.iter().any(|r| r.contains("truncated")),
+            "{:?}",
+            read.report.irregularities
+        );
     }
 }
 
@@ -147,7 +151,11 @@ fn a_database_that_breaks_off_is_read_up_to_there() {
     let read = read_recording(&path, &options("bag")).unwrap();
     assert!((20..80).contains(&read.samples()), "{}", read.samples());
     assert_eq!(read.position_rad[5], whole.position_rad[5][..read.samples()]);
-    assert!(read.report.remarks.iter().any(|r| r.contains("truncated")), "{:?}", read.report.remarks);
+    assert!(
+        read.report.irregularities.iter().any(|r| r.contains("truncated")),
+        "{:?}",
+        read.report.irregularities
+    );
 }
 
 /// Files cut anywhere and with any byte changed are read or refused, never a panic, never a number that is not finite.
@@ -217,36 +225,83 @@ fn text(value: &str) -> Vec<u8> {
     [(value.len() as u32).to_le_bytes().as_slice(), value.as_bytes()].concat()
 }
 
-/// A message of a joint `a1` with position `second` / 8 and effort 2.
-fn joint_state(second: u32) -> Vec<u8> {
+/// A message of one joint with position `second` / 8 and these efforts.
+fn joint_state(second: u32, name: &str, efforts: &[f64]) -> Vec<u8> {
     let words = |values: &[u32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let position = (f64::from(second) / 8.0).to_le_bytes();
     // Stamp, empty frame, one name; each list of numbers begins at a multiple of 8 after its length.
-    let begin = [&[0, 1, 0, 0], words(&[second, 0, 1, 0, 1, 3]).as_slice(), b"a1\0\0", &words(&[1])].concat();
-    [begin.as_slice(), &position, &words(&[0, 1]), &2.0_f64.to_le_bytes()].concat()
+    let name = [name.as_bytes(), b"\0\0"].concat();
+    let begin = [&[0, 1, 0, 0], words(&[second, 0, 1, 0, 1, 3]).as_slice(), &name, &words(&[1])].concat();
+    let efforts = [words(&[0, efforts.len() as u32]), efforts.iter().flat_map(|v| v.to_le_bytes()).collect()];
+    [begin.as_slice(), &position, &efforts.concat()].concat()
 }
 
-#[test]
-fn messages_of_another_type_under_the_same_name_are_passed_over() {
+/// A bag with channels of these topics and types, numbered from 1, and these messages.
+fn bag(channels: &[(&str, &str)], messages: &[(u16, Vec<u8>)]) -> tempfile::NamedTempFile {
     let number = |n: u16| n.to_le_bytes();
-    let schema = |id, name| record(3, &[&number(id), &text(name), &text("ros2msg"), &text("")]);
-    let channel =
-        |id, topic| record(4, &[&number(id), &number(id), &text(topic), &text("cdr"), &0_u32.to_le_bytes()]);
-    let message = |id, data: &[u8]| record(5, &[&number(id), &[0; 20], data]);
     let mut file = b"\x89MCAP0\r\n".to_vec();
-    file.extend(schema(1, "sensor_msgs/msg/JointState"));
-    file.extend(schema(2, "std_msgs/msg/String"));
-    file.extend([channel(1, "/joints"), channel(2, "/joints")].concat());
-    for second in 1..=3 {
-        file.extend([message(1, &joint_state(second)), message(2, b"\0\x01\0\0words")].concat());
+    for (id, (topic, name)) in (1..).zip(channels) {
+        file.extend(record(3, &[&number(id), &text(name), &text("ros2msg"), &text("")]));
+        let parts = [&number(id), &number(id), &*text(topic), &text("cdr"), &0_u32.to_le_bytes()];
+        file.extend(record(4, &parts));
+    }
+    for (id, data) in messages {
+        file.extend(record(5, &[&number(*id), &[0; 20], data]));
     }
     file.extend(record(2, &[&[0; 20]]));
     let made = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(made.path(), file).unwrap();
+    made
+}
+
+const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
+
+#[test]
+fn messages_of_another_type_under_the_same_name_are_passed_over() {
+    let messages =
+        (1..=3).flat_map(|k| [(1, joint_state(k, "a1", &[2.0])), (2, b"\0\x01\0\0words".to_vec())]);
+    let made =
+        bag(&[("/joints", JOINT_STATE), ("/joints", "std_msgs/msg/String")], &messages.collect::<Vec<_>>());
     let read = read_recording(made.path(), &ReadOptions::default()).unwrap();
     assert_eq!((read.time_s, read.position_rad), (vec![1.0, 2.0, 3.0], vec![vec![0.125, 0.25, 0.375]]));
     let remarks = read.report.remarks.join("; ");
     assert!(remarks.contains("other types"), "{remarks}");
+}
+
+#[test]
+fn messages_without_efforts_or_with_none_that_is_a_number_are_skipped() {
+    let efforts: [&[f64]; 5] = [&[], &[2.0], &[f64::NAN], &[], &[3.0]];
+    let messages: Vec<_> = (1..).zip(efforts).map(|(k, e)| (1, joint_state(k, "a1", e))).collect();
+    let made = bag(&[("/joint_states", JOINT_STATE)], &messages);
+    let read = read_recording(made.path(), &ReadOptions::default()).unwrap();
+    assert_eq!((read.time_s, read.measurement), (vec![2.0, 5.0], Some(vec![vec![2.0, 3.0]])));
+    let said = read.report.irregularities.join("; ");
+    assert!(
+        said.contains("2 messages were skipped: they lack") && said.contains("the effort of a1"),
+        "{said}"
+    );
+    let made = bag(&[("/joint_states", JOINT_STATE)], &messages[2..3]);
+    let said = read_recording(made.path(), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(said.contains("the effort of a1 is NaN"), "{said}");
+}
+
+#[test]
+fn joints_on_several_topics_or_messages_are_listed() {
+    let messages = [(1, joint_state(1, "a1", &[2.0])), (2, joint_state(1, "b1", &[2.0]))];
+    let wanted = |topic: &str| ReadOptions {
+        recorded: RecordedAs {
+            joint_names: Some(vec!["a1".into(), "b1".into()]),
+            topic: Some(topic.into()),
+            ..RecordedAs::default()
+        },
+        ..ReadOptions::default()
+    };
+    for topics in [["/upper", "/lower"], ["/upper", "/upper"]] {
+        let made = bag(&topics.map(|topic| (topic, JOINT_STATE)), &messages);
+        let said = read_recording(made.path(), &wanted("/upper")).unwrap_err().to_string();
+        assert!(said.contains("no message has all joints: /upper has a1"), "{said}");
+        assert!(said.contains("b1") && said.contains("source_list"), "{said}");
+    }
 }
 
 #[test]

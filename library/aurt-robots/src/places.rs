@@ -48,6 +48,8 @@ pub struct PlacedJoint {
     pub spring_ref: f64,
     /// That unit in rad; 1 of a joint that slides.
     pub unit: f64,
+    /// Whether its actuators have armature or damping.
+    pub is_driven: bool,
 }
 
 /// A body.
@@ -119,6 +121,7 @@ fn joint(joint: &TreeJoint) -> PlacedJoint {
         stiffness: joint.spring.stiffness,
         spring_ref: joint.spring.reference,
         unit: joint.spring.unit,
+        is_driven: joint.driven != [0.0; 2],
     }
 }
 

@@ -237,7 +237,10 @@ struct OwnJoint {
 impl OwnJoint {
     fn of(tree: &Tree, joint: usize) -> Self {
         let of = &tree.joints[joint];
-        Self { joint, limits: of.limits, friction: of.friction, armature: of.armature }
+        let [armature, damping] = of.driven;
+        let viscous_nm_s_rad = of.friction.viscous_nm_s_rad + damping;
+        let friction = JointFriction { viscous_nm_s_rad, ..of.friction };
+        Self { joint, limits: of.limits, friction, armature: of.armature + armature }
     }
 
     /// With a joint k at m q + o, friction and rotor act on q as m² viscous, |m| Coulomb and m² inertia, by the work that

@@ -100,6 +100,8 @@ pub(crate) struct TreeJoint {
     pub friction: JointFriction,
     /// Inertia of the rotor as the joint feels it, in kg m² (kg where it slides).
     pub armature: f64,
+    /// What actuators add to that and to the viscous friction.
+    pub driven: [f64; 2],
     pub spring: Spring,
 }
 

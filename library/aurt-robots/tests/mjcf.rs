@@ -155,7 +155,8 @@ fn what_acts_on_joints_beside_is_noted() {
     let text = format!(
         "<mujoco><compiler inertiafromgeom=\"false\"/><worldbody><body name=\"a\" gravcomp=\"1\"><joint name=\"j\" \
          stiffness=\"3\"/>{INERTIAL}<body name=\"c\"><joint name=\"k\"/><geom size=\"1\"/></body></body></worldbody>\
-         <tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>"
+         <tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon><option density=\"1.2\" wind=\"5 0 0\" \
+         gravity=\"3 0 -9\"><flag damper=\"disable\"/></option></mujoco>"
     );
     let notes = parse(&text, "a.xml", None, None).unwrap().notes.join("\n");
     for part in [
@@ -164,6 +165,9 @@ fn what_acts_on_joints_beside_is_noted() {
         "they are in: j",
         "`gravcomp` is not read; it is in: a",
         "assumed, for: c",
+        "(`density` and `wind` of <option>)",
+        "gravity of the file is 3 0 -9",
+        "turns `damping` off",
     ] {
         assert!(notes.contains(part), "{part}\n---\n{notes}");
     }

@@ -145,6 +145,24 @@ fn without_a_mistake_nothing_is_told() {
 }
 
 #[test]
+fn rows_that_are_held_accuse_no_clock() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut world = simulated(folder.path());
+    world.each(|log| {
+        for rows in log.rows.chunks_exact_mut(400) {
+            for k in 301..320 {
+                let (before, row) = rows.split_at_mut(k);
+                row[0][1..].clone_from_slice(&before[300][1..]);
+            }
+        }
+    });
+    let check = answer(&world, false).check.text;
+    for said in ["held", "no common mistake explains more"] {
+        assert!(check.contains(said), "{check}");
+    }
+}
+
+#[test]
 fn mistakes_on_simulated_recordings_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let right = simulated(folder.path());

@@ -11,6 +11,7 @@ use aurt::{
     fitting::Assigned,
 };
 use aurt_calibration::{NamedRecording, TermScopes};
+use aurt_diagnosis::RecordingFaults;
 use aurt_experiment::{Experiment, experiment::Geometry};
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};
 use aurt_recording::{Recording, preprocess};
@@ -335,11 +336,13 @@ impl Setup {
     }
 }
 
+/// What is used of a recording, without rows that are held, repeated or corrupt: a clock or a delay makes up for these.
 fn window(loaded: &Loaded) -> Result<Recording, Failure> {
-    Ok(match loaded.source.window_s {
+    let recording = match loaded.source.window_s {
         Some(window) => loaded.recording.window(window)?,
         None => loaded.recording.clone().into(),
-    })
+    };
+    Ok(RecordingFaults::find("", &recording).repaired(&recording).unwrap_or(recording))
 }
 
 /// From each sample to the next, per joint, rad/s; 0 where the stamps tell none.

@@ -72,7 +72,7 @@ impl Inspected {
         if !report.dropped.is_empty() {
             findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
         }
-        findings.extend(report.remarks.iter().cloned());
+        findings.extend(report.irregularities.iter().cloned());
         let gaps = self.prepared.report.clock.gaps_s.len();
         if gaps > 0 {
             findings.push(format!("{gaps} gaps split the recording"));

@@ -120,7 +120,9 @@ fn missing(recording: &Recording, period_s: f64) -> (usize, Vec<[f64; 2]>) {
     let mut gaps = Vec::new();
     for (k, w) in time.windows(2).enumerate() {
         let distance = w[1] - w[0];
-        if distance <= 1.5 * longest || recording.report.left_out_s.contains(&[w[0], w[1]]) {
+        let report = &recording.report;
+        let is_made = report.left_out_s.contains(&[w[0], w[1]]) || report.set_back_s.contains(&w[1]);
+        if distance <= 1.5 * longest || is_made {
             continue;
         }
         // A late stamp is followed, and an early one preceded, by a distance that is short by as much.

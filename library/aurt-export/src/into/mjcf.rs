@@ -66,8 +66,31 @@ pub(super) fn joint(
     differing.retain(|(_, found, wanted)| found != wanted);
     let attributes: Vec<(&str, String)> =
         differing.iter().map(|(name, _, wanted)| (*name, format!("{wanted:?}"))).collect();
-    edits.set(text, node, &attributes, &[]);
+    // It would overrule stiffness and damping.
+    edits.set(text, node, &attributes, &["springdamper"]);
     differing
+}
+
+/// Takes armature and damping from the actuators of a joint, which the model has at the joint: what of them is left, in words.
+pub(super) fn undrive(
+    edits: &mut Edits,
+    text: &str,
+    root: Node<'_, '_>,
+    joint: &PlacedJoint,
+) -> Option<String> {
+    if !joint.is_driven {
+        return None;
+    }
+    let sections = root.children().filter(|c| c.has_tag_name("actuator"));
+    let drives = |a: &Node<'_, '_>| {
+        let driven = a.attribute("joint").or_else(|| a.attribute("jointinparent"));
+        driven == Some(joint.name.as_str())
+    };
+    for node in sections.flat_map(|s| s.children()).filter(drives) {
+        // An attribute of the element overrides the default of its class.
+        edits.set(text, node, &["armature", "damping"].map(|name| (name, "0.0".into())), &[]);
+    }
+    Some(format!("actuators of joint {}: armature and damping to 0, they are in the joint's", joint.name))
 }
 
 /// What a person should know where gravity in the file is not that of the calibration.

@@ -1,7 +1,7 @@
 //! The dynamics of a calibrated model in the user's own file, of MuJoCo or URDF.
 //!
 //! What the chain's elements say of inertias, friction, rotors and springs is set where it stands; comments, blanks, shapes,
-//! limits, actuators and all else stay byte for byte. Bodies that are welded to a link, and bodies on joints beside the chain,
+//! limits and all else stay byte for byte; actuators lose armature and damping, which are in the joint's. Bodies that are welded to a link, and bodies on joints beside the chain,
 //! keep what the file states, and the body of the joint gets the rest.
 
 mod edits;
@@ -77,7 +77,7 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
             mjcf::check(root)?;
             notes.extend(mjcf::gravity(root, chain, &robot));
             notes.push(
-                "actuators stay as they are: torques of the model are those at the joints, behind gears"
+                "actuators keep all but armature and damping: torques of the model are those at the joints, behind gears"
                     .into(),
             );
         }
@@ -116,6 +116,9 @@ pub fn correct(source: &Source<'_>, original: &Original<'_>) -> Result<Corrected
             own.name, body.mass_kg
         ));
         let Some(node) = element(link.joint.start) else { continue };
+        if format == Format::Mjcf {
+            changed.extend(mjcf::undrive(&mut edits, text, root, &link.joint));
+        }
         let differing = match format {
             Format::Mjcf => mjcf::joint(&mut edits, text, node, &link.joint, joint),
             Format::Urdf => urdf::joint(&mut edits, text, node, &link.joint, joint),

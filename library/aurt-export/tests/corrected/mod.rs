@@ -63,6 +63,20 @@ fn untouched(text: &str) -> String {
 }
 
 #[test]
+fn armature_and_damping_of_an_actuator_count_once() {
+    let driven = "<actuator><motor joint=\"pan\" gear=\"-5 0\" armature=\"0.02\" damping=\"0.2\"/></actuator></mujoco>";
+    let text = OWN.replace("</mujoco>", driven);
+    let [without, with] = [OWN, &text].map(read);
+    assert_eq!(with.armature_kg_m2[0] - without.armature_kg_m2[0], 25.0 * 0.02);
+    assert_eq!(with.friction[0].viscous_nm_s_rad - without.friction[0].viscous_nm_s_rad, 25.0 * 0.2);
+    let case = case_of(OWN);
+    let [without, with] = [OWN, &text].map(|text| corrected(text, &case).unwrap());
+    assert!(with.text.contains("armature=\"0.0\" damping=\"0.0\"/></actuator>"), "{}", with.text);
+    assert_eq!(read(&with.text).armature_kg_m2, read(&without.text).armature_kg_m2);
+    assert_eq!(read(&with.text).friction, read(&without.text).friction);
+}
+
+#[test]
 fn a_corrected_file_has_the_bodies_of_the_model_and_is_else_the_same() {
     let case = case_of(OWN);
     let Corrected { text, changed, lost, notes } = corrected(OWN, &case).unwrap();

@@ -10,6 +10,8 @@ use crate::read_options::ReadOptions;
 
 /// Integers beyond this are not all numbers of double precision.
 const EXACT: i64 = 1 << 53;
+/// Messages among which one with efforts is looked for.
+const LOOKED_AT: usize = 1000;
 const SECOND_NS: i64 = 1_000_000_000;
 
 /// The rows of a topic: stamp, then positions, velocities and efforts of the wanted joints.
@@ -30,6 +32,8 @@ pub(super) struct Joints<'a> {
     recorder_stamps: bool,
     origin_ns: i64,
     passed_over: usize,
+    /// Messages with a value that is not finite, and which of the first.
+    not_finite: (usize, String),
     /// The joints beside the robot's chain.
     branches: Vec<BranchTrack>,
     /// The names that `beside` is for, as they are written.
@@ -59,6 +63,7 @@ impl<'a> Joints<'a> {
             recorder_stamps: false,
             origin_ns: 0,
             passed_over: 0,
+            not_finite: (0, String::new()),
             branches: options.branch_tracks(),
             beside_of: Vec::new(),
             beside: Vec::new(),
@@ -72,16 +77,16 @@ impl<'a> Joints<'a> {
         if !joints.decode_next()? {
             return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
         }
-        let first = joints.state.names.clone();
+        let mut seen = joints.state.names.clone();
         if joints.names.is_empty() {
-            joints.names.clone_from(&first);
-            if let Some(robot) = options.joint_count().filter(|n| *n != first.len()) {
+            joints.names.clone_from(&seen);
+            if let Some(robot) = options.joint_count().filter(|n| *n != seen.len()) {
                 let remedy =
                     "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
                 let reason = format!(
                     "its messages have {} joints, the robot has {robot}: {}",
-                    first.len(),
-                    first.join(", ")
+                    seen.len(),
+                    seen.join(", ")
                 );
                 return Err(refuse(reason, remedy.to_owned()));
             }
@@ -91,22 +96,31 @@ impl<'a> Joints<'a> {
             if !joints.decode_next()? {
                 return Err(RecordingError::JointNames {
                     path: path.to_owned(),
-                    lacking: joints.names.iter().find(|n| !first.contains(n)).cloned().unwrap_or_default(),
-                    recorded: first,
+                    lacking: joints.names.iter().find(|n| !seen.contains(n)).cloned().unwrap_or_default(),
+                    recorded: seen,
                     wanted: joints.names,
                 });
             }
+            let new = joints.state.names.iter().filter(|name| !seen.contains(name));
+            seen.extend(new.cloned().collect::<Vec<_>>());
         }
         let count = joints.state.names.len();
         joints.position = options.needs_position || joints.state.position.len() == count;
         joints.velocity = joints.state.velocity.len() == count;
-        joints.effort = joints.state.effort.len() == count;
         joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
-        if joints.decode_next()? {
-            joints.recorder_stamps =
-                joints.state.stamp_ns == 0 && joints.ahead.iter().all(|m| m.0.stamp_ns == 0);
+        let names = joints.names.clone();
+        let has_efforts = |state: &JointState| {
+            state.effort.len() == state.names.len() && names.iter().all(|n| state.names.contains(n))
+        };
+        joints.effort = has_efforts(&joints.state);
+        while joints.ahead.len() < 2 || !joints.effort && joints.ahead.len() < LOOKED_AT {
+            if !joints.decode_next()? {
+                break;
+            }
             joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
+            joints.effort |= has_efforts(&joints.state);
         }
+        joints.recorder_stamps = joints.ahead.len() > 1 && joints.ahead.iter().all(|m| m.0.stamp_ns == 0);
         let begin = joints.ahead.front().map_or(0, |(state, log_ns)| joints.stamp_ns(state, *log_ns));
         joints.origin_ns = if begin.abs() < EXACT { 0 } else { begin.div_euclid(SECOND_NS) * SECOND_NS };
         Ok(joints)
@@ -148,21 +162,31 @@ impl<'a> Joints<'a> {
     }
 
     /// What is to be said once all is read.
-    pub(super) fn closing_remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
+    pub(super) fn irregularities(&self) -> Vec<String> {
+        let mut said = Vec::new();
         if self.passed_over > 0 {
-            remarks.push(format!(
+            said.push(format!(
                 "{} messages were skipped: they lack joints or quantities that the others have",
                 self.passed_over
             ));
         }
+        if let (count @ 1.., of) = &self.not_finite {
+            said.push(format!(
+                "{count} messages were skipped: they have values that are no numbers, first {of}"
+            ));
+        }
         if self.messages.broken_off {
-            remarks.push(format!(
+            said.push(format!(
                 "the file is truncated: {} messages were read, and its summary is missing",
                 self.messages.read
             ));
         }
-        remarks
+        said
+    }
+
+    /// Of which joint a value is not finite where no message is without such a value.
+    pub(super) fn never_finite(&self, rows: usize) -> Option<&str> {
+        (rows == 0 && self.not_finite.0 > 0).then_some(self.not_finite.1.as_str())
     }
 
     /// Fills the next row; false after the last.
@@ -193,6 +217,15 @@ impl<'a> Joints<'a> {
                 continue;
             }
             let values = read().flat_map(|values| places.iter().map(|place| values[*place]));
+            if let Some(at) = values.clone().position(|v| !v.is_finite()) {
+                if self.not_finite.0 == 0 {
+                    let family = self.columns().swap_remove(1 + at);
+                    let family = family.split('_').next().unwrap_or_default();
+                    self.not_finite.1 = format!("the {family} of {}", self.names[at % self.names.len()]);
+                }
+                self.not_finite.0 += 1;
+                continue;
+            }
             let time_s = stamp_ns.saturating_sub(origin_ns) as f64 / SECOND_NS as f64;
             for (cell, value) in row.iter_mut().zip(std::iter::once(time_s).chain(values)) {
                 *cell = value;

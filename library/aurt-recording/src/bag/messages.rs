@@ -26,11 +26,14 @@ pub(super) struct Messages<'a> {
 
 impl<'a> Messages<'a> {
     /// The messages of a topic that each of these files has.
-    pub(super) fn new(path: &'a Path, files: &'a [(Box<dyn Container + 'a>, Topic)]) -> Self {
+    pub(super) fn new(
+        path: &'a Path,
+        files: impl DoubleEndedIterator<Item = (&'a dyn Container, &'a Topic)> + Clone,
+    ) -> Self {
         Self {
             path,
-            name: files.first().map(|(_, topic)| topic.name.clone()).unwrap_or_default(),
-            files: files.iter().rev().map(|(file, topic)| (&**file, topic.channels.as_slice())).collect(),
+            name: files.clone().next().map(|(_, topic)| topic.name.clone()).unwrap_or_default(),
+            files: files.rev().map(|(file, topic)| (file, topic.channels.as_slice())).collect(),
             channels: &[],
             records: None,
             payload: Vec::new(),

@@ -42,7 +42,9 @@ pub(super) fn read(
         let found = "it has no files".to_owned();
         return Err(missing.unwrap_or(RecordingError::NoRows { path: path.to_owned(), found }));
     };
-    let mut joints = Joints::open(Messages::new(path, &chosen), path, topic, options)?;
+    let messages = Messages::new(path, chosen.iter().map(|(file, topic)| (&**file, topic)));
+    let opened = Joints::open(messages, path, topic, options);
+    let mut joints = opened.map_err(|error| on_several_topics(error, &**first, topic))?;
     let names = joints.columns();
     let width = names.len();
     let mut table = Table::new(memory, names, width, options)?;
@@ -56,17 +58,54 @@ pub(super) fn read(
         n => format!("{} in {n} files, topic {}", first.kind(), topic.name),
     };
     let mut all = vec![0.0; width];
+    let mut rows = 0;
     let mut recording = table.read(format, piece_rows, visit, &mut |row| {
         if !joints.next(&mut all)? {
-            return Ok(false);
+            return joints.never_finite(rows).map_or(Ok(false), |of| {
+                Err(RecordingError::Malformed {
+                    path: path.to_owned(),
+                    place: format!("topic {}", topic.name),
+                    reason: format!("no message has numbers alone: {of} is NaN"),
+                    remedy: "record what that joint measures, or take a chain without it (tip, joint_names)"
+                        .into(),
+                })
+            });
         }
+        rows += 1;
         for (value, column) in row.iter_mut().zip(&wanted) {
             *value = all[*column];
         }
         Ok(true)
     })?;
-    recording.report.remarks.extend(joints.closing_remarks());
+    recording.report.irregularities.extend(joints.irregularities());
     recording.report.origin_s = joints.origin_s();
     recording.report.branches = joints.branches();
     Ok(recording)
+}
+
+/// What is to be said where the wanted joints are on several topics.
+fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic) -> RecordingError {
+    let RecordingError::JointNames { path, recorded, wanted, lacking } = error else { return error };
+    let names = |name: &String| {
+        let other = Topic::choose(file, Some(name)).ok()?.0;
+        let messages = Messages::new(&path, std::iter::once((file, &other)));
+        let joints = Joints::open(messages, &path, &other, &ReadOptions::default()).ok()?;
+        Some((name.clone(), joints.names().to_vec()))
+    };
+    let others: Vec<(String, Vec<String>)> = topic.others.iter().filter_map(names).collect();
+    let is_there =
+        |name: &String| recorded.contains(name) || others.iter().any(|(_, own)| own.contains(name));
+    if !wanted.iter().all(is_there) {
+        return RecordingError::JointNames { path, recorded, wanted, lacking };
+    }
+    let topics = std::iter::once((topic.name.clone(), recorded)).chain(others);
+    let listed: Vec<String> = topics.map(|(name, own)| format!("{name} has {}", own.join(", "))).collect();
+    RecordingError::Malformed {
+        path,
+        place: format!("topic {}", topic.name),
+        reason: format!("no message has all joints: {}", listed.join("; ")),
+        remedy: "rows need all joints at one time: publish them in one message (joint_state_publisher with source_list \
+                 does), or write positions and efforts of all joints into one CSV file"
+            .into(),
+    }
 }

@@ -14,6 +14,8 @@ pub(super) struct Topic {
     pub(super) name: String,
     /// Its channels; several nodes may publish under one name.
     pub(super) channels: Vec<u64>,
+    /// The other topics with joint states.
+    pub(super) others: Vec<String>,
 }
 
 /// What a file says of its topics.
@@ -148,6 +150,7 @@ impl Topic {
             let also = format!("{name} also has messages of other types, which are skipped");
             remark = Some(remark.map_or_else(|| also.clone(), |said| format!("{said}; {also}")));
         }
-        Ok((Self { name: name.to_owned(), channels }, remark))
+        let others = states.keys().filter(|other| **other != name).map(|&other| other.to_owned()).collect();
+        Ok((Self { name: name.to_owned(), channels, others }, remark))
     }
 }

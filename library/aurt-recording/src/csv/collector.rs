@@ -3,6 +3,7 @@ use std::path::Path;
 use crate::branches::{BranchMotion, BranchTrack};
 use crate::csv::columns::Selected;
 use crate::csv::header::Header;
+use crate::csv::late::Late;
 use crate::csv::plausibility::{self, Finding, Turns};
 use crate::error::RecordingError;
 use crate::read_options::ReadOptions;
@@ -14,8 +15,8 @@ const KEPT_DETAILS: usize = 10_000;
 /// Rows of a machine that runs on over which the share of corrupt ones is judged.
 const JUDGED_ROWS: usize = 10_000;
 
-/// Remarks that are kept.
-const REMARKS: usize = 100;
+/// Irregularities that are kept.
+const IRREGULARITIES: usize = 100;
 
 /// Magnitude of time stamps beyond which they are corrupt, in s.
 const TIME_LIMIT_S: f64 = 1e20;
@@ -39,13 +40,19 @@ pub(super) struct Collector<'a> {
     judged: [usize; 2],
     /// Whether the latest row was kept.
     follows: bool,
+    /// Rows that came late, unless they are of a machine that runs on.
+    late: Option<Late>,
+    /// What is added to stamps since the clock was set back.
+    forward_s: f64,
+    /// First stamps since the clock was set back.
+    set_back_s: Vec<f64>,
     /// Whether rows were handed out.
     begun: bool,
     /// The first second of stamps that are in two columns.
     first_second: Option<f64>,
     turns: Vec<Turns>,
     branches: Vec<BranchTrack>,
-    remarks: Vec<String>,
+    irregularities: Vec<String>,
 }
 
 /// A row that was left out.
@@ -71,11 +78,13 @@ pub(super) struct Collected {
     pub(super) series: Vec<Vec<f64>>,
     pub(super) dropped: Vec<DroppedRow>,
     pub(super) dropped_rows: usize,
-    pub(super) remarks: Vec<String>,
+    pub(super) irregularities: Vec<String>,
     /// Joints beside the chain that move.
     pub(super) branches: Vec<BranchMotion>,
     /// What was taken off the stamps, in s.
     pub(super) origin_s: f64,
+    /// First stamps since the clock was set back.
+    pub(super) set_back_s: Vec<f64>,
 }
 
 impl<'a> Collector<'a> {
@@ -97,11 +106,14 @@ impl<'a> Collector<'a> {
             dropped_rows: 0,
             judged: [0; 2],
             follows: false,
+            late: (!options.is_running).then(Late::default),
+            forward_s: 0.0,
+            set_back_s: Vec::new(),
             begun: false,
             first_second: None,
             turns: vec![Turns::default(); selected.position.len()],
             branches: selected.branches.iter().map(|(joint, _)| BranchTrack::new(joint.clone())).collect(),
-            remarks: Vec::new(),
+            irregularities: Vec::new(),
         }
     }
 
@@ -122,7 +134,8 @@ impl<'a> Collector<'a> {
 
     /// Takes a row as it was read, unless it cannot be true; it is left in SI units.
     pub(super) fn add(&mut self, row: &mut [f64], line: usize) {
-        let (row, beside) = row.split_at_mut(row.len() - self.branches.len());
+        let whole = row;
+        let (row, _) = whole.split_at_mut(whole.len() - self.branches.len());
         if let Some(rate_hz) = self.selected.rate_hz {
             row[0] = self.rows as f64 / rate_hz;
         }
@@ -141,20 +154,66 @@ impl<'a> Collector<'a> {
             self.drop_row(line, place, Reason::Absurd(row[place]));
             return;
         }
+        whole[0] += self.forward_s;
+        self.place(whole, line);
+    }
+
+    /// Puts a row where its stamp belongs.
+    fn place(&mut self, row: &mut [f64], line: usize) {
+        let stamp = row[0];
         let time = &self.series[0];
-        if let Some(last) = time.last().copied().filter(|last| row[0] < *last) {
+        if let Some(before) = time.last().copied().filter(|last| stamp < *last) {
             // One of the two stamps is wrong: the earlier one if it lies ahead of a series that goes on.
-            let one_ahead = self.follows && time.len() >= 2 && row[0] >= time[time.len() - 2];
+            let one_ahead = self.follows && time.len() >= 2 && stamp >= time[time.len() - 2];
             if !one_ahead {
-                self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before: last });
-                return;
+                let Some(late) = &self.late else {
+                    return self.drop_row(line, 0, Reason::TimeBack { stamp, before });
+                };
+                if late.ends_before(stamp) {
+                    row[0] += self.settle(None);
+                    return self.place(row, line);
+                }
+                self.follows = false;
+                return self.late.get_or_insert_default().rows.push((row.to_vec(), line));
             }
             let ahead = self.lines.pop().map_or(line, |l| l as usize);
             for series in &mut self.series {
                 series.pop();
             }
-            self.drop_row(ahead, 0, Reason::TimeAhead { stamp: last, after: row[0] });
+            self.drop_row(ahead, 0, Reason::TimeAhead { stamp: before, after: stamp });
         }
+        row[0] += self.settle(Some(stamp));
+        self.keep(row, line);
+    }
+
+    /// Decides on the rows that came late: they are dropped, or later stamps set forward by what is returned.
+    fn settle(&mut self, next: Option<f64>) -> f64 {
+        let Some(late) = self.late.as_mut().map(std::mem::take).filter(|late| !late.rows.is_empty()) else {
+            return 0.0;
+        };
+        let before = self.series[0].last().copied().unwrap_or_default();
+        let Some(moved_s) = late.set_back_s(&self.series, next) else {
+            for (row, line) in late.rows {
+                self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before });
+            }
+            return 0.0;
+        };
+        let (first, line) = (late.rows[0].0[0], late.rows[0].1);
+        self.irregularities.push(format!(
+            "the clock was set back from {before:.3} s to {first:.3} s in line {line}: the recording is split there, and later \
+             stamps are {moved_s:.3} s later"
+        ));
+        self.forward_s += moved_s;
+        self.set_back_s.push(first + moved_s);
+        for (mut row, line) in late.rows {
+            row[0] += moved_s;
+            self.keep(&row, line);
+        }
+        moved_s
+    }
+
+    fn keep(&mut self, row: &[f64], line: usize) {
+        let (row, beside) = row.split_at(row.len() - self.branches.len());
         let [up, down] = self.selected.branch_factor;
         for (track, value) in self.branches.iter_mut().zip(beside) {
             track.add(row[0], *value * up / down);
@@ -188,6 +247,7 @@ impl<'a> Collector<'a> {
         header: &Header,
         max_share: f64,
     ) -> Result<Collected, RecordingError> {
+        self.settle(None);
         let series = self.piece(true);
         self.judge(path, header, max_share, [0; 2])?;
         self.dropped.sort_by_key(|d| d.line);
@@ -198,8 +258,8 @@ impl<'a> Collector<'a> {
             .collect();
         let origin_s = self.first_second.unwrap_or(0.0);
         let branches = self.branches.into_iter().filter_map(BranchTrack::motion).collect();
-        let (dropped_rows, remarks) = (self.dropped_rows, self.remarks);
-        Ok(Collected { series, dropped, dropped_rows, remarks, origin_s, branches })
+        let Self { dropped_rows, irregularities, set_back_s, .. } = self;
+        Ok(Collected { series, dropped, dropped_rows, irregularities, origin_s, set_back_s, branches })
     }
 
     /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.
@@ -273,14 +333,14 @@ impl<'a> Collector<'a> {
         // In another unit every motion is a jump: that would hide the reason.
         let degrees = plausibility::remark_on_degrees(&series[1..=joints]);
         let tells_jumps = degrees.is_none();
-        self.remarks.extend(degrees);
+        self.irregularities.extend(degrees);
         let (time, values) = series.split_at_mut(1);
         for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
             let remark = plausibility::unwrap(joint, tells_jumps, &time[0], position, &lines, turns);
-            self.remarks.extend(remark);
+            self.irregularities.extend(remark);
         }
         // Of many pieces every one may have the same to say.
-        self.remarks.truncate(REMARKS);
+        self.irregularities.truncate(IRREGULARITIES);
         series
     }
 

@@ -6,6 +6,7 @@ mod columns;
 mod dialect;
 pub(crate) mod families;
 mod header;
+mod late;
 mod lines;
 mod measurement;
 mod number;

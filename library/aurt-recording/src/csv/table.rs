@@ -132,7 +132,7 @@ pub(super) fn report(
     header: &Header,
     selected: &Selected,
     rows: usize,
-    mut collected: Collected,
+    collected: Collected,
 ) -> ReadReport {
     let time = match (selected.time, selected.rate_hz) {
         (Some(time), _) => header.name(time),
@@ -148,16 +148,16 @@ pub(super) fn report(
     if let Some(measurement) = &selected.measurement {
         columns.push(format!("{}: {}", selected.unit.quantity(), header.span(measurement)));
     }
-    let mut remarks = selected.remarks.clone();
-    remarks.append(&mut collected.remarks);
     ReadReport {
         format,
         rows,
         columns,
         dropped: collected.dropped,
         dropped_rows: collected.dropped_rows,
-        remarks,
+        remarks: selected.remarks.clone(),
+        irregularities: collected.irregularities,
         origin_s: collected.origin_s,
+        set_back_s: collected.set_back_s,
         branches: collected.branches,
         ..ReadReport::default()
     }

@@ -54,7 +54,7 @@ impl Uniform {
             let distance = runs.last().map_or(f64::INFINITY, |run| t - run.to_s);
             shortest = shortest.min(distance);
             match runs.last_mut() {
-                Some(run) if distance <= max_gap_s => {
+                Some(run) if distance <= max_gap_s && !recording.report.set_back_s.contains(&t) => {
                     longest = longest.max(distance);
                     if distance <= SAME_STAMP * median_s {
                         return Err(refused(format!("samples {} and {k} have the same stamp {t} s", k - 1)));

@@ -82,7 +82,7 @@ impl Clock {
         for (k, w) in time.windows(2).enumerate() {
             let distance = w[1] - w[0];
             shortest = shortest.min(distance);
-            if distance > max_gap_s {
+            if distance > max_gap_s || recording.report.set_back_s.contains(&w[1]) {
                 gaps_s.push([w[0] - time[0], distance]);
                 runs.push(start..k + 1);
                 start = k + 1;

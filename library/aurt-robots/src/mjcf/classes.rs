@@ -11,6 +11,8 @@ type Attributes<'x> = HashMap<&'x str, &'x str>;
 struct Class<'x> {
     joint: Attributes<'x>,
     geom: Attributes<'x>,
+    /// All kinds of actuators have one.
+    actuator: Attributes<'x>,
     /// `size` of a geom: a class may change the first of its numbers alone.
     size: [Option<&'x str>; 3],
 }
@@ -21,6 +23,19 @@ pub(super) struct Classes<'x>(HashMap<&'x str, Class<'x>>);
 
 /// The class of elements that name none.
 const MAIN: &str = "main";
+/// Kinds of actuators.
+const ACTUATORS: [&str; 10] = [
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "dcmotor",
+];
 /// Orientations: one of them overrules all that stand further out.
 const TURNS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
@@ -37,6 +52,7 @@ impl<'x> Classes<'x> {
                     let attributes = match child.tag_name().name() {
                         "joint" => &mut class.joint,
                         "geom" => &mut class.geom,
+                        name if ACTUATORS.contains(&name) => &mut class.actuator,
                         _ => continue,
                     };
                     if child.has_tag_name("geom") {
@@ -54,13 +70,17 @@ impl<'x> Classes<'x> {
         classes
     }
 
-    /// An attribute of a joint or geom: its own, else that of its class, else that of the class around it.
+    /// An attribute of a joint, geom or actuator: its own, else that of its class, else that of the class around it.
     pub fn attribute(&self, node: Node<'x, 'x>, around: Option<&str>, name: &str) -> Option<&'x str> {
         if let Some(own) = node.attribute(name) {
             return Some(own);
         }
         let class = self.of(node, around)?;
-        let attributes = if node.tag_name().name() == "geom" { &class.geom } else { &class.joint };
+        let attributes = match node.tag_name().name() {
+            "geom" => &class.geom,
+            name if ACTUATORS.contains(&name) => &class.actuator,
+            _ => &class.joint,
+        };
         attributes.get(name).copied()
     }
 

@@ -48,7 +48,15 @@ impl<'x> Reading<'_, 'x> {
             Ok(found.unwrap_or(default).into())
         };
         let number = |name: &'static str| -> Result<f64, RobotError> {
-            Ok(of(name).map(|text| element.parsed(name, text)).transpose()?.map_or(0.0, |[v]: [f64; 1]| v))
+            let Some(text) = of(name) else { return Ok(0.0) };
+            let [value] = element.parsed(name, text).map_err(|error| match name {
+                "damping" | "stiffness" if text.split_whitespace().count() > 1 => element.error(format!(
+                    "`{name}` is a polynomial, `{text}`, and its first number alone is read: remove the others, and \
+                     calibrate what they are"
+                )),
+                _ => error,
+            })?;
+            Ok(value)
         };
         let kind = if node.has_tag_name("freejoint") { "free" } else { of("type").unwrap_or("hinge") };
         let axis = frame.rotation * vector("axis", [0.0, 0.0, 1.0])?;

@@ -1,5 +1,6 @@
 //! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
 
+mod acting;
 mod classes;
 mod equality;
 mod joint;
@@ -67,6 +68,7 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
         weighed: Vec::new(),
         unweighed: Vec::new(),
         springs: Vec::new(),
+        damped: Vec::new(),
         lifted: Vec::new(),
         references: HashMap::new(),
     };
@@ -74,6 +76,16 @@ pub(crate) fn read(root: Node<'_, '_>, path: &Path) -> Result<Tree, RobotErrors>
     reader.refuse_shapes();
     if let Err(error) = equality::read(root, &source, &reader.references, &mut reader.tree) {
         reader.errors.push(error);
+    }
+    let driven = acting::drive(root, (&source, &classes), &mut reader.tree.joints);
+    reader.errors.extend(driven.err());
+    for joint in &mut reader.tree.joints {
+        if acting::is_disabled(root, "damper") {
+            (joint.friction.viscous_nm_s_rad, joint.driven[1]) = (0.0, 0.0);
+        }
+        if acting::is_disabled(root, "frictionloss") {
+            joint.friction.coulomb_nm = 0.0;
+        }
     }
     reader.note(root);
     let Reader { tree, errors, .. } = reader;
@@ -108,6 +120,8 @@ struct Reader<'a, 'x> {
     /// Links that would, and what is wrong with a shape.
     unweighed: Vec<(usize, RobotError)>,
     springs: Vec<String>,
+    /// Joints with `springdamper`.
+    damped: Vec<String>,
     /// Bodies that MuJoCo holds against gravity.
     lifted: Vec<String>,
     /// The coordinates at which joints are where the file has them, of those that say so.
@@ -207,6 +221,10 @@ impl<'a, 'x> Reader<'a, 'x> {
             if reference != 0.0 {
                 self.references.insert(joint_name.clone(), reference);
             }
+            let damper = self.classes.attribute(own.node, own.class, "springdamper");
+            if damper.is_some_and(|d| d.split_whitespace().all(|n| n.parse().is_ok_and(|n: f64| n > 0.0))) {
+                self.damped.push(joint_name.clone());
+            }
             if spring.stiffness != 0.0 {
                 self.springs.push(joint_name.clone());
             }
@@ -296,6 +314,7 @@ impl<'a, 'x> Reader<'a, 'x> {
             friction,
             armature,
             spring,
+            driven: [0.0; 2],
         });
         child
     }
@@ -347,7 +366,12 @@ impl<'a, 'x> Reader<'a, 'x> {
         if root.children().any(|c| c.has_tag_name("tendon") && c.children().any(|n| n.is_element())) {
             self.tree.notes.push("springs, damping and limits of <tendon> are not read".into());
         }
-        if !self.springs.is_empty() {
+        if !self.damped.is_empty() {
+            let what = "`springdamper` is not read; write out its stiffness and damping; it is in";
+            self.tree.notes.push(of(what, &self.damped));
+        }
+        self.tree.notes.extend(acting::notes(root));
+        if !self.springs.is_empty() && !acting::is_disabled(root, "spring") {
             self.tree
                 .notes
                 .push(of("springs are not read; an arm term `spring` is one; they are in", &self.springs));

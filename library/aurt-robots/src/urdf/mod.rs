@@ -219,6 +219,7 @@ impl<'a> Reader<'a> {
             limits,
             friction,
             armature: 0.0,
+            driven: [0.0; 2],
             spring: Spring::NONE,
         })
     }
