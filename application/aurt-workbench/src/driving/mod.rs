@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use crate::{experiments::source, failure::Failure};
 
 mod diagnosing;
+mod doubts;
 mod exporting;
 mod rival;
 
@@ -221,7 +222,14 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     recording
         .check(joints.count, 0)
         .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
-    let notes = loaded.recording.report.notes();
+    if let Some(reason) = doubts::unsigned(&recording, arm) {
+        let remedy = "log currents with their sign, or use the model of the command that the drive follows";
+        return Err(Failure::unfit(&loaded.source.file, reason, remedy));
+    }
+    let mut notes = loaded.recording.report.notes();
+    if follows_positions(arm) {
+        notes.extend(doubts::doubts(&recording));
+    }
     Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording, notes })
 }
 
