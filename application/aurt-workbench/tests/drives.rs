@@ -8,7 +8,9 @@ use aurt_drives::DriveRecording;
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_recording::{AngleUnit, RecordedAs};
-use aurt_workbench::driving::{CalibratedDrive, DRIVE_FILE, fit_drives};
+use aurt_workbench::driving::{
+    CalibratedDrive, DRIVE_FILE, IMPROVED_DRIVE_FILE, diagnose_drives, fit_drives,
+};
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -124,6 +126,83 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     assert!(CalibratedDrive::read(&file).is_err());
     fs::write(&file, "{ \"kind\": \"rd_calibrated\" }").unwrap();
     assert!(CalibratedDrive::read(&file).unwrap().is_none());
+}
+
+/// A servo whose robot has dry friction and a delay that the experiment lacks: both are named, and the improved model goes to
+/// MuJoCo.
+#[test]
+fn what_a_servo_lacks_is_named_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
+    let lacking = EXPERIMENT
+        .replace("\"delay_s\", \"coulomb_nm\"", "\"rotor_inertia_kg_m2\"")
+        .replace("delay_s = 0.02\ncoulomb_nm = 0.1", "delay_s = 0.0")
+        .replace("validation = [{ file = \"a.csv\"", "validation = [{ file = \"b.csv\"");
+    let command = |phase: f64| -> Vec<f64> {
+        let wave =
+            |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin() + if t > 12.0 { 0.2 } else { 0.0 };
+        (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect()
+    };
+    let write = |name: &str, q: &[f64], command: &[f64]| {
+        let rows = q.iter().zip(command).enumerate();
+        let rows: String = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02)).collect();
+        fs::write(folder.join(name), "time,q_0,q_cmd_0\n".to_owned() + &rows).unwrap();
+    };
+    for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
+        write(name, &command(phase), &command(phase));
+    }
+    let experiment = read(folder, &lacking);
+    let file = folder.join(DRIVE_FILE);
+    let fitted = fit_drives(&experiment, &Progress::silent()).unwrap();
+    fs::write(&file, &fitted.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1).unwrap();
+    let mut arm = CalibratedDrive::read(&file).unwrap().unwrap().arm;
+    let start = experiment.drive.as_ref().unwrap().joints[0].clone();
+    arm.joints[0] = start;
+    arm.joints[0].mechanics.coulomb_nm = 0.2;
+    let mut numbers: Vec<f64> = arm.joints[0].drive.parameters().iter().map(|p| p.value).collect();
+    numbers[2] = 0.04;
+    arm.joints[0].drive.set_parameters(&numbers);
+    for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
+        let command = command(phase);
+        let still = DriveRecording {
+            time_s: (0..1200).map(|k| f64::from(k) * 0.02).collect(),
+            position_rad: vec![vec![command[0]; 1200]],
+            command: vec![command.clone()],
+            ..DriveRecording::default()
+        };
+        let tick = std::f64::consts::TAU / 4096.0;
+        let q: Vec<f64> = arm.rollout(&still).unwrap()[0].iter().map(|q| (q / tick).round() * tick).collect();
+        write(name, &q, &command);
+    }
+    let (outcome, found) = diagnose_drives(&experiment, &[], &Progress::silent()).unwrap();
+    assert!(found, "{}", outcome.text);
+    let missing: Vec<(&str, f64)> = outcome.json["structures"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|s| s["answer"] == "missing")
+        .map(|s| (s["id"].as_str().unwrap(), s["numbers"][0]["value"].as_f64().unwrap()))
+        .collect();
+    for (id, truth) in [("coulomb", 0.2), ("time_delay", 0.04)] {
+        let size = missing.iter().find(|m| m.0 == id).unwrap_or_else(|| panic!("{id}: {}", outcome.text)).1;
+        assert!((size / truth - 1.0).abs() < 0.1, "{id}: {size}");
+    }
+    assert_eq!(missing.len(), 2, "{}", outcome.text);
+    assert_eq!(outcome.json["verdict"], "named", "{}", outcome.text);
+    let improved = &outcome.files.iter().find(|(name, _)| name == IMPROVED_DRIVE_FILE).unwrap().1;
+    fs::write(&file, improved).unwrap();
+    let mut model = CalibratedDrive::read(&file).unwrap().unwrap();
+    let exported = model.to_mjcf("servo").unwrap_err().to_string();
+    assert!(exported.contains("mass"), "a robot without masses is no MuJoCo model: {exported}");
+    model.arm.standard_parameters = vec![1e-3, 0.0, 0.0, 1e-3, 0.0, 1e-3, 0.0, 0.0, 0.0, 0.1];
+    model.arm.joints[0].mechanics.coulomb_per_load = 0.1;
+    let exported = model.to_mjcf("servo").unwrap();
+    let text = |k: usize| String::from_utf8(exported.files[k].1.clone()).unwrap();
+    for part in ["delay=\"0.0", "frictionloss=\"0.", "armature=\"0.0", "gainprm=\"10.0\"", "of the load"] {
+        assert!(text(0).contains(part), "{part}: {}", text(0));
+    }
+    assert!(text(1).contains("\"per_load\":0.1") && exported.lost.len() == 1, "{}", text(1));
 }
 
 /// The published friction and offset are within two standard deviations, the mass within one percent: the model's misfit

@@ -165,26 +165,6 @@ fn a_concealed_delay_is_named_with_its_size_and_what_is_complete_lacks_nothing()
 fn many_arms() {
     let seeds = std::env::var("SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(5);
     println!("{:26} {:>5} {:>11} {:>5}", "concealed", "right", "alternative", "false");
-    if let Ok(e) = std::env::var("SHOW") {
-        let e: usize = e.parse().unwrap();
-        for seed in 0..seeds {
-            let (d, sizes) = diagnosed(Some(e), 100 + seed);
-            println!("{sizes:?} {:?} -> {:?}", d.missed.rms_rad, d.missed_improved.rms_rad);
-            for f in &d.findings {
-                println!(
-                    "{} {:?} {:?} {:?}",
-                    f.structure.id,
-                    f.answer,
-                    f.comparison,
-                    f.numbers
-                        .iter()
-                        .map(|n| (n.name.clone(), n.value, n.deviation, n.at_bound))
-                        .collect::<Vec<_>>()
-                );
-            }
-        }
-        return;
-    }
     for effect in std::iter::once(None).chain((0..CONCEALED.len()).map(Some)) {
         let name = effect.map_or("nothing", |e| CONCEALED[e].0);
         let (mut right, mut alternative, mut wrong) = (0, 0, Vec::new());

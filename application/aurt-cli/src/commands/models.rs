@@ -13,7 +13,7 @@ use crate::rendering::terminal::{Emphasis, Report};
 /// Joints of the robot for which arm terms tell their parameters.
 pub const EXAMPLE_JOINTS: usize = 6;
 
-/// List the friction models and arm terms that experiments can use.
+/// List the friction models, arm terms and drives that experiments can use.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt models\n  aurt explain maxwell_slip")]
 pub struct Models {}
@@ -35,10 +35,32 @@ impl Models {
             let title = session.terminal.emphasise(Emphasis::Title, &title(slot));
             text.push_str(&format!("{title}\n{}\n", table.render()));
         }
+        let mut table = Table::new(["model", "command", "numbers"]).left(3);
+        let mut drives = Vec::new();
+        for drive in aurt_drives::models::all() {
+            let command = format!("{:?}", drive.command()).to_lowercase();
+            let numbers = drive.parameters();
+            let names: Vec<&str> = numbers.iter().map(|n| n.parameter.name.as_str()).collect();
+            table.row([drive.name().to_owned(), command.clone(), names.join(" ")]);
+            let numbers = numbers.iter().map(|n| {
+                json!({ "name": n.parameter.name, "unit": n.parameter.unit, "value": n.value, "bounds": n.bounds })
+            });
+            drives.push(
+                json!({ "name": drive.name(), "command": command, "numbers": numbers.collect::<Vec<_>>() }),
+            );
+        }
+        let title = session
+            .terminal
+            .emphasise(Emphasis::Title, "drives, from commands to torques: [drive] model = …");
+        text.push_str(&format!("{title}\n{}\n", table.render()));
         text.push_str("`aurt explain MODEL` prints equation, parameters, source and an example.\n");
         let models: Vec<Value> =
             registry.models().map(|model| describe(registry, model)).collect::<Result<_, _>>()?;
-        Ok(Report { text, json: json!({ "command": "models", "models": models }), findings: false })
+        Ok(Report {
+            text,
+            json: json!({ "command": "models", "models": models, "drives": drives }),
+            findings: false,
+        })
     }
 }
 

@@ -19,6 +19,7 @@ use crate::{experiments::source, failure::Failure};
 
 mod diagnosing;
 mod doubts;
+mod explained;
 mod exporting;
 mod rival;
 
@@ -140,10 +141,10 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let saved =
         serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
-    outcome.doubts = doubts::of_rollouts(&judged, options_of(experiment).deviation_rad);
+    outcome.doubts = explained::of_rollouts(&judged, options_of(experiment).deviation_rad);
     if follows_positions(&arm) {
         let named: Vec<_> = recordings.iter().map(|r| (r.label.as_str(), &r.recording)).collect();
-        outcome.doubts.extend(doubts::of_commands(&named));
+        outcome.doubts.extend(explained::of_commands(&named));
     }
     outcome.text = text(&fit, &judged, &notes);
     outcome.doubts.iter().for_each(|doubt| outcome.text.push_str(&format!("warning: {doubt}\n")));
@@ -236,7 +237,14 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     recording
         .check(joints.count, 0)
         .map_err(|e| Failure::unfit(&loaded.source.file, e.to_string(), REMEDY))?;
-    let notes = loaded.recording.report.notes();
+    if let Some(reason) = doubts::unsigned(&recording, arm) {
+        let remedy = "log currents with their sign, or use the model of the command that the drive follows";
+        return Err(Failure::unfit(&loaded.source.file, reason, remedy));
+    }
+    let mut notes = loaded.recording.report.notes();
+    if follows_positions(arm) {
+        notes.extend(doubts::doubts(&recording));
+    }
     Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording, notes })
 }
 
