@@ -69,11 +69,20 @@ fn of_measurements(
     let joints = measurement.len();
     let constant: Vec<usize> =
         (0..joints).filter(|j| span(&measurement[*j]) == 0.0 && recording.samples() > 10).collect();
-    for joint in constant.iter().filter(|j| spans[**j] > REST_RAD) {
+    let silent = |j: &&usize| spans[**j] > REST_RAD && measurement[**j].first() == Some(&0.0);
+    let all: Vec<String> = constant.iter().filter(silent).map(ToString::to_string).collect();
+    if joints > 1 && all.len() == joints {
+        said.push(format!(
+            "{name}: the measurements of all joints are constantly 0, though they move: they were not logged, or `columns` or \
+             `topic` select others; nothing can be calibrated on them"
+        ));
+    }
+    for joint in constant.iter().filter(|j| spans[**j] > REST_RAD && all.len() < joints.max(2)) {
         said.push(format!(
             "{name}: the measurement of joint {joint} is constantly {}, though the joint moves: it was not logged, or \
              `columns` select another column; nothing can be said of its friction",
-            measurement[*joint].first().copied().unwrap_or_default()
+            // Not −0.
+            measurement[*joint].first().copied().unwrap_or_default() + 0.0
         ));
     }
     for joint in 0..joints {

@@ -111,7 +111,10 @@ impl Shown<'_> {
         let _ = writeln!(text, "          before    after    noise    before    after  follows");
         for residual in &verdict.residual {
             let j = residual.joint;
-            let held = |list: &[f64]| list.get(j).map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
+            let held = |list: &[f64]| {
+                // A joint without rows has no error.
+                list.get(j).filter(|v| **v > 0.0).map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"))
+            };
             let line = format!(
                 "  {j:>5} {:>9.4}{:>9.4}{:>9.4}{:>10}{:>9}  {}",
                 residual.baseline_rms,
