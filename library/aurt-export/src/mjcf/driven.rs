@@ -133,7 +133,7 @@ pub fn driven(
     let said: String = lost.iter().map(|l| format!("  {}\n", l.replace("--", "- -"))).collect();
     let [x, y, z] = chain.gravity_m_s2();
     let mut text = format!(
-        "<!--\n  {name}, written by `aurt export mjcf`. The delay of actuators needs MuJoCo 3.5 or later.\n  MuJoCo cannot express:\n{said}-->\n\
+        "<!--\n  {name}, written by `aurt export mjcf`. Tried with MuJoCo 4.0; older versions have no delay of actuators.\n  MuJoCo cannot express:\n{said}-->\n\
          <mujoco model=\"{name}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
          <option gravity=\"{x:?} {y:?} {z:?}\" timestep=\"0.001\" integrator=\"implicitfast\"/>\n  <default>\n    \
          <joint {HOLDS}/>\n  </default>\n  <worldbody>\n{plane}{bodies}  </worldbody>\n  <actuator>\n"
