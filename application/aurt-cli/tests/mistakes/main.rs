@@ -156,10 +156,11 @@ fn rows_that_are_held_accuse_no_clock() {
             }
         }
     });
-    let check = answer(&world, false).check.text;
+    let Answer { check, run, .. } = answer(&world, false);
     for said in ["held", "no common mistake explains more"] {
-        assert!(check.contains(said), "{check}");
+        assert!(check.text.contains(said), "{}", check.text);
     }
+    assert!(run.text.contains("held rows"), "{}", run.text);
 }
 
 #[test]

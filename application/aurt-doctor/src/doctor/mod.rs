@@ -31,7 +31,7 @@ use aurt_report::rendering::{
 use serde_json::{Value, json};
 
 pub use self::{
-    columns::oddities,
+    columns::{oddities, spoilt},
     correction::corrected,
     explained::{Poor, loudly, poorly_explained},
     mistake::{Columns, Mistake, Reading, Table},

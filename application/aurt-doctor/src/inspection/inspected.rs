@@ -73,9 +73,6 @@ impl Inspected {
             findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
         }
         findings.extend(report.irregularities.iter().cloned());
-        if self.loaded.recording.measurement.is_none() {
-            findings.push("it has no motor currents or joint torques that were recognised".into());
-        }
         let gaps = self.prepared.report.clock.gaps_s.len();
         if gaps > 0 {
             findings.push(format!("{gaps} gaps split the recording"));

@@ -30,6 +30,8 @@ pub(super) struct Selected {
     pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
     pub(super) remarks: Vec<String>,
+    /// What may be a measurement, and was not read.
+    pub(super) unread: Option<String>,
 }
 
 impl Selected {
@@ -99,8 +101,9 @@ impl Search<'_> {
                 self.in_unit_of_positions(&position, velocity, &mut remarks)
             }
         };
+        let mut unread = None;
         let (measurement, unit) = if recorded.takes(Quantity::Measurement) {
-            self.measurement(&families, joints, &mut remarks)?
+            self.measurement(&families, joints, &mut remarks, &mut unread)?
         } else if self.options.needs_measurement {
             return Err(self.left_out("the measurement", "measurement"));
         } else {
@@ -124,6 +127,7 @@ impl Search<'_> {
             branch_factor: [1.0, 1.0],
             joints: self.options.joints_read(&[]),
             remarks,
+            unread,
         };
         let counts = [
             ("joint positions", Some(&selected.position).filter(|p| !p.is_empty())),

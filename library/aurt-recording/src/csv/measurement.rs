@@ -14,6 +14,7 @@ impl Search<'_> {
         families: &Families,
         joints: usize,
         remarks: &mut Vec<String>,
+        unread: &mut Option<String>,
     ) -> Result<(Option<Vec<usize>>, MeasurementUnit), RecordingError> {
         let stated = self.options.unit;
         if let Some(selection) = &self.options.columns.measurement {
@@ -77,7 +78,7 @@ impl Search<'_> {
             }
             (None, _, []) => {
                 if let Some((columns, selection)) = self.selection_of_measurement() {
-                    remarks.push(format!(
+                    *unread = Some(format!(
                         "nothing measured was recognised; if {} are motor currents or joint torques, say so: in an experiment with \
                          {selection}, on the command line with --unit and --columns",
                         self.header.span(&columns)

@@ -155,7 +155,7 @@ pub(super) fn report(
         dropped: collected.dropped,
         dropped_rows: collected.dropped_rows,
         remarks: selected.remarks.clone(),
-        irregularities: collected.irregularities,
+        irregularities: selected.unread.iter().cloned().chain(collected.irregularities).collect(),
         origin_s: collected.origin_s,
         set_back_s: collected.set_back_s,
         branches: collected.branches,
