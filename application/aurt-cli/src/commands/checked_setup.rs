@@ -92,8 +92,7 @@ pub fn doubts(
     let mut oddities: Vec<String> = Vec::new();
     for recording in recordings.iter().map(|r| &r.loaded) {
         let name = recording.source.file.file_name().unwrap_or_default().to_string_lossy();
-        let mut said = doctor::oddities(&name, &recording.recording);
-        said.extend(doctor::spoilt(&name, &recording.recording));
+        let said = doctor::oddities(&name, &recording.recording);
         oddities.extend(said.into_iter().filter(|s| !oddities.contains(s)).collect::<Vec<_>>());
     }
     let subject = Subject::of_experiment(experiment, recordings)?;

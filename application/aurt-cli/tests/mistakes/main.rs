@@ -156,11 +156,10 @@ fn rows_that_are_held_accuse_no_clock() {
             }
         }
     });
-    let Answer { check, run, .. } = answer(&world, false);
+    let check = answer(&world, false).check.text;
     for said in ["held", "no common mistake explains more"] {
-        assert!(check.text.contains(said), "{}", check.text);
+        assert!(check.contains(said), "{check}");
     }
-    assert!(run.text.contains("held rows"), "{}", run.text);
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use aurt_diagnosis::RecordingFaults;
 use aurt_recording::Recording;
 use aurt_traits::MeasurementUnit;
 
@@ -16,13 +15,6 @@ const LARGE_CURRENT_A: f64 = 150.0;
 const LARGE_TORQUE_NM: f64 = 1e4;
 /// Two series of which this much is alike are one.
 const ALIKE: f64 = 1e-9;
-
-/// Rows that are missing, held, repeated or corrupt, and clipped measurements, where they are so many that a model fitted to
-/// them is wrong.
-pub fn spoilt(name: &str, recording: &Recording) -> Vec<String> {
-    let faults = RecordingFaults::find(name, recording).faults.into_iter().filter(|fault| fault.suffices);
-    faults.map(|fault| format!("{}; the fit takes them as they are", fault.sentence)).collect()
-}
 
 /// What should be heeded of a recording's columns.
 pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {

@@ -31,7 +31,7 @@ use aurt_report::rendering::{
 use serde_json::{Value, json};
 
 pub use self::{
-    columns::{oddities, spoilt},
+    columns::oddities,
     correction::corrected,
     explained::{Poor, loudly, poorly_explained},
     mistake::{Columns, Mistake, Reading, Table},
