@@ -30,6 +30,7 @@ def load(file):
     model = mujoco.MjModel.from_xml_path(str(file))
     model.opt.gravity = GRAVITY_M_S2
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     model.opt.density = model.opt.viscosity = 0.0
     model.jnt_stiffness[:] = 0.0
     model.body_gravcomp[:] = 0.0
