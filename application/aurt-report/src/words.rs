@@ -128,7 +128,7 @@ fn changed(verdict: &Verdict, asked: Asked) -> String {
         (Answer::Named, Some(changes)) => format!("changed since calibration: {changes}"),
         (Answer::PartlyExplained, changes) => {
             let changes = changes.unwrap_or_else(|| "something".to_owned());
-            format!("changed since calibration: {changes}, and {} that no known effect explains", besides(verdict))
+            format!("changed since calibration: {changes}, and something that no known effect explains")
         }
         (Answer::Named, None) => match faults {
             Some(fault) => format!("a fault of the recordings explains the difference: {fault}"),
@@ -152,19 +152,13 @@ fn missing(verdict: &Verdict, asked: Asked) -> String {
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::PartlyExplained, found) => {
             let found = found.unwrap_or_else(|| "something".to_owned());
-            format!("the model lacks {found}, and {} that no known effect explains", besides(verdict))
+            format!("the model lacks {found}, and something that no known effect explains")
         }
         (Answer::Unexplained, Some(found)) => {
             format!("the model lacks something that no known effect explains; part of it resembles {found}")
         }
         (Answer::Unexplained, None) => "the model lacks something that no known effect explains".to_owned(),
     }
-}
-
-/// What there is beside the claims, in words.
-fn besides(verdict: &Verdict) -> &'static str {
-    let nearly_all = verdict.explained.as_ref().is_some_and(|share| share.value >= 0.995);
-    if nearly_all { "little more" } else { "something" }
 }
 
 fn has_physics(verdict: &Verdict) -> bool {

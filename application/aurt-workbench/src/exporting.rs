@@ -34,6 +34,8 @@ pub enum Target {
     Sdf,
     /// A functional mock-up unit.
     Fmu(Kind),
+    /// Actuators of Isaac Lab, of drives alone.
+    Isaac,
 }
 
 /// A calibrated model with the file that it is in, which exports name.
@@ -145,6 +147,7 @@ impl Target {
             Self::Urdf => "urdf",
             Self::Sdf => "sdf",
             Self::Fmu(..) => "fmu",
+            Self::Isaac => "isaac",
         }
     }
 }
@@ -172,6 +175,11 @@ pub fn export(model: &ModelFile, name: &str, target: Target) -> Result<Exported,
             Target::Urdf => urdf::export(source)?.into(),
             Target::Sdf => sdf::export(source)?.into(),
             Target::Fmu(kind) => fmu::export(source, kind)?.into(),
+            Target::Isaac => {
+                let reason = "is a model of torques, and Isaac Lab's actuators are of drives".into();
+                let remedy = "name drive_calibrated.json of an experiment with [drive]".into();
+                return Err(Failure::Argument { option: "MODEL", reason, remedy });
+            }
         })
     })
 }

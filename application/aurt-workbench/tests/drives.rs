@@ -98,7 +98,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let (predicted, _) = model.rollout_file(source.clone()).unwrap();
     let written = &outcome.files.iter().find(|(name, _)| name == "rollout_a.csv").unwrap().1;
     assert_eq!(&predicted, written);
-    assert_eq!(outcome.doubts, [""; 0]);
+    assert!(!outcome.findings, "{}", outcome.text);
 
     // In degrees positions and commands are those of a motion that is smaller by that factor.
     let numbers = |file: &[u8]| -> Vec<f64> {
@@ -175,8 +175,8 @@ fn what_a_servo_lacks_is_named_and_exported() {
         let q: Vec<f64> = arm.rollout(&still).unwrap()[0].iter().map(|q| (q / tick).round() * tick).collect();
         write(name, &q, &command);
     }
-    let (outcome, found) = diagnose_drives(&experiment, &[], &Progress::silent()).unwrap();
-    assert!(found, "{}", outcome.text);
+    let outcome = diagnose_drives(&experiment, &[], &Progress::silent()).unwrap();
+    assert!(outcome.findings, "{}", outcome.text);
     let missing: Vec<(&str, f64)> = outcome.json["structures"]
         .as_array()
         .unwrap()
@@ -190,6 +190,12 @@ fn what_a_servo_lacks_is_named_and_exported() {
     }
     assert_eq!(missing.len(), 2, "{}", outcome.text);
     assert_eq!(outcome.json["verdict"], "named", "{}", outcome.text);
+    // A window keeps the commands before it, of which nothing is simulated.
+    let part = lacking.replace("file = \"b.csv\"", "file = \"b.csv\", window_s = [3.0, 24.0]");
+    let of_part =
+        diagnose_drives(&read(folder, &part), &["dead_band".to_owned()], &Progress::silent()).unwrap();
+    assert_eq!(of_part.json["remainder"].as_array().unwrap().len(), 1, "{}", of_part.text);
+    assert!(of_part.findings, "{}", of_part.text);
     let improved = &outcome.files.iter().find(|(name, _)| name == IMPROVED_DRIVE_FILE).unwrap().1;
     fs::write(&file, improved).unwrap();
     let mut model = CalibratedDrive::read(&file).unwrap().unwrap();
@@ -203,6 +209,22 @@ fn what_a_servo_lacks_is_named_and_exported() {
         assert!(text(0).contains(part), "{part}: {}", text(0));
     }
     assert!(text(1).contains("\"per_load\":0.1") && exported.lost.len() == 1, "{}", text(1));
+
+    // What Isaac Lab cannot express is said with the error that it costs.
+    let mechanics = &mut model.arm.joints[0].mechanics;
+    (mechanics.static_nm, mechanics.coulomb_nm) = (0.05, 0.2);
+    let exported = model.to_isaac("servo", Some(&experiment)).unwrap();
+    let python = String::from_utf8(exported.files[0].1.clone()).unwrap();
+    for part in
+        ["\"friction\": 0.25", "\"dynamic_friction\": 0.2", "\"stiffness\": 10.0", "DelayedPDActuatorCfg("]
+    {
+        assert!(python.contains(part), "{part}: {python}");
+    }
+    let [load, speed, all] = &exported.lost[..] else { panic!("{:?}", exported.lost) };
+    assert!(load.starts_with("coulomb_per_load_0 0.1000; held-out positions"), "{load}");
+    assert!(speed.starts_with("stribeck_velocity_rad_s_0 0.0500"), "{speed}");
+    assert!(all.contains("before") && all.contains("after"), "{all}");
+    assert_eq!(model.to_isaac("servo", None).unwrap().lost.len(), 2);
 }
 
 /// The published friction and offset are within two standard deviations, the mass within one percent: the model's misfit
@@ -261,4 +283,42 @@ fn a_held_quadruped_is_one_tree() {
     let leg = text.replace("base = \"base\"", "base = \"base\"\ntip = \"FR_calf\"");
     let leg = of(&leg.replace("[1, 12]", "[4, 6]").replace("[13, 24]", "[16, 18]"));
     assert!(leg.iter().zip(&tree[3..6]).all(|(a, b)| (a - b).abs() < 1e-9), "{leg:?} {tree:?}");
+}
+
+/// Currents and positions alone leave the scale of all torques open, and it is said; with the torque constant given, the
+/// rest is determined, and larger by the same factor.
+#[test]
+fn currents_of_a_bench_leave_the_torque_constant_open() {
+    let data = std::env::var_os("AURT_DATA").map(std::path::PathBuf::from);
+    if data.is_none_or(|data| !data.join("dyno").is_dir()) {
+        println!("skipped: AURT_DATA names no folder with recordings of a dynamometer");
+        return;
+    }
+    const CONSTANT: &str = "torque_constant_nm_per_a";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/7-dyno/current.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let fitted = |text: &str| {
+        let experiment = Experiment::parse(text, &path, &mut Registry::linked().unwrap()).unwrap();
+        fit_drives(&experiment, &Progress::silent()).unwrap().json
+    };
+    let of = |json: &serde_json::Value, name: &str| {
+        let numbers = json["numbers"].as_array().unwrap();
+        let number = numbers.iter().find(|n| n["name"] == format!("{name}_0")).unwrap();
+        [&number["value"], &number["deviation"]].map(|v| v.as_f64().unwrap())
+    };
+    let free = fitted(&text);
+    let open = free["undetermined"][0].as_str().unwrap();
+    let [constant, deviation] = of(&free, CONSTANT);
+    assert!(open.contains(CONSTANT) && deviation > 0.5 * constant, "{open}: {constant} ± {deviation}");
+    let given = text.replacen(&format!("\"{CONSTANT}\", "), "", 1);
+    let given =
+        fitted(&given.replacen(&format!("{CONSTANT} = 0.1\n"), &format!("{CONSTANT} = 0.10952\n"), 1));
+    assert_eq!(given["undetermined"].as_array().unwrap().len(), 0, "{given}");
+    for name in ["rotor_inertia_kg_m2", "viscous_nm_s_per_rad", "coulomb_nm"] {
+        assert!(open.contains(name), "{name} is as open as the torque constant: {open}");
+        let [value, deviation] = of(&given, name);
+        assert!(deviation < 0.05 * value, "{name}: {value} ± {deviation}");
+        let scale = value / of(&free, name)[0] * constant / 0.10952;
+        assert!((scale - 1.0).abs() < 0.02, "{name}: {scale}");
+    }
 }

@@ -64,7 +64,7 @@ pub enum DiagnosisError {
         /// The value of joint 0.
         first: f64,
     },
-    /// Every joint's measurement contains a motion that no model of the chain has.
+    /// Every joint's measurement contains a motion that no model of the chain has, or the base stands elsewhere than in the first.
     #[error("{recording}: {branch}")]
     Branch {
         /// The recording.

@@ -49,7 +49,7 @@ pub use contact::{
 };
 pub use error::DiagnosisError;
 pub use evidence::{Baseline, Problem};
-pub use faults::{Fault, RecordingFaults};
+pub use faults::{Fault, RecordingFaults, without_unusable_rows};
 pub use hypotheses::{Candidate, Group, RegisteredModel, Switch};
 pub use improvement::{Improvement, improved_experiment, improvement};
 pub use injection::{Prepared, SeenFault};

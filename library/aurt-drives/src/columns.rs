@@ -25,8 +25,9 @@ pub(crate) struct Column {
     pub bounds: [f64; 2],
 }
 
-/// A name without its joint.
-pub(crate) fn stem(name: &str) -> &str {
+/// A name of [`DrivenArm::names`] without its joint.
+#[must_use]
+pub fn stem(name: &str) -> &str {
     name.rsplit_once('_').filter(|(_, end)| end.parse::<usize>().is_ok()).map_or(name, |s| s.0)
 }
 

@@ -9,6 +9,7 @@
 //! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its derivatives, of the
 //! branch of dry friction that is taken, with the speed in the Stribeck factor and in the floor's friction held.
 
+mod absorbed;
 mod arm;
 mod bodies;
 mod columns;
@@ -21,8 +22,9 @@ mod output_error;
 mod plant;
 mod rollout;
 
+pub use absorbed::{Absorbed, absorbed};
 pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
-pub use columns::Selection;
+pub use columns::{Selection, stem};
 pub use determined::Undetermined;
 pub use error::DriveError;
 pub use output_error::{EstimatedNumber, Options, OutputErrorFit, output_error, output_error_from};

@@ -192,12 +192,12 @@ pub fn output_error_from(
     })
 }
 
-struct Problem<'a> {
-    arm: &'a DrivenArm,
-    columns: &'a [Column],
-    recordings: &'a [DriveRecording],
-    options: &'a Options,
-    passes: AtomicU64,
+pub(crate) struct Problem<'a> {
+    pub arm: &'a DrivenArm,
+    pub columns: &'a [Column],
+    pub recordings: &'a [DriveRecording],
+    pub options: &'a Options,
+    pub passes: AtomicU64,
 }
 
 /// The problem about one θ, in units of the columns' deviations.
@@ -236,7 +236,7 @@ impl Problem<'_> {
     }
 
     /// Errors q_sim − q in units of σ over a recording, sample by sample and joint by joint; slopes along the columns of `lanes`.
-    fn errors(
+    pub(crate) fn errors(
         &self,
         theta: &[f64],
         recording: usize,

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`c::export`] | a C99 header and source: inverse dynamics, friction with its state, gravity, mass matrix; a program that checks them |
 //! | [`fmu::export`] | a functional mock-up unit: FMI 2.0 co-simulation of inverse or forward dynamics |
+//! | [`isaac::export`] | actuators of drives for Isaac Lab, a Python file |
 //! | [`mjcf::export`] | a MuJoCo model: geometry, inertias, armature, damping, friction loss |
 //! | [`into::correct`] | the user's own MuJoCo or URDF file with its dynamics corrected, all else as it is |
 //! | [`sdf::export`] | an SDF file for Gazebo: geometry, inertias, damping, friction, springs |
@@ -17,6 +18,7 @@ pub mod c;
 mod error;
 pub mod fmu;
 pub mod into;
+pub mod isaac;
 pub mod mjcf;
 mod naming;
 mod program;

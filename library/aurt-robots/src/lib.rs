@@ -28,6 +28,7 @@ pub use description::{DescribedRobot, JointFriction, JointLimits};
 pub use error::{RobotError, RobotErrors};
 pub use known::{KNOWN_ROBOTS, KnownRobot, known_robot, probably_meant};
 pub use mdh::AsMdh;
+pub use mjcf::{PositionActuator, position_actuators};
 pub use part::Part;
 pub use places::{Format, PlacedBody, PlacedJoint, PlacedLink, placed_links};
 

@@ -283,3 +283,37 @@ fn masses_of_shapes_are_those_of_mujoco() {
         assert_eq!(notes.contains("finger, tip"), choice == "true", "{notes}");
     }
 }
+
+#[test]
+fn actuators_of_positions_are_read_with_the_defaults_of_their_class_and_others_are_refused() {
+    let file = |actuators: &str| {
+        format!(
+            "<mujoco><default><default class=\"servo\"><position kp=\"17.8\" kv=\"0.2\" forcerange=\"-3.35 3.35\"/></default></default>\
+             <actuator>{actuators}</actuator></mujoco>"
+        )
+    };
+    let read = |actuators: &str| aurt_robots::position_actuators(&file(actuators), "servo.xml");
+    let found = read(
+        "<position class=\"servo\" joint=\"a\" forcerange=\"-2 2\"/>\
+         <general joint=\"b\" gainprm=\"10\" biastype=\"affine\" biasprm=\"0.5 -10 -0.3\" delay=\"0.02\"/>",
+    )
+    .unwrap();
+    let [a, b] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(
+        (a.gain_nm_per_rad, a.braking_nm_s_per_rad, a.limit_nm, a.bias_nm),
+        (17.8, 0.2, Some(2.0), 0.0)
+    );
+    assert_eq!((b.gain_nm_per_rad, b.braking_nm_s_per_rad, b.bias_nm, b.delay_s), (10.0, 0.3, 0.5, 0.02));
+    for (actuator, said) in [
+        ("<motor joint=\"a\"/>", "no actuator of a position"),
+        (
+            "<general joint=\"a\" gainprm=\"10\" biastype=\"affine\" biasprm=\"0 -9 0\"/>",
+            "is not the stiffness 9",
+        ),
+        ("<general joint=\"a\" gainprm=\"10\"/>", "follows no position"),
+        ("<position joint=\"a\" kp=\"5\" dampratio=\"1\"/>", "`dampratio` is not read"),
+    ] {
+        let refused = read(actuator).unwrap_err().to_string();
+        assert!(refused.contains(said) && refused.contains("servo.xml:1"), "{refused}");
+    }
+}

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt_calibration::NamedRecording;
+use aurt_diagnosis::without_unusable_rows;
 use aurt_recording::{
     ColumnSelection, PreprocessOptions, ReadOptions, ReadReport, RecordedAs, Recording, RecordingError,
     RobotJoints, RobotRecording, preprocess, read_recording,
@@ -240,16 +241,35 @@ impl Pipeline<'_> {
         }
     }
 
-    /// Preprocesses a recording; for prediction all of it, else its window.
+    /// Preprocesses a recording without the rows whose values are not those of their stamp; for prediction all of it, else its
+    /// window.
     ///
     /// # Errors
     /// What makes it unfit.
     pub fn preprocess(&self, loaded: &Loaded, purpose: Purpose) -> Result<NamedRecording, Error> {
+        self.preprocessed(loaded, purpose, true)
+    }
+
+    /// The same with all rows as they are: a diagnosis looks for faults by itself.
+    pub(crate) fn preprocess_as_read(
+        &self,
+        loaded: &Loaded,
+        purpose: Purpose,
+    ) -> Result<NamedRecording, Error> {
+        self.preprocessed(loaded, purpose, false)
+    }
+
+    fn preprocessed(&self, loaded: &Loaded, purpose: Purpose, repair: bool) -> Result<NamedRecording, Error> {
         let options = self.options(loaded.recording.unit, purpose);
-        let data = match loaded.source.window_s.filter(|_| purpose != Purpose::Prediction) {
-            Some(window) => preprocess(&loaded.recording.window(window)?, &options)?,
-            None => preprocess(&loaded.recording, &options)?,
-        };
+        let window = loaded.source.window_s.filter(|_| purpose != Purpose::Prediction);
+        let part = window.map(|window| loaded.recording.window(window)).transpose()?;
+        let recording: &Recording = part.as_ref().unwrap_or(&loaded.recording);
+        let repaired = repair.then(|| without_unusable_rows(recording)).flatten();
+        let mut data = preprocess(repaired.as_ref().unwrap_or(recording), &options)?;
+        if repair {
+            data.report.unusable = Some(recording.samples() - data.report.samples);
+            data.report.samples = recording.samples();
+        }
         Ok(NamedRecording { name: loaded.source.label.clone(), data })
     }
 }

@@ -67,10 +67,10 @@ impl Part {
     ) -> Result<QuestionedRecording, Error> {
         let Self { role, simulated, .. } = self;
         // A target in which the arm stands has no motion to be trimmed to; it can show a contact all the same.
-        let trimmed = pipeline.preprocess(&loaded, Purpose::Calibration);
+        let trimmed = pipeline.preprocess_as_read(&loaded, Purpose::Calibration);
         let (data, purpose) = match trimmed {
             Err(_) if *role == Role::Target => {
-                (pipeline.preprocess(&loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
+                (pipeline.preprocess_as_read(&loaded, Purpose::Validation).or(trimmed)?, Purpose::Validation)
             }
             trimmed => (trimmed?, Purpose::Calibration),
         };

@@ -13,7 +13,7 @@ use aurt_report::{rendering::text::wrapped, reports};
 use aurt_workbench::{
     described_model::{ChainEnds, GivenModel},
     diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
-    driving::{DriveOutcome, diagnose_drives},
+    driving::{diagnose_drives, second_opinion},
     failure::Failure,
     output::{OutputFolder, Outputs},
     results::diagnosed_series,
@@ -21,7 +21,7 @@ use aurt_workbench::{
 use clap::Args;
 use serde_json::json;
 
-use super::{Session, plots::PlotOptions};
+use super::{Session, plots::PlotOptions, run::write_drives};
 use crate::{
     commands::run::{SeriesName, drawn_text, written_text},
     rendering::terminal::{Report, Terminal},
@@ -35,7 +35,8 @@ use crate::{
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
-    aurt diagnose experiment.toml --model robot.urdf --out diagnosis")]
+    aurt diagnose experiment.toml --model robot.urdf --out diagnosis\n  \
+    aurt diagnose servo.toml --model actuators.xml --out opinion")]
 pub struct Diagnose {
     /// Experiment file
     #[arg(value_name = "EXPERIMENT.toml")]
@@ -44,7 +45,8 @@ pub struct Diagnose {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Take a model as given instead of recalibrating the experiment's structure: a calibrated one, or the inertial
-    /// parameters, friction and rotors that a URDF or MJCF file states
+    /// parameters, friction and rotors that a URDF or MJCF file states. With `[drive]`, what others fitted is judged:
+    /// an MJCF file with actuators, BAM's JSON, or settings of Isaac Lab's actuators as JSON
     #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,
     /// The link of the URDF or MJCF file that the chain starts from
@@ -182,7 +184,8 @@ impl Diagnose {
         progress: &Progress,
     ) -> Result<Report, Failure> {
         let unused = [
-            ("--model", self.model.is_some()),
+            ("--base", self.base.is_some()),
+            ("--tip", self.tip.is_some()),
             ("--learnt", self.learnt.is_some()),
             ("--compare", self.compare),
             ("--series", self.series.is_some()),
@@ -192,17 +195,17 @@ impl Diagnose {
             let reason = "is of recordings with torques, and this experiment has a [drive]".into();
             return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
         }
+        if let Some(file) = &self.model {
+            let chosen = [("--without", &self.without), ("--only", &self.only)];
+            if let Some((option, _)) = chosen.into_iter().find(|(_, names)| !names.is_empty()) {
+                let reason = "chooses structures, and with `--model` the fit is judged as it is".into();
+                return Err(Failure::Argument { option, reason, remedy: "leave it out".into() });
+            }
+            return write_drives("diagnose", second_opinion(experiment, file, progress)?, folder);
+        }
         let known: Vec<&str> = STRUCTURES.iter().map(|s| s.id).collect();
         let without = self.left_out(&known, "structure")?;
-        let (DriveOutcome { text, mut json, files, .. }, findings) =
-            diagnose_drives(experiment, &without, progress)?;
-        let mut outputs = Outputs::default();
-        outputs.folder(folder, files);
-        let written = outputs.paths();
-        outputs.write()?;
-        json["command"] = json!("diagnose");
-        json["outputs"] = json!(written);
-        Ok(Report { text: text + &written_text(&written), json, findings })
+        write_drives("diagnose", diagnose_drives(experiment, &without, progress)?, folder)
     }
 
     /// The effects and registered models that are not examined.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use aurt_experiment::Experiment;
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
     driving::CalibratedDrive,
@@ -15,7 +16,7 @@ use serde_json::json;
 use super::Session;
 use crate::rendering::terminal::{Emphasis, Report};
 
-/// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI.
+/// Export a calibrated model to other programs: C or Rust source, MuJoCo, URDF, SDF, FMI, Isaac Lab.
 ///
 /// `c` writes a C99 header and source (torque, friction, gravity, mass matrix) that need math.h only, and a
 /// program that checks them against the model; `rust` writes the same functions as a crate, `no_std` where
@@ -32,7 +33,8 @@ use crate::rendering::terminal::{Emphasis, Report};
     aurt export urdf rd_calibrated.json --name my_robot --out exported_urdf\n  \
     aurt export urdf rd_calibrated.json --into my_robot.urdf --out exported_urdf\n  \
     aurt export sdf rd_calibrated.json --name my_robot --out exported_sdf\n  \
-    aurt export fmu rd_calibrated.json --kind forward --name my_robot --out exported_fmu")]
+    aurt export fmu rd_calibrated.json --kind forward --name my_robot --out exported_fmu\n  \
+    aurt export isaac drive_calibrated.json --name my_robot --experiment servo.toml --out exported_isaac")]
 pub struct Export {
     /// Target of the export
     #[arg(value_enum)]
@@ -63,6 +65,9 @@ pub struct Export {
     /// Body or link of that file at which the chain ends, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     tip: Option<String>,
+    /// Of `isaac`: experiment of the drives, by whose held-out recordings what is lost is judged
+    #[arg(long, value_name = "DRIVES.toml")]
+    experiment: Option<PathBuf>,
 }
 
 /// A target of an export.
@@ -80,6 +85,8 @@ pub enum TargetName {
     Sdf,
     /// Functional mock-up unit, FMI co-simulation
     Fmu,
+    /// Actuators of Isaac Lab, of drives
+    Isaac,
 }
 
 /// What an FMU computes.
@@ -101,6 +108,13 @@ pub enum FmiName {
 
 impl Export {
     fn target(&self) -> Result<Target, Failure> {
+        if self.target != TargetName::Isaac && self.experiment.is_some() {
+            return Err(Failure::Argument {
+                option: "--experiment",
+                reason: "is of the target `isaac` alone".into(),
+                remedy: "leave it out, or export to `isaac`".into(),
+            });
+        }
         if self.target != TargetName::Fmu {
             for (option, given) in [("--kind", self.kind.is_some()), ("--fmi", self.fmi.is_some())] {
                 if given {
@@ -118,6 +132,7 @@ impl Export {
             TargetName::Mjcf => Target::Mjcf,
             TargetName::Urdf => Target::Urdf,
             TargetName::Sdf => Target::Sdf,
+            TargetName::Isaac => Target::Isaac,
             TargetName::Fmu => Target::Fmu(match self.kind {
                 Some(KindName::Forward) => Kind::Forward,
                 Some(KindName::Inverse) | None => Kind::Inverse,
@@ -145,13 +160,18 @@ impl Export {
         let target = self.target()?;
         let made = match (CalibratedDrive::read(&self.model)?, self.original()?) {
             (Some(drive), None) if target == Target::Mjcf => drive.to_mjcf(&self.name)?,
+            (Some(drive), None) if target == Target::Isaac => {
+                let read = |path: &PathBuf| Experiment::read_with_drives(path, &mut session.registry.clone());
+                drive.to_isaac(&self.name, self.experiment.as_ref().map(read).transpose()?.as_ref())?
+            }
             (Some(_), original) => {
                 let option = if original.is_some() { "--into" } else { "TARGET" };
-                let reason = "a model of drives is exported as a MuJoCo model of its own".into();
+                let reason =
+                    "a model of drives is exported as a MuJoCo model of its own or to Isaac Lab".into();
                 return Err(Failure::Argument {
                     option,
                     reason,
-                    remedy: "use `aurt export mjcf` without `--into`".into(),
+                    remedy: "use `aurt export mjcf` or `isaac` without `--into`".into(),
                 });
             }
             (None, original) => {

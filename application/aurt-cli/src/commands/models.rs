@@ -53,7 +53,7 @@ impl Models {
             .terminal
             .emphasise(Emphasis::Title, "drives, from commands to torques: [drive] model = …");
         text.push_str(&format!("{title}\n{}\n", table.render()));
-        text.push_str("`aurt explain MODEL` prints equation, parameters, source and an example.\n");
+        text.push_str("`aurt explain MODEL` prints equation, parameters and an example (not of drives).\n");
         let models: Vec<Value> =
             registry.models().map(|model| describe(registry, model)).collect::<Result<_, _>>()?;
         Ok(Report {

@@ -79,7 +79,8 @@ impl Run {
         let experiment = Experiment::read_with_drives(&self.experiment, &mut session.registry)?;
         let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
         if experiment.drive.is_some() {
-            return run_drives(&experiment, &folder, &session.terminal.progress(2 * count + 1));
+            let outcome = fit_drives(&experiment, &session.terminal.progress(2 * count + 1))?;
+            return write_drives("run", outcome, &folder);
         }
         let progress = session.terminal.progress(3 * count + 3);
         let recordings = &experiment.recordings;
@@ -120,20 +121,19 @@ impl Run {
     }
 }
 
-/// Estimates the drives of an experiment and writes its rollouts.
-fn run_drives(
-    experiment: &Experiment,
-    folder: &OutputFolder,
-    progress: &aurt::Progress,
-) -> Result<Report, Failure> {
-    let DriveOutcome { text, mut json, files, doubts } = fit_drives(experiment, progress)?;
+/// Fills `folder` with what was found of drives and reports it.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_drives(command: &str, outcome: DriveOutcome, folder: &OutputFolder) -> Result<Report, Failure> {
+    let DriveOutcome { text, mut json, files, findings } = outcome;
     let mut outputs = Outputs::default();
     outputs.folder(folder, files);
     let written = outputs.paths();
     outputs.write()?;
-    json["command"] = json!("run");
+    json["command"] = json!(command);
     json["outputs"] = json!(written);
-    Ok(Report { text: text + &written_text(&written), json, findings: !doubts.is_empty() })
+    Ok(Report { text: text + &written_text(&written), json, findings })
 }
 
 /// Does what an experiment says, under a bar of its steps.

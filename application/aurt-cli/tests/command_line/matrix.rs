@@ -1,6 +1,8 @@
 //! Every command that takes a recording, on recordings that say the same in another way: the result is the same, or the command
 //! refuses. Which commands these are, the help of each tells, so that a new one cannot be left out.
 
+mod entries;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use aurt::{
@@ -10,6 +12,7 @@ use aurt::{
 };
 use serde_json::Value;
 
+use self::entries::{ENTRIES, Entry};
 use crate::support::{Folder, Run};
 
 /// An arm of two joints with a head on its upper link, which is no part of the chain.
@@ -37,152 +40,8 @@ const CUT_S: [f64; 2] = [1.6, 12.4];
 /// Rows within the filters' memory of an end do not count.
 const MEMORY_S: f64 = 0.352;
 
-/// A way to hand recordings to a command: commands and arguments that it stands for, as their help names them; its command lines; what
-/// comes out (`file`, or `file#/place` in a JSON document); what of it is the same, by parts of its keys, if the recordings are cut.
-struct Entry {
-    takes: &'static [&'static str],
-    lines: &'static [&'static str],
-    results: &'static [&'static str],
-    in_part: &'static [&'static str],
-    /// Whether it knows the robot with its head.
-    knows_head: bool,
-}
-
-const ENTRIES: [Entry; 17] = [
-    Entry {
-        takes: &["run EXPERIMENT.toml"],
-        lines: &["run experiment.toml --out results"],
-        results: &["results/predicted_tuesday.csv", "results/calibrated_parameters.csv"],
-        in_part: &["predicted_", " value"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["run EXPERIMENT.toml"],
-        lines: &["run experiment.toml --out results --stream-above 1kB"],
-        results: &["results/calibrated_parameters.csv"],
-        in_part: &[" value"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["check RECORDING|EXPERIMENT.toml"],
-        lines: &["check experiment.toml --json >check.json"],
-        results: &["check.json#/recordings/0/joints", "check.json#/recordings/0/unit"],
-        in_part: &["unit"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["check RECORDING|EXPERIMENT.toml"],
-        lines: &[
-            "check monday.csv --mdh mdh.csv --gravity 0 -9.81 0 --joint-names shoulder,elbow --json >check.json",
-        ],
-        results: &["check.json#/joints", "check.json#/unit"],
-        in_part: &["unit"],
-        knows_head: false,
-    },
-    Entry {
-        takes: &["init RECORDING"],
-        lines: &["init monday.csv --robot arm.urdf --tip fore --gravity 0 -9.81 0 --out first.toml"],
-        results: &["first.toml#/robot", "first.toml#/joint_dynamics", "first.toml#/preprocess"],
-        in_part: &[""],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["compile-rd EXPERIMENT.toml"],
-        lines: &["compile-rd --model-rbd rbd.json --experiment experiment.toml --out rd_2.json"],
-        results: &["rd_2.json"],
-        in_part: &[""],
-        knows_head: false,
-    },
-    Entry {
-        takes: &["calibrate RECORDING"],
-        lines: &[
-            "calibrate --model rd.json --data monday.csv tuesday.csv --out-params p.csv --out-calibrated-model c.json",
-        ],
-        results: &["p.csv"],
-        in_part: &[" value"],
-        knows_head: false,
-    },
-    Entry {
-        takes: &["calibrate-validate RECORDING"],
-        lines: &[
-            "calibrate-validate --model rd.json --data monday.csv --calibration-data-rel 0.6 --out-params p.csv \
-                  --out-calibrated-model c.json --out-prediction q.csv",
-        ],
-        results: &["p.csv", "q.csv"],
-        in_part: &[" value", "predicted_"],
-        knows_head: false,
-    },
-    Entry {
-        takes: &["predict RECORDING"],
-        lines: &["predict --model model.json --data tuesday.csv --out q.csv"],
-        results: &["q.csv"],
-        in_part: &["predicted_"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["diagnose EXPERIMENT.toml"],
-        lines: &["diagnose experiment.toml --out diagnosis"],
-        results: &["diagnosis/verdict.json#/effects", "diagnosis/verdict.json#/verdict"],
-        in_part: &[""],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["sensitivity EXPERIMENT.toml"],
-        lines: &["sensitivity table.toml --effects stribeck --joints 0 --out sensitivity"],
-        results: &["sensitivity/sensitivity.json#/limits"],
-        in_part: &["status"],
-        knows_head: false,
-    },
-    Entry {
-        takes: &["track RECORDING", "track EXPERIMENT.toml"],
-        lines: &["track experiment.toml --model model.json tuesday.csv --window-s 1.5 --out track"],
-        results: &["track/track.json#/recordings/0/drift", "track/track.json#/alarms"],
-        in_part: &["alarms"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["gains EXPERIMENT.toml"],
-        lines: &["gains experiment.toml --expect --out gains"],
-        results: &["gains/gains.json#/gains/joints", "gains/gains.json#/gains/reference"],
-        in_part: &["decided", "reference"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["simulate RECORDING"],
-        lines: &["simulate --model model.json --motion tuesday.csv --out moved.csv"],
-        results: &["moved.csv"],
-        in_part: &["q_", "torque_"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["simulate RECORDING"],
-        lines: &["simulate --model model.json --torques tuesday.csv --out moved.csv"],
-        results: &["moved.csv"],
-        in_part: &["torque_"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["sweep run EXPERIMENT.toml"],
-        lines: &["sweep run experiment.toml --out sweep"],
-        results: &["sweep/table.csv"],
-        in_part: &["name", "coefficients"],
-        knows_head: true,
-    },
-    Entry {
-        takes: &["sweep plan EXPERIMENT.toml"],
-        lines: &[
-            "sweep plan experiment.toml --out sweep",
-            "sweep point 1 2 --out sweep",
-            "sweep collect --out sweep",
-        ],
-        results: &["sweep/table.csv"],
-        in_part: &["name", "coefficients"],
-        knows_head: true,
-    },
-];
-
 /// Values of other arguments, none of which is a recording.
-const OTHER_VALUES: &str = "ARG BODY DIR EFFECT EFFECTS ENGINE ESTIMATOR FMI FORMAT FRICTION_TORQUE_MODEL H HZ JOINTS JSON KG KIND \
+const OTHER_VALUES: &str = "ARG BODY DIR DRIVES.toml EFFECT EFFECTS ENGINE ESTIMATOR FMI FORMAT FRICTION_TORQUE_MODEL H HZ JOINTS JSON KG KIND \
     LANG LEARNT.json LIBRARY LIMITS.csv LINK LOAD_TORQUE MDH.csv MDH_ROWS MODEL N NAME NAME,NAME,… NAME|FILE POWER RAD RAD/S RAD/S2 \
     RD_CALIBRATED.json|URDF|XML REST ROWS S SCENARIO.toml SHARE SHELL SIZE TABLE TARGET TOPIC UNIT XML|URDF";
 

@@ -144,21 +144,50 @@ fn without_a_mistake_nothing_is_told() {
     }
 }
 
-#[test]
-fn rows_that_are_held_accuse_no_clock() {
+/// The largest held-out error of a joint while it moves, % of its signal, after `aurt run`.
+fn held_out_error_percent(world: &World) -> f64 {
     let folder = tempfile::tempdir().unwrap();
-    let mut world = simulated(folder.path());
-    world.each(|log| {
+    world.write(folder.path());
+    let said = aurt(folder.path(), &["run", "experiment.toml", "--out", "out"]);
+    assert_eq!(said.status, 0, "{}", said.text);
+    let metrics = std::fs::read(folder.path().join("out/metrics.json")).unwrap();
+    let metrics: serde_json::Value = serde_json::from_slice(&metrics).unwrap();
+    let recordings = metrics["recordings"].as_array().unwrap().iter().filter(|r| r["role"] == "validation");
+    let errors = recordings.flat_map(|r| r["moving"]["nrmse"].as_array().unwrap().clone());
+    100.0 * errors.map(|e| e.as_f64().unwrap()).fold(0.0, f64::max)
+}
+
+#[test]
+fn rows_that_are_held_or_without_measurement_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let right = simulated(folder.path());
+    let error_percent = held_out_error_percent(&right);
+    // 19 rows of 400 repeat the one before; a measurement of five is zero on all joints.
+    let hold = |log: &mut Log| {
         for rows in log.rows.chunks_exact_mut(400) {
             for k in 301..320 {
                 let (before, row) = rows.split_at_mut(k);
                 row[0][1..].clone_from_slice(&before[300][1..]);
             }
         }
-    });
-    let check = answer(&world, false).check.text;
-    for said in ["held", "no common mistake explains more"] {
-        assert!(check.contains(said), "{check}");
+    };
+    let silence = |log: &mut Log| {
+        let first = log.measurement(0);
+        log.rows.iter_mut().skip(3).step_by(5).for_each(|row| row[first..].fill(0.0));
+    };
+    for (spoil, kind) in [(&hold as &dyn Fn(&mut Log), "held"), (&silence, "corrupt")] {
+        let mut world = right.clone();
+        world.each(|log| spoil(log));
+        let answer = answer(&world, false);
+        for said in [kind, "no common mistake explains more"] {
+            assert!(answer.check.text.contains(said), "{}", answer.check.text);
+        }
+        assert!(answer.run.text.contains("are left out"), "{}", answer.run.text);
+        let spoilt_percent = held_out_error_percent(&world);
+        assert!(
+            spoilt_percent < 1.3 * error_percent,
+            "{kind}: {spoilt_percent} %, {error_percent} % without"
+        );
     }
 }
 

@@ -21,6 +21,7 @@ mod setup;
 mod trial;
 mod undoing;
 mod usual;
+mod variations;
 mod wording;
 
 use aurt_plugins::Registry;

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use aurt::Progress;
+use aurt_diagnosis::{Remainder, Rest};
 use aurt_drives::{
     DriveRecording, Options,
     diagnosis::{Answer, Demands, Diagnosis, Finding, Structure, deciders, diagnose, is_beyond},
@@ -12,9 +13,8 @@ use aurt_output::pretty;
 use serde_json::{Value, json};
 
 use super::{
-    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, of_drive, options_of, read_all,
-    rival::{Rest, rests},
-    without_drive,
+    CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, doubts_of, of_drive, options_of, read_all,
+    rival::rests, warnings, without_drive,
 };
 use crate::{diagnosing::selection, failure::Failure};
 
@@ -25,8 +25,7 @@ const NOT_EXAMINED: &str = "play, elasticity, temperature, a sagging supply";
 /// A rest beyond this many times what the model is expected to miss is something that it lacks.
 const EXPECTED: f64 = 2.0;
 
-/// Says which structures the held-out recordings need, which the experiment's model lacks, and whether more is missing; the
-/// second value tells whether something is.
+/// Says which structures the held-out recordings need, which the experiment's model lacks, and whether more is missing.
 ///
 /// # Errors
 /// Why it could not be done.
@@ -34,7 +33,7 @@ pub fn diagnose_drives(
     experiment: &Experiment,
     without: &[String],
     progress: &Progress,
-) -> Result<(DriveOutcome, bool), Failure> {
+) -> Result<DriveOutcome, Failure> {
     let (arm, mut notes) = arm_of(experiment)?;
     let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
     let settings = selection(experiment)?;
@@ -67,13 +66,16 @@ pub fn diagnose_drives(
     let improved = CalibratedDrive { drive_schema: 1, joint_names: names, arm: found.improved.arm.clone() };
     let improved = serde_json::to_value(&improved)
         .map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
-    let json = said.to_json(&demands);
+    let mut json = said.to_json(&demands);
+    json["warnings"] = json!(doubts_of(&recordings));
     let files = vec![
         ("verdict.json".to_owned(), pretty(&json).into_bytes()),
         ("structures.csv".to_owned(), said.table().into_bytes()),
         (IMPROVED_DRIVE_FILE.to_owned(), pretty(&improved).into_bytes()),
     ];
-    Ok((DriveOutcome { text: said.text(), json, files, doubts: Vec::new() }, said.verdict() != "no_mismatch"))
+    let doubts = doubts_of(&recordings);
+    let findings = said.verdict() != "no_mismatch" || !doubts.is_empty();
+    Ok(DriveOutcome { text: said.text() + &warnings(&doubts), json, files, findings })
 }
 
 /// Positions of the improved model: by pieces where the estimate is.
@@ -97,7 +99,7 @@ fn rollout(
 
 struct Said<'a> {
     found: &'a Diagnosis,
-    rests: &'a [Rest],
+    rests: &'a [Remainder],
     options: &'a Options,
     notes: &'a [String],
     recordings: &'a [Read],
@@ -107,7 +109,7 @@ impl Said<'_> {
     /// Whether more is left than the model is expected to miss, or a black box predicts it.
     fn something_is_left(&self) -> bool {
         self.found.missed_improved.rms_all_rad() > EXPECTED * self.options.deviation_rad
-            || self.rests.iter().any(|r| r.follows.is_some())
+            || self.rests.iter().any(|r| r.rest == Rest::Something)
     }
 
     fn verdict(&self) -> &'static str {
@@ -170,18 +172,19 @@ impl Said<'_> {
             1e3 * self.options.deviation_rad,
         );
         for rest in self.rests {
-            let predicted = match (rest.predictable, rest.deviation) {
-                (Some(share), Some(deviation)) => format!(
-                    "boosted trees predict {:.0} ± {:.0} % of it",
-                    100.0 * share.max(0.0),
-                    100.0 * deviation
-                ),
-                _ => "too little data to try boosted trees".into(),
+            let predicted = rest.predictable.map_or_else(
+                || "too little data to try boosted trees".into(),
+                |share| {
+                    let (value, std) = (100.0 * share.value.max(0.0), 100.0 * share.std);
+                    format!("boosted trees predict {value:.0} ± {std:.0} % of it")
+                },
+            );
+            let features: Vec<&str> = rest.follows.iter().map(|f| f.feature.as_str()).collect();
+            let follows = match (rest.rest, features.join(", ")) {
+                (Rest::Something, by) if by.is_empty() => ": something that the model lacks".to_owned(),
+                (Rest::Something, by) => format!(": something that the model lacks, by {by}"),
+                _ => String::new(),
             };
-            let follows = rest
-                .follows
-                .as_ref()
-                .map_or_else(String::new, |f| format!(": something that the model lacks, by {f}"));
             let _ = writeln!(
                 text,
                 "  joint {}: rms {:.2}e-3, {predicted}{follows}",
@@ -201,12 +204,9 @@ impl Said<'_> {
         for f in &self.found.findings {
             let c = &f.comparison;
             let [with, without] = c.rms_rad;
-            let answer = word(f.answer);
-            let _ = writeln!(
-                text,
-                "{},{answer},{},{with},{without},{},{},{}",
-                f.structure.id, f.is_in_model, c.gain_per_s, c.deviation, c.probability
-            );
+            let numbers = [with, without, c.gain_per_s, c.deviation, c.probability].map(cell);
+            let (id, answer) = (f.structure.id, word(f.answer));
+            let _ = writeln!(text, "{id},{answer},{},{}", f.is_in_model, numbers.join(","));
         }
         text
     }
@@ -238,6 +238,11 @@ impl Said<'_> {
             "notes": self.notes,
         })
     }
+}
+
+/// A number of a table; none where the closed loop without the structure is unstable.
+fn cell(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { String::new() }
 }
 
 const fn word(answer: Answer) -> &'static str {

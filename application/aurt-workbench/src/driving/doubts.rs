@@ -1,7 +1,9 @@
-//! What commands and positions cannot be, or cannot tell.
+//! What commands and positions cannot be, or cannot tell, and what speaks against a model of them.
 
 use aurt_drives::{DriveRecording, DrivenArm};
 use aurt_traits::Command;
+
+use super::Judged;
 
 /// Travel below which a joint rests: two ticks of an encoder with 4096 a turn, rad.
 const RESTS_RAD: f64 = 2.0 * std::f64::consts::TAU / 4096.0;
@@ -38,7 +40,7 @@ pub(super) fn doubts(recording: &DriveRecording) -> Vec<String> {
             s.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         high - low
     };
-    let mut said = Vec::new();
+    let mut said = exchanged(recording);
     for (j, (command, position)) in recording.command.iter().zip(&recording.position_rad).enumerate() {
         let [asked, done] = [command, position].map(travel);
         if asked > RESTS_RAD && done <= RESTS_RAD {
@@ -48,36 +50,118 @@ pub(super) fn doubts(recording: &DriveRecording) -> Vec<String> {
             ));
         }
     }
-    let lag_s = lag_s(recording);
-    let after = recording.time_s.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-    if lag_s < -2.0 * after || lag_s > LONGEST_LAG_S {
-        let how = if lag_s < 0.0 { "precede" } else { "follow" };
-        said.push(format!(
-            "positions {how} their commands by {:.2} s: the two seem to be of different clocks; stamp both by one",
-            lag_s.abs()
-        ));
-    }
+    said.extend(of_another_clock(recording));
     said
 }
 
-/// The shift of the commands at which they are nearest to the positions, s.
-fn lag_s(recording: &DriveRecording) -> f64 {
+/// Positions that are nearer to the commands by half at a shift that is no lag of a servo.
+fn of_another_clock(recording: &DriveRecording) -> Option<String> {
     let time_s = &recording.time_s;
     let n = time_s.len();
     let period_s = (time_s[n - 1] - time_s[0]) / (n - 1) as f64;
     let most = ((SHIFTS_S / period_s) as usize).min(n / 4) as i64;
-    let stride = n.div_ceil(4000);
-    let apart = |shift: i64| -> f64 {
-        let rows = (most as usize..n - most as usize).step_by(stride);
-        let error = |k: usize| -> f64 {
-            let from = (k as i64 - shift) as usize;
-            let pairs = recording.command.iter().zip(&recording.position_rad);
-            pairs.map(|(c, q)| (c[from] - q[k]).powi(2)).sum()
-        };
-        rows.map(error).sum()
+    let after_s = time_s.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    let is_lag = |shift: i64| (-2.0 * after_s..=LONGEST_LAG_S).contains(&(shift as f64 * period_s));
+    let least = |shifts: &dyn Fn(i64) -> bool| {
+        let errors =
+            (-most..=most).filter(|s| shifts(*s)).map(|shift| (apart(recording, shift, most), shift));
+        errors.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let best = (-most..=most).min_by(|a, b| apart(*a).total_cmp(&apart(*b)).then(a.abs().cmp(&b.abs())));
-    best.unwrap_or(0) as f64 * period_s
+    let (error, shift) = least(&|shift| !is_lag(shift))?;
+    let (as_lag, _) = least(&is_lag)?;
+    let how = if shift < 0 { "precede" } else { "follow" };
+    (error < 0.25 * as_lag).then(|| {
+        format!(
+            "positions {how} their commands by {:.2} s: the two seem to be of different clocks; stamp both by one",
+            shift.abs() as f64 * period_s
+        )
+    })
+}
+
+/// The sum of the variances of positions minus commands that are shifted by so many samples, of at most `most`.
+fn apart(recording: &DriveRecording, shift: i64, most: i64) -> f64 {
+    let n = recording.time_s.len();
+    let rows = || (most as usize..n - most as usize).step_by(n.div_ceil(4000));
+    let pairs = recording.command.iter().zip(&recording.position_rad);
+    pairs
+        .map(|(c, q)| {
+            let error = |k: usize| q[k] - c[(k as i64 - shift) as usize];
+            let count = rows().count().max(1) as f64;
+            let mean = rows().map(error).sum::<f64>() / count;
+            rows().map(|k| (error(k) - mean).powi(2)).sum::<f64>() / count
+        })
+        .sum()
+}
+
+/// Joints of which a rollout explains less than half, or which the command itself meets better.
+pub(super) fn of_rollouts(judged: &[Judged], deviation_rad: f64) -> Vec<String> {
+    let mut doubts = Vec::new();
+    for recording in judged {
+        for (joint, (rms, spread)) in recording.rms.iter().zip(&recording.spread).enumerate() {
+            let explained = 1.0 - (rms / spread).powi(2);
+            if *spread > deviation_rad && explained < 0.5 {
+                doubts.push(format!(
+                    "the model explains {:.0} % of joint {joint} ({}): check signs, units and the order of columns",
+                    100.0 * explained.max(0.0),
+                    recording.label
+                ));
+            }
+        }
+        let rms = super::over_joints(&recording.rms);
+        if let Some(command) = recording.command_rms.filter(|command| *command < rms && rms > deviation_rad) {
+            doubts.push(format!(
+                "the command itself is nearer to the positions than the model ({:.2} and {:.2} mrad, {})",
+                1e3 * command,
+                1e3 * rms,
+                recording.label
+            ));
+        }
+    }
+    doubts
+}
+
+/// Joints that do not follow the position that they are told at any lag: the other sign, or another joint's command.
+fn exchanged(recording: &DriveRecording) -> Vec<String> {
+    let mut said = Vec::new();
+    let n = recording.time_s.len();
+    let lasts_s =
+        recording.time_s.last().zip(recording.time_s.first()).map_or(0.0, |(last, first)| last - first);
+    let most = ((LONGEST_LAG_S / lasts_s.max(LONGEST_LAG_S) * n as f64) as usize).min(n / 4);
+    for (joint, position) in recording.position_rad.iter().enumerate() {
+        let follows = |command: &Vec<f64>| {
+            let at = |lag: usize| correlation(&command[most - lag..n - lag], &position[most..]);
+            (0..=most).map(at).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let follows: Vec<f64> = recording.command.iter().map(follows).collect();
+        let own = follows[joint];
+        let others = (0..follows.len()).filter(|k| *k != joint);
+        let other = others.max_by(|a, b| follows[*a].total_cmp(&follows[*b]));
+        if own < -HALF {
+            said.push(format!("joint {joint} moves against its command: one of them has the other sign"));
+        } else if let Some(other) = other.filter(|k| own < HALF && follows[*k] > HALF) {
+            said.push(format!(
+                "joint {joint} follows the command of joint {other} and not its own: columns may be exchanged"
+            ));
+        }
+    }
+    said
+}
+
+/// The correlation with which one series explains half of another.
+const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Pearson's correlation; 0 for a series that is constant.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |s: &[f64]| s.iter().sum::<f64>() / s.len().max(1) as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let [mut aa, mut ab, mut bb] = [0.0; 3];
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+    }
+    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -102,5 +186,30 @@ mod tests {
         std::mem::swap(&mut early.command, &mut early.position_rad);
         assert!(doubts(&early)[0].contains("precede their commands by 0.60 s"));
         assert!(doubts(&recording(0, 1e-4))[0].contains("never moves"));
+    }
+
+    #[test]
+    fn exchanged_commands_and_signs_are_told() {
+        let series =
+            |rate: f64| -> Vec<f64> { (0..400).map(|k| (rate * 0.02 * f64::from(k)).sin()).collect() };
+        let [a, b] = [series(1.0), series(1.7)];
+        let told = |command: [&Vec<f64>; 2]| {
+            let command = command.map(Clone::clone).to_vec();
+            let position_rad = vec![a.clone(), b.clone()];
+            let time_s = (0..400).map(|k| 0.02 * f64::from(k)).collect();
+            exchanged(&DriveRecording { time_s, command, position_rad, ..DriveRecording::default() })
+        };
+        assert_eq!(told([&a, &b]), [""; 0]);
+        let exchanged = told([&b, &a]);
+        assert!(
+            exchanged.len() == 2 && exchanged[0].contains("joint 0 follows the command of joint 1"),
+            "{exchanged:?}"
+        );
+        let against: Vec<f64> = a.iter().map(|c| -c).collect();
+        let against = told([&against, &b]);
+        assert!(
+            against.len() == 1 && against[0].contains("joint 0 moves against its command"),
+            "{against:?}"
+        );
     }
 }

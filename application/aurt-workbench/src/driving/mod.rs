@@ -19,11 +19,14 @@ use crate::{experiments::source, failure::Failure};
 
 mod diagnosing;
 mod doubts;
-mod explained;
 mod exporting;
+mod fits;
+mod isaac;
 mod rival;
+mod second_opinion;
 
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
+pub use second_opinion::second_opinion;
 
 /// The file of a calibrated arm with drives.
 pub const DRIVE_FILE: &str = "drive_calibrated.json";
@@ -76,7 +79,7 @@ impl CalibratedDrive {
             .arm
             .rollout(&read.recording)
             .map_err(|e| Failure::unfit(&read.file, e.to_string(), REMEDY))?;
-        Ok((table(&read.recording, &simulated), read.notes))
+        Ok((table(&read.recording, &simulated), [read.notes, read.doubts].concat()))
     }
 }
 
@@ -89,8 +92,8 @@ pub struct DriveOutcome {
     pub json: Value,
     /// Files by name.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What speaks against the result.
-    pub doubts: Vec<String>,
+    /// Whether something is doubtful or missing.
+    pub findings: bool,
 }
 
 const REMEDY: &str = "look at the recording's command and position, and at [drive]";
@@ -102,6 +105,8 @@ struct Read {
     held_out: bool,
     recording: DriveRecording,
     notes: Vec<String>,
+    /// What is wrong with it.
+    doubts: Vec<String>,
 }
 
 /// Estimates the drives of an experiment, and rolls out all its recordings.
@@ -122,7 +127,7 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
         notes.push(format!("the search ended after {} steps without converging", fit.iterations));
     }
     let mut outcome =
-        DriveOutcome { text: String::new(), json: json!({}), files: Vec::new(), doubts: Vec::new() };
+        DriveOutcome { text: String::new(), json: json!({}), files: Vec::new(), findings: false };
     let mut judged = Vec::new();
     for (k, read) in recordings.iter().enumerate() {
         progress.step(format!("rolling out {}", read.label));
@@ -141,15 +146,12 @@ pub fn fit_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveO
     let saved =
         serde_json::to_value(&model).map_err(|e| Failure::unfit(&experiment.path, e.to_string(), REMEDY))?;
     outcome.files.push((DRIVE_FILE.to_owned(), pretty(&saved).into_bytes()));
-    outcome.doubts = explained::of_rollouts(&judged, options_of(experiment).deviation_rad);
-    if follows_positions(&arm) {
-        let named: Vec<_> = recordings.iter().map(|r| (r.label.as_str(), &r.recording)).collect();
-        outcome.doubts.extend(explained::of_commands(&named));
-    }
-    outcome.text = text(&fit, &judged, &notes);
-    outcome.doubts.iter().for_each(|doubt| outcome.text.push_str(&format!("warning: {doubt}\n")));
+    let mut doubts = doubts_of(&recordings);
+    doubts.extend(doubts::of_rollouts(&judged, options_of(experiment).deviation_rad));
+    outcome.findings = !doubts.is_empty();
+    outcome.text = text(&fit, &judged, &notes) + &warnings(&doubts);
     outcome.json = to_json(&fit, &judged, &notes);
-    outcome.json["warnings"] = json!(outcome.doubts);
+    outcome.json["warnings"] = json!(doubts);
     outcome.files.push(("metrics.json".to_owned(), pretty(&outcome.json).into_bytes()));
     Ok(outcome)
 }
@@ -241,11 +243,25 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
         let remedy = "log currents with their sign, or use the model of the command that the drive follows";
         return Err(Failure::unfit(&loaded.source.file, reason, remedy));
     }
-    let mut notes = loaded.recording.report.notes();
-    if follows_positions(arm) {
-        notes.extend(doubts::doubts(&recording));
-    }
-    Ok(Read { label: loaded.source.label, file: loaded.source.file, held_out: false, recording, notes })
+    let notes = loaded.recording.report.notes();
+    let doubts = if follows { doubts::doubts(&recording) } else { Vec::new() };
+    Ok(Read {
+        label: loaded.source.label,
+        file: loaded.source.file,
+        held_out: false,
+        recording,
+        notes,
+        doubts,
+    })
+}
+
+/// What is wrong with recordings, by name.
+fn doubts_of(recordings: &[Read]) -> Vec<String> {
+    recordings.iter().flat_map(|r| r.doubts.iter().map(|doubt| format!("{}: {doubt}", r.label))).collect()
+}
+
+fn warnings(doubts: &[String]) -> String {
+    doubts.iter().map(|doubt| format!("warning: {doubt}\n")).collect()
 }
 
 fn cut(recording: &RobotRecording, window_s: Option<[f64; 2]>) -> Option<DriveRecording> {

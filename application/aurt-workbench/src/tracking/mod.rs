@@ -174,8 +174,9 @@ pub fn track(
     let sources = experiment.recordings.calibration.iter().chain(&experiment.recordings.validation);
     let sources: Vec<Source> = sources.map(source).collect();
     let (template, names) = (sources.first().cloned(), sources.iter().map(|s| s.label.clone()).collect());
-    // Recordings of each motion, with the joints whose rows do not count.
-    let mut unchanged: Vec<Vec<(NamedRecording, Vec<usize>)>> = Vec::new();
+    // Recordings of each motion, and the joints of each whose rows do not count.
+    let mut unchanged: Vec<Vec<NamedRecording>> = Vec::new();
+    let mut without: Vec<Vec<usize>> = Vec::new();
     let mut notes: Vec<String> = Vec::new();
     if ends_in_branches(&**calibrated.model.rigid_body()) {
         notes.push("the robot is a tree: a load on one of its ends shows as gains".into());
@@ -188,7 +189,8 @@ pub fn track(
         let [first_s, last_s] = span_s(&loaded);
         notes.extend(loaded.warnings());
         base.get_or_insert_with(|| loaded.recording.report.branches.clone());
-        let recording = (prepared_of(calibrated, &loaded)?, contaminated(&loaded));
+        let recording = prepared_of(calibrated, &loaded)?;
+        without.push(contaminated(&loaded));
         match unchanged.last_mut().filter(|_| options.continues(ended_s, first_s)) {
             Some(motion) => motion.push(recording),
             None => unchanged.push(vec![recording]),
@@ -201,10 +203,11 @@ pub fn track(
     let mut follower = Follower::new(&reference, &calibration.sigma, options.clone());
     follower.notes = notes;
     let mut motions = Vec::new();
+    let mut without = without.iter();
     for (recordings, coefficients) in unchanged.iter().zip(&others) {
         let reference = DriftReference { coefficients, ..reference };
         let mut windows = Vec::new();
-        for (recording, left_out) in recordings {
+        for (recording, left_out) in recordings.iter().zip(without.by_ref()) {
             windows.extend(drift_windows(&reference, recording, left_out, Cut::whole(options.window_s))?);
         }
         let whole = windows.iter().filter(|w| w.whole);
@@ -245,18 +248,12 @@ pub fn track(
         follower.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let left_out = contaminated(&loaded);
-        let elsewhere =
+        let moved =
             BranchMotion::elsewhere(&loaded.recording.report.branches, base.as_deref().unwrap_or_default());
-        if let Some(joint) = elsewhere.map(|branch| &branch.joint) {
-            let note = format!(
-                "{}: {joint} turns the base to another posture, and nothing is followed",
-                recording.name
-            );
-            follower.notes.push(note);
-            continue;
-        }
-        if left_out.len() == calibrated.model.joints() {
-            follower.notes.push(format!("{}: nothing of it is followed", recording.name));
+        if moved.is_some() || left_out.len() == calibrated.model.joints() {
+            let note =
+                "no joint is without motion or a posture of joints outside the model: nothing is followed";
+            follower.notes.push(format!("{}: {note}", recording.name));
             continue;
         }
         let windows = drift_windows(&reference, &recording, &left_out, Cut::whole(options.window_s))?;
@@ -323,13 +320,11 @@ fn span_s(loaded: &Loaded) -> [f64; 2] {
 /// The coefficients of all motions of the unchanged machine, and of all but each of them.
 fn left_out(
     calibrated: &CalibratedModel,
-    unchanged: &[Vec<(NamedRecording, Vec<usize>)>],
+    unchanged: &[Vec<NamedRecording>],
 ) -> Result<LeftOut, CalibrationError> {
     let (model, calibration) = (&calibrated.model, &calibrated.calibration);
-    let of = |motion: &Vec<(NamedRecording, Vec<usize>)>| {
-        let recordings: Vec<NamedRecording> = motion.iter().map(|(recording, _)| recording.clone()).collect();
-        accumulate(model, &recordings, &calibration.load, &calibration.options)
-    };
+    let of =
+        |motion: &Vec<NamedRecording>| accumulate(model, motion, &calibration.load, &calibration.options);
     let systems = unchanged.iter().map(of).collect::<Result<Vec<_>, _>>()?;
     LeftOut::of(&systems, &calibration.sigma, |k| calibration.parameters[k].excited)
 }

@@ -71,7 +71,7 @@ pub fn make_case(
             (robot, laboratory, slots)
         }
         World::Rough => rough::prepare(robot, later, seed)?,
-        World::Mujoco | World::Injected => {
+        World::Mujoco | World::Injected | World::Servo => {
             return Err(SimulationError::unreadable(
                 name,
                 format!("cases of the world `{}` are not made by this simulator", world.name()),

@@ -9,6 +9,7 @@ mod plan;
 mod probe;
 mod request;
 mod rough;
+pub(crate) mod servo;
 mod truth;
 mod world;
 

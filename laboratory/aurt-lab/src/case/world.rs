@@ -15,11 +15,13 @@ pub enum World {
     Mujoco,
     /// Recordings of a real robot to which an effect was added.
     Injected,
+    /// Servo arms that record commands and positions, without torques.
+    Servo,
 }
 
 impl World {
     /// All, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::Clean, Self::Rough, Self::Mujoco, Self::Injected];
+    pub const ALL: [Self; 5] = [Self::Clean, Self::Rough, Self::Mujoco, Self::Injected, Self::Servo];
 
     /// Its name in files and tables.
     #[must_use]
@@ -29,6 +31,7 @@ impl World {
             Self::Rough => "rough",
             Self::Mujoco => "mujoco",
             Self::Injected => "injected",
+            Self::Servo => "servo",
         }
     }
 

@@ -19,7 +19,8 @@ use serde_json::json;
 ///
 /// Cases come from worlds that differ in what differs between laboratories, and every table has a column for each: `clean`
 /// and `rough` are our own simulator, `mujoco` is another engine (Python with `mujoco`; AURT_PYTHON names the interpreter),
-/// `injected` adds effects to the recordings of experiments that `--into` names. A world that cannot be made here is
+/// `injected` adds effects to the recordings of experiments that `--into` names, `servo` are simulated servo arms that
+/// record commands and positions. A world that cannot be made here is
 /// skipped with a line that says why. Every case of one effect is diagnosed once more with that effect's candidate
 /// removed, and simpler methods answer the same cases. Cases that were diagnosed before are skipped: a proof that was
 /// interrupted goes on.
@@ -29,7 +30,7 @@ use serde_json::json;
     aurt-lab prove --collect part1 part2 part3 --out proof\n  \
     aurt-lab prove --learn learnt.json --proof proof")]
 pub struct Prove {
-    /// World to make cases of: clean, rough, mujoco or injected; may be given several times
+    /// World to make cases of: clean, rough, mujoco, injected or servo; may be given several times
     #[arg(long, value_name = "WORLD", value_parser = world, default_values = ["clean", "rough"])]
     world: Vec<World>,
     /// Which cases to make; without it every effect once, two unknown effects, two pairs and four nulls
@@ -153,7 +154,9 @@ impl Prove {
             None => {
                 let mut plan = Plan::small();
                 // The unknown effects of the plan are our own simulator's; others have theirs.
-                if let (World::Mujoco | World::Injected, Some(unknown)) = (world, &mut plan.unknown_effects) {
+                if let (World::Mujoco | World::Injected | World::Servo, Some(unknown)) =
+                    (world, &mut plan.unknown_effects)
+                {
                     unknown.effects.clear();
                 }
                 plan

@@ -99,7 +99,8 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
             .write(&[(format!("{name}.txt"), reason.into_bytes())]);
     }
     if !is_done(&verdict) {
-        diagnose(&folder, &verdict, &["--compare"], options)?;
+        let more: &[&str] = if source.compares() { &["--compare"] } else { &[] };
+        diagnose(&folder, &verdict, more, options)?;
     }
     for (out, arguments) in again.iter().filter(|(out, _)| !is_done(out)) {
         diagnose(&folder, out, arguments, options)?;

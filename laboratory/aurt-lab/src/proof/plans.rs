@@ -18,11 +18,12 @@ pub fn small(world: World) -> Plan {
         World::Rough => (&["payload", "stribeck", "time_delay"], 3),
         World::Mujoco => (&["payload", "spring"], 2),
         World::Injected => (&["coulomb", "torque_ripple"], 1),
+        World::Servo => (&["time_delay", "coulomb"], 1),
     };
     let unknown = match world {
         World::Clean | World::Rough => Some(strong(&["periodic_disturbance"])),
         // Their unknown effects have names of their own.
-        World::Mujoco | World::Injected => None,
+        World::Mujoco | World::Injected | World::Servo => None,
     };
     Plan {
         singles: Some(strong(singles)),

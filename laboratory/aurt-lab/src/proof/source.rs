@@ -30,6 +30,11 @@ pub trait Source: Sync {
     /// The reason, as a person reads it.
     fn write(&self, index: usize, cases: &std::path::Path, sealed: &std::path::Path) -> Result<(), String>;
 
+    /// Whether simpler methods answer the same cases.
+    fn compares(&self) -> bool {
+        true
+    }
+
     /// Names of the same recordings without effects, which are diagnosed once.
     fn references(&self) -> Vec<String> {
         Vec::new()

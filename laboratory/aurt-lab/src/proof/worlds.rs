@@ -21,7 +21,9 @@ pub fn source(
     registry: &mut Registry,
 ) -> Result<Result<Box<dyn Source>, String>, Failure> {
     Ok(match world {
-        World::Clean | World::Rough => Ok(Box::new(simulated::Simulated::new(world, ingredients)?)),
+        World::Clean | World::Rough | World::Servo => {
+            Ok(Box::new(simulated::Simulated::new(world, ingredients)?))
+        }
         World::Mujoco => mujoco::Mujoco::new(ingredients, place)?.map(|m| Box::new(m) as Box<dyn Source>),
         World::Injected => injected::source(ingredients, registry)?,
     })

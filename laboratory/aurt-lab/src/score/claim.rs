@@ -178,7 +178,17 @@ impl Claim {
     /// # Errors
     /// [`SimulationError::Io`] or [`SimulationError::Unreadable`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, SimulationError> {
-        crate::json_file::read(path.as_ref())
+        let path = path.as_ref();
+        let read = crate::json_file::read(path)?;
+        Self::parse(read).map_err(|e| SimulationError::unreadable(path, e.to_string()))
+    }
+
+    /// A verdict of torques, or of drives.
+    pub(super) fn parse(verdict: Value) -> Result<Self, serde_json::Error> {
+        if verdict.get("kind").and_then(Value::as_str) == Some("drive") {
+            return serde_json::from_value::<DriveVerdict>(verdict).map(Self::from);
+        }
+        serde_json::from_value(verdict)
     }
 
     /// What a diagnosis that gave no verdict claims: nothing, and not even that.
@@ -206,6 +216,62 @@ impl Claim {
     }
 }
 
+/// The part of a verdict on drives that is scored: its structures are the arm's, and on no joint of their own.
+#[derive(Debug, Deserialize)]
+struct DriveVerdict {
+    verdict: Answer,
+    structures: Vec<Structure>,
+    #[serde(default)]
+    remainder: Vec<ClaimedRemainder>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Structure {
+    id: String,
+    answer: String,
+    numbers: Vec<Number>,
+    #[serde(default)]
+    alternatives: Vec<String>,
+    #[serde(default)]
+    evidence: BTreeMap<String, Value>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Number {
+    name: String,
+    value: Value,
+    deviation: Value,
+}
+
+impl From<DriveVerdict> for Claim {
+    fn from(said: DriveVerdict) -> Self {
+        let claimed = said.structures.into_iter().filter(|s| matches!(&*s.answer, "missing" | "given_wrong"));
+        Self {
+            effects: claimed.map(ClaimedEffect::from).collect(),
+            remainder: said.remainder,
+            verdict: said.verdict,
+            ..Self::failed()
+        }
+    }
+}
+
+impl From<Structure> for ClaimedEffect {
+    fn from(structure: Structure) -> Self {
+        let number = |n: Number| (n.name, ClaimedValue { value: n.value, std: n.deviation });
+        let other = |effect| ClaimedAlternative { effect, joints: Vec::new() };
+        Self {
+            effect: structure.id,
+            joints: Vec::new(),
+            present_in: vec!["calibration".into()],
+            window_s: None,
+            confidence: None,
+            parameters: structure.numbers.into_iter().map(number).collect(),
+            alternatives: structure.alternatives.into_iter().map(other).collect(),
+            evidence: structure.evidence,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,5 +285,22 @@ mod tests {
         let new: Claim = serde_json::from_str(text).unwrap();
         assert_eq!((new.answer(true), new.answer(false)), (Answer::NoMismatch, Answer::Unexplained));
         assert!(new.effects.is_empty(), "an indication is no claim");
+    }
+
+    #[test]
+    fn missing_structures_are_claims_and_needed_ones_are_not() {
+        let text = r#"{"kind": "drive", "verdict": "named", "remainder": [], "structures": [
+            {"id": "coulomb", "answer": "needed", "numbers": []},
+            {"id": "dead_band", "answer": "missing", "alternatives": ["stribeck"],
+             "numbers": [{"name": "dead_band_rad_0", "value": 0.01, "deviation": 0.001}]}]}"#;
+        let claim = Claim::parse(serde_json::from_str(text).unwrap()).unwrap();
+        assert_eq!(claim.verdict, Answer::Named);
+        assert_eq!(claim.effects.len(), 1);
+        assert_eq!(
+            (&*claim.effects[0].effect, &*claim.effects[0].alternatives[0].effect),
+            ("dead_band", "stribeck")
+        );
+        assert_eq!(claim.effects[0].parameters["dead_band_rad_0"].value, 0.01);
+        assert!(Claim::parse(serde_json::json!({"kind": "drive", "verdict": "named"})).is_err());
     }
 }

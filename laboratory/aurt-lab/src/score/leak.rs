@@ -61,7 +61,7 @@ fn is_text(line: &str) -> bool {
 
 fn is_expected(name: &str) -> bool {
     let recording = name.strip_prefix("recording_").and_then(|n| n.strip_suffix(".csv"));
-    matches!(name, "experiment.toml" | "mdh.csv")
+    matches!(name, "experiment.toml" | "mdh.csv" | "robot.urdf")
         || recording.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
 }
 

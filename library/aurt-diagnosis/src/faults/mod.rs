@@ -92,23 +92,7 @@ impl RecordingFaults {
     /// is to be preprocessed in the place of the original: positions are then interpolated between true samples.
     #[must_use]
     pub fn repaired(&self, recording: &Recording) -> Option<Recording> {
-        if !self.spoilt.contains(&true) {
-            return None;
-        }
-        let keep = |series: &[f64]| -> Vec<f64> {
-            series.iter().zip(&self.spoilt).filter(|(_, bad)| !**bad).map(|(v, _)| *v).collect()
-        };
-        let family = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(|s| keep(s)).collect() };
-        Some(Recording {
-            file: recording.file.clone(),
-            time_s: keep(&recording.time_s),
-            position_rad: family(&recording.position_rad),
-            velocity_rad_s: recording.velocity_rad_s.as_ref().map(family),
-            measurement: recording.measurement.as_ref().map(family),
-            unit: recording.unit,
-            joints: recording.joints.clone(),
-            report: recording.report.clone(),
-        })
+        without(recording, &self.spoilt)
     }
 
     /// Which filtered rows of each joint a fault has touched, `[joint][row]`, to be left out of fits: rows within
@@ -132,6 +116,33 @@ impl RecordingFaults {
             })
             .collect()
     }
+}
+
+/// A recording without rows that are held or corrupt; `None` if there are none. Samples with the same stamp are left to
+/// preprocessing, which merges them.
+#[must_use]
+pub fn without_unusable_rows(recording: &Recording) -> Option<Recording> {
+    without(recording, &rows::unusable(recording))
+}
+
+fn without(recording: &Recording, bad: &[bool]) -> Option<Recording> {
+    if !bad.contains(&true) {
+        return None;
+    }
+    let keep = |series: &[f64]| -> Vec<f64> {
+        series.iter().zip(bad).filter(|(_, bad)| !**bad).map(|(v, _)| *v).collect()
+    };
+    let family = |family: &Vec<Vec<f64>>| -> Vec<Vec<f64>> { family.iter().map(|s| keep(s)).collect() };
+    Some(Recording {
+        file: recording.file.clone(),
+        time_s: keep(&recording.time_s),
+        position_rad: family(&recording.position_rad),
+        velocity_rad_s: recording.velocity_rad_s.as_ref().map(family),
+        measurement: recording.measurement.as_ref().map(family),
+        unit: recording.unit,
+        joints: recording.joints.clone(),
+        report: recording.report.clone(),
+    })
 }
 
 /// The zero-phase low-pass answers an impulse within about this share of a period of its cut-off on either side.

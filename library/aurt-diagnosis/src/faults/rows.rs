@@ -7,7 +7,8 @@
 //!   and the arm goes on afterwards, the row is an old one. Positions alone that repeat are old if the motion
 //!   before and after makes at least two steps of an encoder in a row's time: a true encoder cannot stand still
 //!   then.
-//! - *Corrupt*: dropped by the reader, or a measurement that leaps away for a single row.
+//! - *Corrupt*: dropped by the reader, a measurement that leaps away for a single row, or measurements of all joints that are
+//!   zero for a few rows: the message had none.
 
 use super::{CERTAIN, Fault, log10_poisson_tail, resolution, windows_s};
 use crate::effects::dropped_samples;
@@ -53,11 +54,12 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     let period_s = median_distance(time);
     let mut spoilt = vec![false; time.len()];
     let (missing, gaps_s) = missing(recording, period_s);
-    let repeated = mark(&mut spoilt, |k| k > 0 && time[k] - time[k - 1] <= SAME_STAMP * period_s);
+    let same_stamp = repeated(recording);
+    let repeated = mark(&mut spoilt, |k| same_stamp[k]);
     let held_rows = held(recording, &spoilt);
     let held = mark(&mut spoilt, |k| held_rows[k]);
-    let spikes = spikes(recording);
-    let corrupt = mark(&mut spoilt, |k| spikes[k]) + recording.report.dropped_rows;
+    let corrupt_rows = corrupt(recording);
+    let corrupt = mark(&mut spoilt, |k| corrupt_rows[k]) + recording.report.dropped_rows;
     // Rows that the reader dropped have left gaps of their own.
     let missing = missing.saturating_sub(recording.report.dropped_rows);
     let faulty = missing + repeated + held + corrupt;
@@ -84,6 +86,12 @@ pub(super) fn find(name: &str, recording: &Recording) -> RowFaults {
     RowFaults { fault, spoilt, gaps_s }
 }
 
+/// Rows that are held or corrupt.
+pub(super) fn unusable(recording: &Recording) -> Vec<bool> {
+    let old = held(recording, &repeated(recording));
+    old.into_iter().zip(corrupt(recording)).map(|(old, corrupt)| old || corrupt).collect()
+}
+
 /// Marks further samples; how many were not marked yet.
 fn mark(spoilt: &mut [bool], is_bad: impl Fn(usize) -> bool) -> usize {
     let mut count = 0;
@@ -94,6 +102,13 @@ fn mark(spoilt: &mut [bool], is_bad: impl Fn(usize) -> bool) -> usize {
         }
     }
     count
+}
+
+/// Rows whose stamp is there already.
+fn repeated(recording: &Recording) -> Vec<bool> {
+    let time = &recording.time_s;
+    let period_s = median_distance(time);
+    (0..time.len()).map(|k| k > 0 && time[k] - time[k - 1] <= SAME_STAMP * period_s).collect()
 }
 
 fn median_distance(time: &[f64]) -> f64 {
@@ -219,10 +234,19 @@ fn moves_on(recording: &Recording, steps: Option<&[f64]>, first: usize, end: usi
     })
 }
 
-/// Rows in which a measurement leaps away from both neighbours and is back in the next.
-fn spikes(recording: &Recording) -> Vec<bool> {
+/// Rows in which a measurement leaps away from both neighbours and is back in the next, or all are zero for a few rows.
+fn corrupt(recording: &Recording) -> Vec<bool> {
     let n = recording.samples();
     let mut found = vec![false; n];
+    if let Some(measurement) = &recording.measurement {
+        let silent: Vec<bool> = (0..n).map(|k| measurement.iter().all(|s| s[k] == 0.0)).collect();
+        let mut at = 0;
+        for run in silent.chunk_by(|a, b| a == b) {
+            let is_inside = at > 0 && at + run.len() < n;
+            found[at..at + run.len()].fill(run[0] && is_inside && run.len() <= LONGEST_BURST_ROWS);
+            at += run.len();
+        }
+    }
     for series in recording.measurement.iter().flatten() {
         let noise = white_level(series).max(resolution(series));
         for k in 2..n.saturating_sub(2) {

@@ -7,7 +7,7 @@
 //! With B, A and R the squared held-out errors of the baseline, of the improved model, and of the improved model with the trees,
 //! (B − A)/(B − R) is the share of what can be predicted that the claims explain, and (A − R)/A the predictable share of the rest.
 
-pub mod boosting;
+mod boosting;
 mod features;
 
 use rayon::prelude::*;
@@ -94,15 +94,17 @@ pub(crate) struct Residual<'a> {
     pub(crate) load_torque: Vec<Vec<f64>>,
 }
 
-/// The rows of a joint that count.
-#[derive(Default)]
-struct Rows {
+/// Rows of a joint: what trees split by, and what they are fitted to.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
     /// `[feature][row]`.
-    features: Vec<Vec<f64>>,
-    before: Vec<f64>,
-    after: Vec<f64>,
+    pub features: Vec<Vec<f64>>,
+    /// Errors of the baseline.
+    pub before: Vec<f64>,
+    /// Errors of the improved model, which the trees are fitted to.
+    pub after: Vec<f64>,
     /// The stretch of time of each row.
-    stretch: Vec<usize>,
+    pub stretch: Vec<usize>,
 }
 
 impl Rows {
@@ -139,10 +141,11 @@ impl Rows {
 /// Squared errors [B, A, R] of a stretch of a joint's held-out rows.
 type Squares = [f64; 3];
 
-/// The held-out errors of a joint, stretch by stretch, and what the trees split by.
-struct Judged {
+/// The held-out errors of a joint, stretch by stretch, and the share of the trees' gain by each feature.
+#[derive(Debug)]
+pub struct Judged {
     stretches: Vec<Squares>,
-    follows: Vec<Follows>,
+    gains: Vec<f64>,
 }
 
 /// How the held-out error of each joint is made up, and that of all joints together, each in units of its own noise;
@@ -153,25 +156,16 @@ pub(crate) fn remainders(
     has_claims: bool,
 ) -> (Vec<Remainder>, Option<Share>) {
     let joints = fitted.iter().chain(held_out).map(|r| r.rows.joints.len()).max().unwrap_or(0);
-    let judged: Vec<Option<Judged>> =
-        (0..joints).into_par_iter().map(|joint| judge(fitted, held_out, joints, joint)).collect();
+    let judge = |joint: usize| {
+        Judged::of(&Rows::of(fitted, joint, MOST_ROWS), &Rows::of(held_out, joint, usize::MAX))
+    };
+    let judged: Vec<Option<Judged>> = (0..joints).into_par_iter().map(judge).collect();
     let remainders = judged
         .iter()
         .enumerate()
-        .map(|(joint, judged)| {
-            let Some(Judged { stretches, follows }) = judged else {
-                let rest = Rest::TooLittleData;
-                return Remainder { joint, rest, explained: None, predictable: None, follows: Vec::new() };
-            };
-            let predictable = jackknife(stretches, |[_, after, rest]| 1.0 - rest / after);
-            let found = predictable.is_some_and(matters);
-            Remainder {
-                joint,
-                rest: if found { Rest::Something } else { Rest::Noise },
-                explained: has_claims.then(|| explained(stretches)).flatten(),
-                predictable,
-                follows: if found { follows.clone() } else { Vec::new() },
-            }
+        .map(|(joint, judged)| Remainder {
+            explained: judged.as_ref().filter(|_| has_claims).and_then(|judged| explained(&judged.stretches)),
+            ..Remainder::of(joint, judged.as_ref(), || names(joints, joint))
         })
         .collect();
     let in_noise = |judged: &Judged| -> Vec<Squares> {
@@ -206,46 +200,68 @@ fn jackknife(stretches: &[Squares], of: impl Fn(Squares) -> f64) -> Option<Share
         .then_some(Share { value, std })
 }
 
-fn judge(fitted: &[Residual<'_>], held_out: &[Residual<'_>], joints: usize, joint: usize) -> Option<Judged> {
-    let (own, other) = (Rows::of(fitted, joint, MOST_ROWS), Rows::of(held_out, joint, usize::MAX));
-    let growth = Growth::default();
-    if own.count() < 4 * growth.leaf_rows || other.count() == 0 {
-        return None;
-    }
-    let edges = Edges::of(&own.features);
-    let classes = edges.classes(&own.features);
-    // How many trees help is found on alternating stretches; then all rows are fitted.
-    let (even, odd): (Vec<usize>, Vec<usize>) =
-        (0..own.count()).partition(|k| own.stretch[*k].is_multiple_of(2));
-    let stopped = |fitted: &[usize], judged: &[usize]| {
-        Boosted::fit(&classes, &own.after, fitted, Some(judged), growth).trees()
-    };
-    let trees = usize::midpoint(stopped(&even, &odd), stopped(&odd, &even));
-    let all: Vec<usize> = (0..own.count()).collect();
-    let boosted = Boosted::fit(&classes, &own.after, &all, None, Growth { trees, ..growth });
-
-    let classes = edges.classes(&other.features);
-    let mut stretches = vec![[0.0; 3]; other.stretch.last().map_or(0, |last| last + 1)];
-    for (row, stretch) in other.stretch.iter().enumerate() {
-        let (before, after) = (other.before[row], other.after[row]);
-        let rest = after - boosted.predict(&classes, row);
-        for (sum, error) in stretches[*stretch].iter_mut().zip([before, after, rest]) {
-            *sum += error * error;
+impl Remainder {
+    /// What trees say of a joint; `names` are those of the features.
+    pub fn of(joint: usize, judged: Option<&Judged>, names: impl FnOnce() -> Vec<String>) -> Self {
+        let nothing = Self {
+            joint,
+            rest: Rest::TooLittleData,
+            explained: None,
+            predictable: None,
+            follows: Vec::new(),
+        };
+        let Some(judged) = judged else { return nothing };
+        let predictable = jackknife(&judged.stretches, |[_, after, rest]| 1.0 - rest / after);
+        if !predictable.is_some_and(matters) {
+            return Self { rest: Rest::Noise, predictable, ..nothing };
         }
+        let mut follows: Vec<Follows> = names()
+            .into_iter()
+            .zip(&judged.gains)
+            .map(|(feature, share)| Follows { feature, share: *share })
+            .filter(|f| f.share >= LISTED_SHARE)
+            .collect();
+        follows.sort_by(|a, b| b.share.total_cmp(&a.share));
+        Self { rest: Rest::Something, predictable, follows, ..nothing }
     }
-    stretches.retain(|squares| squares[1] > 0.0);
-    if stretches.len() < FEWEST_STRETCHES {
-        return None;
+}
+
+impl Judged {
+    /// Trees fitted to some rows and judged on others; none where there are too few of either.
+    #[must_use]
+    pub fn of(own: &Rows, other: &Rows) -> Option<Self> {
+        let growth = Growth::default();
+        if own.count() < 4 * growth.leaf_rows || other.count() == 0 {
+            return None;
+        }
+        let edges = Edges::of(&own.features);
+        let classes = edges.classes(&own.features);
+        // How many trees help is found on alternating stretches; then all rows are fitted.
+        let (even, odd): (Vec<usize>, Vec<usize>) =
+            (0..own.count()).partition(|k| own.stretch[*k].is_multiple_of(2));
+        let stopped = |fitted: &[usize], judged: &[usize]| {
+            Boosted::fit(&classes, &own.after, fitted, Some(judged), growth).trees()
+        };
+        let trees = usize::midpoint(stopped(&even, &odd), stopped(&odd, &even));
+        let all: Vec<usize> = (0..own.count()).collect();
+        let boosted = Boosted::fit(&classes, &own.after, &all, None, Growth { trees, ..growth });
+
+        let classes = edges.classes(&other.features);
+        let mut stretches = vec![[0.0; 3]; other.stretch.last().map_or(0, |last| last + 1)];
+        for (row, stretch) in other.stretch.iter().enumerate() {
+            let (before, after) = (other.before[row], other.after[row]);
+            let rest = after - boosted.predict(&classes, row);
+            for (sum, error) in stretches[*stretch].iter_mut().zip([before, after, rest]) {
+                *sum += error * error;
+            }
+        }
+        stretches.retain(|squares| squares[1] > 0.0);
+        if stretches.len() < FEWEST_STRETCHES {
+            return None;
+        }
+        let gain: f64 = boosted.gains.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        Some(Self { stretches, gains: boosted.gains.iter().map(|own| own / gain).collect() })
     }
-    let gain: f64 = boosted.gains.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    let mut follows: Vec<Follows> = names(joints, joint)
-        .into_iter()
-        .zip(&boosted.gains)
-        .map(|(feature, own)| Follows { feature, share: own / gain })
-        .filter(|f| f.share >= LISTED_SHARE)
-        .collect();
-    follows.sort_by(|a, b| b.share.total_cmp(&a.share));
-    Some(Judged { stretches, follows })
 }
 
 #[cfg(test)]

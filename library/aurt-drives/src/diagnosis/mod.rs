@@ -6,7 +6,7 @@
 //!    numbers are estimated again. One is *missing*, or what is given of it *wrong*, if the held-out recordings are predicted better: the gain of log-likelihood is beyond chance (a paired test
 //!    on blocks of time, false discovery rate over all structures that are tried), it lowers the error of a joint by
 //!    [`Demands::reduction`], and one of its numbers is two deviations from nothing, or from what is given. Of several the one that lowers the error
-//!    of the *fitted* recordings most is added, and the rest is tried again.
+//!    of the *fitted* recordings most, for its count of numbers, is added, and the rest is tried again.
 //! 3. Every structure of the final model is taken out and the rest estimated again. It is *needed* if the held-out recordings
 //!    are then predicted worse, by the same test; else it is *not supported*.
 //!
@@ -15,10 +15,10 @@
 mod evidence;
 mod structures;
 
-pub use evidence::{Comparison, FEWEST_BLOCKS, Missed};
+pub use evidence::{Comparison, FEWEST_BLOCKS, Missed, compare};
 pub use structures::{STRUCTURES, Structure, deciders};
 
-use self::evidence::{compare, largest_of_claims};
+use self::evidence::largest_of_claims;
 use crate::{
     DriveError, DriveRecording, DrivenArm, EstimatedNumber, Options, OutputErrorFit, Selection,
     output_error_from,
@@ -154,7 +154,7 @@ pub fn diagnose(
         };
         let best = (0..tried.len())
             .filter(|k| passes(&tried[*k]))
-            .min_by(|a, b| tried[*a].1.fit.cost.total_cmp(&tried[*b].1.fit.cost));
+            .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
         let Some(best) = best else {
             break tried
                 .into_iter()
@@ -174,7 +174,11 @@ pub fn diagnose(
     };
 
     let mut taken = Vec::new();
-    for structure in examined.iter().filter(|s| s.is_in(&model.fit.arm) || s.is_selected(&model.selection)) {
+    let is_taken = |s: &&Structure| {
+        let is_there = s.is_in(&model.fit.arm) || s.is_selected(&model.selection);
+        is_there && (s.is_optional() || added.iter().any(|a| a.0 == **s))
+    };
+    for structure in examined.iter().filter(is_taken) {
         progress(&format!("without {}", structure.title));
         let (arm, from) = [&model.arm, &model.fit.arm]
             .map(|a| {
@@ -196,7 +200,11 @@ pub fn diagnose(
     for (structure, comparison) in taken {
         let addition = added.iter().find(|a| a.0 == structure);
         let is_given = addition.is_some() && structure.is_in(arm);
-        let supported = search.claims(&structure, is_given, &model.fit, &comparison, largest);
+        let supported = match addition {
+            Some(_) => search.claims(&structure, is_given, &model.fit, &comparison, largest),
+            // A scale that is free makes every number uncertain, and nothing the less needed.
+            None => search.passes(&comparison, largest),
+        };
         let answer = match addition {
             _ if !supported => Answer::NotSupported,
             Some(_) if is_given => Answer::Wrong,
@@ -219,6 +227,11 @@ pub fn diagnose(
         selection: model.selection,
         findings,
     })
+}
+
+/// The cost of the fitted recordings with what numbers lower it by, as [`lowers`] asks for.
+fn worth(trial: &Trial) -> f64 {
+    trial.fit.cost + 2.0 * trial.fit.numbers.len() as f64
 }
 
 /// Whether the cost of the fitted recordings is lower than that of `model` by two for each number that was added: by chance
@@ -281,9 +294,11 @@ impl Search<'_> {
     ) -> bool {
         let own: Vec<&EstimatedNumber> = fit.numbers.iter().filter(|n| structure.has(&n.name)).collect();
         let is_far = |n: &&EstimatedNumber| is_beyond(structure, n, is_given);
-        comparison.probability <= largest
-            && comparison.reduction >= self.demands.reduction
-            && (own.is_empty() || own.iter().any(is_far))
+        self.passes(comparison, largest) && (own.is_empty() || own.iter().any(is_far))
+    }
+
+    fn passes(&self, comparison: &Comparison, largest: f64) -> bool {
+        comparison.probability <= largest && comparison.reduction >= self.demands.reduction
     }
 }
 

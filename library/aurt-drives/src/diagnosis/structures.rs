@@ -26,6 +26,8 @@ enum Absent {
     Least,
     /// It is a part of the arm.
     Part,
+    /// No drive is without it: what is given of it may be wrong.
+    Never,
 }
 
 /// How many values there are.
@@ -47,7 +49,7 @@ const fn of(
 }
 
 /// All of them.
-pub const STRUCTURES: [Structure; 16] = [
+pub const STRUCTURES: [Structure; 17] = [
     Structure {
         scope: Scope::Firmware,
         ..of("time_delay", "a delay of the command", &["delay_s"], "steps and fast sines of the command")
@@ -140,6 +142,15 @@ pub const STRUCTURES: [Structure; 16] = [
         ..of("payload", "a load on the last link", &["mass_scale"], "the same motion with a known weight")
     },
     Structure {
+        absent: Absent::Never,
+        ..of(
+            "torque_constant",
+            "a gain of the firmware, supply or torque constant",
+            &["gain_nm_per_rad", "torque_constant_nm_per_a", "torque_nm_per_v"],
+            "the same motion with a known weight",
+        )
+    },
+    Structure {
         absent: Absent::Part,
         ..of(
             "floor",
@@ -199,11 +210,16 @@ impl Structure {
             Absent::Unlimited => Some(UNLIMITED),
             Absent::One => Some(1.0),
             Absent::Least => Some(bounds[0]),
-            Absent::Part => None,
+            Absent::Part | Absent::Never => None,
         }
     }
 
-    /// Takes it out of an arm.
+    /// Whether an arm can be without it.
+    pub(super) fn is_optional(&self) -> bool {
+        self.absent != Absent::Never
+    }
+
+    /// Takes it out of an arm; numbers that no arm is without keep their values.
     pub(super) fn remove(&self, arm: &mut DrivenArm) {
         if self.absent == Absent::Part {
             arm.floor = None;
@@ -251,10 +267,11 @@ impl Structure {
         arm.set_numbers(&values);
     }
 
-    /// Adds its first number to what is estimated.
+    /// Adds the first of its numbers that the arm has to what is estimated.
     pub(super) fn select(&self, arm: &DrivenArm, selection: &Selection) -> Selection {
         let mut more = selection.clone();
-        let key = self.keys[0].to_owned();
+        let own = self.keys.iter().find(|key| !self.places(arm, &[key]).is_empty());
+        let key = (*own.unwrap_or(&self.keys[0])).to_owned();
         match self.scope {
             Scope::LastLink => more.estimate.push(format!("{key}_{}", arm.joints.len() - 1)),
             Scope::Firmware => {
@@ -279,22 +296,30 @@ impl Structure {
     }
 }
 
-/// The greatest speed and acceleration of the joints over a tenth of a second: the 99.5 % quantiles of the recordings.
+/// The greatest speed and acceleration over a tenth of a second, of the fastest joint: a limit that all share acts on it
+/// first, and often on it alone. Two windows of each joint may be outliers.
 fn fastest(recordings: &[DriveRecording]) -> [f64; 2] {
     const OVER_S: f64 = 0.1;
-    let (mut speeds, mut accelerations) = (Vec::new(), Vec::new());
+    let joints = recordings.first().map_or(0, |r| r.position_rad.len());
+    let mut own = vec![[Vec::new(), Vec::new()]; joints];
     for recording in recordings {
         let span_s = recording.time_s[recording.time_s.len() - 1] - recording.time_s[0];
         let w = (OVER_S * recording.time_s.len() as f64 / span_s).ceil().max(1.0) as usize;
         let over_s = w as f64 * span_s / (recording.time_s.len() - 1) as f64;
-        for q in &recording.position_rad {
+        for (q, [speeds, accelerations]) in recording.position_rad.iter().zip(&mut own) {
             let at = |k: usize| q[(k + w).min(q.len() - 1)] - q[k];
             speeds.extend((0..q.len()).map(|k| at(k).abs() / over_s));
             let change = |k: usize| (at((k + w).min(q.len() - 1)) - at(k)).abs();
             accelerations.extend((0..q.len().saturating_sub(w)).map(|k| change(k) / over_s.powi(2)));
         }
     }
-    [speeds, accelerations].map(|values| quantile(values, 0.995))
+    let third = |mut values: Vec<f64>| {
+        values.sort_by(|a, b| b.total_cmp(a));
+        values.get(2).copied().unwrap_or_default()
+    };
+    own.into_iter()
+        .map(|series| series.map(third))
+        .fold([0.0; 2], |m, s| [f64::max(m[0], s[0]), f64::max(m[1], s[1])])
 }
 
 /// The greatest difference of command and position of a joint.

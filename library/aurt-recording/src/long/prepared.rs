@@ -101,6 +101,7 @@ impl LongRecording {
         let report = PreprocessReport {
             file: self.file.clone(),
             samples: self.samples(),
+            unusable: None,
             clock,
             rate_hz,
             resampled: false,

@@ -103,6 +103,7 @@ pub fn preprocess(
     let mut report = PreprocessReport {
         file: recording.file.clone(),
         samples: recording.samples(),
+        unusable: None,
         rate_hz: clock.rate_hz,
         resampled: clock.resample,
         max_gap_s: clock.max_gap_s,

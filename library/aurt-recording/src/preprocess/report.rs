@@ -14,6 +14,9 @@ pub struct PreprocessReport {
     pub file: PathBuf,
     /// Samples that came in.
     pub samples: usize,
+    /// Of these, samples whose values are not those of their stamp (held, repeated, leaping away for one row), which were left
+    /// out; none where they were not looked for.
+    pub unusable: Option<usize>,
     /// Its time stamps.
     pub clock: ClockReport,
     /// Rate of the grid in use, in Hz.
@@ -86,6 +89,12 @@ impl PreprocessReport {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.clock_note()];
         let clock = &self.clock;
+        if let Some(unusable) = self.unusable.filter(|n| *n > 0) {
+            notes.push(format!(
+                "{unusable} of {} samples repeat older values or leap away for one row and are left out",
+                self.samples
+            ));
+        }
         if clock.repeated > 0 {
             notes.push(format!("{} samples repeated the one before and were merged with it", clock.repeated));
         }

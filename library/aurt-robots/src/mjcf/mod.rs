@@ -1,6 +1,7 @@
 //! MJCF files: the bodies and joints of MuJoCo, as <https://mujoco.readthedocs.io/en/stable/XMLreference.html> describes them.
 
 mod acting;
+mod actuators;
 mod classes;
 mod equality;
 mod joint;
@@ -20,6 +21,7 @@ use crate::element::{Element, Source};
 use crate::pose::Pose;
 use crate::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
 use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+pub use actuators::{PositionActuator, position_actuators};
 use classes::Classes;
 use joint::{ReadJoint, Reading};
 use settings::{FromShapes, Settings, WRITE_OUT};

@@ -1,0 +1,121 @@
+//! Fits of others, judged by recordings of a simulated servo.
+#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::{fs, path::Path};
+
+use aurt::Progress;
+use aurt_drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics, models::PositionServo};
+use aurt_experiment::Experiment;
+use aurt_plugins::Registry;
+use aurt_rbd::{Joint, Placement, SerialChain};
+use aurt_workbench::driving::{DriveOutcome, second_opinion};
+
+const EXPERIMENT: &str = r#"schema = 1
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[drive]
+model = "position_servo"
+estimate = ["damping_nm_s_per_rad", "delay_s", "coulomb_nm", "rotor_inertia_kg_m2"]
+gain_nm_per_rad = 10.0
+damping_nm_s_per_rad = 0.5
+delay_s = 0.02
+coulomb_nm = 0.1
+position_deviation_rad = 1e-3
+[recordings]
+calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
+validation = [{ file = "b.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
+"#;
+
+/// What the servo does: a delay of 28 ms and dry friction of 0.06 Nm, read by an encoder of 4096 ticks a turn.
+fn record(folder: &Path) {
+    fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
+    let drive = PositionServo {
+        gain_nm_per_rad: 10.0,
+        damping_nm_s_per_rad: 0.4,
+        delay_s: 0.028,
+        ..PositionServo::default()
+    };
+    let mechanics = Mechanics { rotor_inertia_kg_m2: 0.01, coulomb_nm: 0.06, ..Mechanics::default() };
+    let chain = SerialChain::new(
+        vec![Joint::revolute(Placement::from_roll_pitch_yaw([0.0; 3], [0.0; 3]))],
+        [0.0, 0.0, -9.81],
+    )
+    .unwrap();
+    let joints = vec![DrivenJoint { drive: Box::new(drive), mechanics }];
+    let arm = DrivenArm { chain, standard_parameters: vec![0.0; 10], joints, floor: None };
+    for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
+        let wave = |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin();
+        let command: Vec<f64> = (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect();
+        let recording = DriveRecording {
+            time_s: (0..1200).map(|k| f64::from(k) * 0.02).collect(),
+            position_rad: vec![command.clone()],
+            command: vec![command.clone()],
+            ..DriveRecording::default()
+        };
+        let tick = std::f64::consts::TAU / 4096.0;
+        let q = arm.rollout(&recording).unwrap().swap_remove(0);
+        let rows = q.iter().zip(&command).enumerate();
+        let row = |(k, (q, c)): (usize, (&f64, &f64))| {
+            format!("{},{},{c}\n", k as f64 * 0.02, (q / tick).round() * tick)
+        };
+        fs::write(folder.join(name), "time,q_0,q_cmd_0\n".to_owned() + &rows.map(row).collect::<String>())
+            .unwrap();
+    }
+}
+
+fn mjcf(joint: &str, actuator: &str) -> String {
+    format!(
+        "<mujoco><worldbody><body><inertial pos=\"0 0 0\" mass=\"0.1\" diaginertia=\"1e-5 1e-5 1e-5\"/>\
+         <joint name=\"j\" {joint}/></body></worldbody><actuator><position joint=\"j\" kp=\"10\" {actuator}/></actuator></mujoco>"
+    )
+}
+
+#[test]
+fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    record(folder);
+    let path = folder.join("experiment.toml");
+    let experiment = Experiment::parse(EXPERIMENT, &path, &mut Registry::linked().unwrap()).unwrap();
+    let judge = |name: &str, text: &str| -> Result<DriveOutcome, String> {
+        fs::write(folder.join(name), text).unwrap();
+        second_opinion(&experiment, &folder.join(name), &Progress::silent()).map_err(|e| e.to_string())
+    };
+    let outcome = judge("fit.xml", &mjcf("armature=\"0.03\" damping=\"0.75\"", "")).unwrap();
+    assert!(outcome.findings, "{}", outcome.text);
+    let rms = |of: &str| outcome.json["held_out_rms"][of].as_f64().unwrap();
+    assert!(rms("own_model") < 1e-3 && rms("given") > 2.0 * rms("own_model"), "{}", outcome.text);
+    assert!(rms("again") <= rms("given") && rms("again") < rms("command"), "{}", outcome.text);
+    let numbers = outcome.json["numbers"].as_array().unwrap();
+    let of = |name: &str| numbers.iter().find(|n| n["name"] == name).unwrap();
+    let change = |name: &str, structure: &str| {
+        let parts = of(name)["stands_for"].as_array().unwrap();
+        parts.iter().find(|p| p["structure"] == structure).unwrap()["change"].as_f64().unwrap()
+    };
+    // A servo that is late by T lags like one with K_p T more damping.
+    assert!((change("damping_nm_s_per_rad_0", "time_delay") - 10.0 * 0.028).abs() < 0.04, "{}", outcome.text);
+    assert!(change("damping_nm_s_per_rad_0", "coulomb") > 0.02, "{}", outcome.text);
+    assert!(change("rotor_inertia_kg_m2_0", "time_delay") > 0.0, "{}", outcome.text);
+    let delay = of("rotor_inertia_kg_m2_0")["stands_for"][0]["value"].as_f64().unwrap();
+    assert!((delay - 0.028).abs() < 1e-3, "{}", outcome.text);
+    let sentence =
+        |name: &str| outcome.text.lines().find(|l| l.contains(name) && l.contains("stands for")).unwrap();
+    assert!(sentence("rotor_inertia_kg_m2_0").contains("stands for a delay of the command (delay_s_0 0.02"));
+    assert!(
+        sentence("damping_nm_s_per_rad_0").contains("dry friction (coulomb_nm_0 0.0"),
+        "{}",
+        outcome.text
+    );
+    assert!(outcome.text.contains("to tell, record") && outcome.text.contains("steps and fast sines"));
+
+    // A fit that has both, and is right, absorbs nothing.
+    let right = mjcf("armature=\"0.01\" damping=\"0.4\" frictionloss=\"0.06\"", "delay=\"0.028\"");
+    let outcome = judge("right.xml", &right).unwrap();
+    assert!(!outcome.findings && !outcome.text.contains("stands for"), "{}", outcome.text);
+
+    let refused = judge("geared.xml", &mjcf("armature=\"0.03\"", "gear=\"2\"")).unwrap_err();
+    assert!(refused.contains("gear") && refused.contains("gains at the joint"), "{refused}");
+    let refused = judge("none.json", "{}").unwrap_err();
+    assert!(refused.contains("neither `kt`"), "{refused}");
+}
