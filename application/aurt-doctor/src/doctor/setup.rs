@@ -366,7 +366,11 @@ struct Thin {
 
 impl Thin {
     fn new(recording: &Recording, options: &Preprocessing, most: usize) -> Self {
-        let rate_hz = 1.0 / median_period_s(&recording.time_s);
+        // Rows that are missing one by one lower the rate, gaps do not.
+        let longest_s = 3.0 * median_period_s(&recording.time_s);
+        let distances = recording.time_s.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= longest_s);
+        let (sum_s, count) = distances.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
+        let rate_hz = count / f64::max(sum_s, f64::MIN_POSITIVE);
         let f_dyn_hz = options.f_dyn_hz.min(F_DYN_SHARE_OF_RATE * rate_hz).min(HIGHEST_F_DYN_HZ);
         let together = ((rate_hz / (SAMPLES_PER_PERIOD * f_dyn_hz)).floor() as usize).max(1);
         Self { together, most, f_dyn_hz }
