@@ -162,7 +162,7 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
     let still: Vec<bool> =
         (0..n).map(|k| k > 0 && !repeated[k] && same(&recording.position_rad, k)).collect();
     let frozen: Vec<bool> = match &recording.measurement {
-        Some(measurement) if measurements_never_agree(measurement) => {
+        Some(measurement) if never_together(measurement, |s, k| s[k] == s[k - 1]) => {
             (0..n).map(|k| k > 0 && !repeated[k] && same(measurement, k)).collect()
         }
         _ => vec![false; n],
@@ -195,22 +195,22 @@ fn usual_step(position: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// Whether it is practically impossible that the measurements of all joints repeat at once by chance: the
-/// probabilities of the single ones, taken where not all repeat, multiply.
-fn measurements_never_agree(measurement: &[Vec<f64>]) -> bool {
+/// Whether it is practically impossible that the measurements of all joints show something at once by chance, in a row that
+/// depends on the one before it: the probabilities of the single ones, taken where not all do, multiply.
+fn never_together(measurement: &[Vec<f64>], shows: impl Fn(&[f64], usize) -> bool) -> bool {
     let n = measurement.first().map_or(0, Vec::len);
-    let mut repeats = vec![0_usize; measurement.len()];
+    let mut counts = vec![0_usize; measurement.len()];
     let mut rows = 0;
     for k in 1..n {
-        if measurement.iter().all(|s| s[k] == s[k - 1]) {
+        if measurement.iter().all(|s| shows(s, k)) {
             continue;
         }
         rows += 1;
-        for (count, series) in repeats.iter_mut().zip(measurement) {
-            *count += usize::from(series[k] == series[k - 1]);
+        for (count, series) in counts.iter_mut().zip(measurement) {
+            *count += usize::from(shows(series, k));
         }
     }
-    let probability: f64 = repeats.iter().map(|c| (*c as f64 + 0.5) / (f64::from(rows) + 1.0)).product();
+    let probability: f64 = counts.iter().map(|c| (*c as f64 + 0.5) / (f64::from(rows) + 1.0)).product();
     log10_poisson_tail(probability * n as f64, 1) < -2.0
 }
 
@@ -238,7 +238,8 @@ fn moves_on(recording: &Recording, steps: Option<&[f64]>, first: usize, end: usi
 fn corrupt(recording: &Recording) -> Vec<bool> {
     let n = recording.samples();
     let mut found = vec![false; n];
-    if let Some(measurement) = &recording.measurement {
+    let measurement = recording.measurement.as_deref().unwrap_or_default();
+    if never_together(measurement, |s, k| s[k] == 0.0) {
         let silent: Vec<bool> = (0..n).map(|k| measurement.iter().all(|s| s[k] == 0.0)).collect();
         let mut at = 0;
         for run in silent.chunk_by(|a, b| a == b) {
