@@ -104,6 +104,9 @@ struct Search<'a> {
     demands: &'a Demands,
 }
 
+/// Blocks of little held-out time are shorter, down to this share of [`Options::block_s`]: the variance of a mean knows that
+/// neighbours depend on each other.
+const SHORTEST_BLOCK: f64 = 0.25;
 /// Steps after which a structure that is added is given up unless it lowers the cost by what chance does.
 const FIRST_STEPS: usize = 4;
 /// A step that lowers the cost by less than this part ends a search from numbers that were found before.
@@ -121,6 +124,14 @@ pub fn diagnose(
     demands: &Demands,
     mut progress: impl FnMut(&str),
 ) -> Result<Diagnosis, DriveError> {
+    let lasts_s: f64 = held_out.iter().map(|r| r.time_s[r.time_s.len() - 1] - r.time_s[r.first]).sum();
+    let shortest_s = SHORTEST_BLOCK * options.block_s;
+    if lasts_s < FEWEST_BLOCKS as f64 * shortest_s {
+        return Err(DriveError::TooShort { needed_s: FEWEST_BLOCKS as f64 * shortest_s });
+    }
+    // A block of each recording is a part of one.
+    let block_s = (lasts_s / (FEWEST_BLOCKS + held_out.len()) as f64).clamp(shortest_s, options.block_s);
+    let options = &Options { block_s, ..options.clone() };
     let search = Search { fitted, held_out, options, demands };
     progress("the model as it is described");
     let described = search.trial(arm.clone(), selection.clone(), arm, options)?;
