@@ -158,15 +158,19 @@ fn held(recording: &Recording, repeated: &[bool]) -> Vec<bool> {
     let n = recording.samples();
     let mut held = vec![false; n];
     let same = |family: &[Vec<f64>], k: usize| family.iter().all(|s| s[k] == s[k - 1]);
-    let usual: Vec<f64> = recording.position_rad.iter().map(|q| usual_step(q)).collect();
-    let still: Vec<bool> =
-        (0..n).map(|k| k > 0 && !repeated[k] && same(&recording.position_rad, k)).collect();
-    let frozen: Vec<bool> = match &recording.measurement {
-        Some(measurement) if never_together(measurement, |s, k| s[k] == s[k - 1]) => {
-            (0..n).map(|k| k > 0 && !repeated[k] && same(measurement, k)).collect()
-        }
-        _ => vec![false; n],
+    let repeats = |family: &[Vec<f64>]| -> Vec<bool> {
+        (0..n).map(|k| k > 0 && !repeated[k] && same(family, k)).collect()
     };
+    let still = repeats(&recording.position_rad);
+    let mut frozen = recording.measurement.as_deref().map_or_else(|| vec![false; n], repeats);
+    let measurement = recording.measurement.as_deref().unwrap_or_default();
+    if !frozen.contains(&true) || !never_together(measurement, |s, k| s[k] == s[k - 1]) {
+        frozen.fill(false);
+    }
+    if !still.contains(&true) && !frozen.contains(&true) {
+        return held;
+    }
+    let usual: Vec<f64> = recording.position_rad.iter().map(|q| usual_step(q)).collect();
     let mut k = 1;
     while k < n {
         if !(still[k] || frozen[k]) {
@@ -239,8 +243,8 @@ fn corrupt(recording: &Recording) -> Vec<bool> {
     let n = recording.samples();
     let mut found = vec![false; n];
     let measurement = recording.measurement.as_deref().unwrap_or_default();
-    if never_together(measurement, |s, k| s[k] == 0.0) {
-        let silent: Vec<bool> = (0..n).map(|k| measurement.iter().all(|s| s[k] == 0.0)).collect();
+    let silent: Vec<bool> = (0..n).map(|k| measurement.iter().all(|s| s[k] == 0.0)).collect();
+    if !measurement.is_empty() && silent.contains(&true) && never_together(measurement, |s, k| s[k] == 0.0) {
         let mut at = 0;
         for run in silent.chunk_by(|a, b| a == b) {
             let is_inside = at > 0 && at + run.len() < n;
@@ -249,12 +253,16 @@ fn corrupt(recording: &Recording) -> Vec<bool> {
         }
     }
     for series in recording.measurement.iter().flatten() {
-        let noise = white_level(series).max(resolution(series));
-        for k in 2..n.saturating_sub(2) {
+        let leap_at = |k: usize| {
             let [a, b, here, c, d] = [series[k - 2], series[k - 1], series[k], series[k + 1], series[k + 2]];
-            let leap = (here - 0.5 * (b + c)).abs();
             let around = (a - b).abs().max((b - c).abs()).max((c - d).abs());
-            found[k] |= leap > SPIKE * noise.max(around);
+            let leap = (here - 0.5 * (b + c)).abs();
+            (leap > SPIKE * around).then_some((k, leap))
+        };
+        let mut leaps = (2..n.saturating_sub(2)).filter_map(leap_at).peekable();
+        if leaps.peek().is_some() {
+            let noise = white_level(series).max(resolution(series));
+            leaps.filter(|(_, leap)| *leap > SPIKE * noise).for_each(|(k, _)| found[k] = true);
         }
     }
     found
