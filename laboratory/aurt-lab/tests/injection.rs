@@ -110,7 +110,7 @@ fn what_was_added_is_what_the_truth_says() {
             let order = [&split.calibration[..], &split.target, &split.validation].concat();
             for (place, k) in order.into_iter().enumerate() {
                 let file = format!("recording_{}.csv", place + 1);
-                let (with, without) = (columns(&case, &file), columns(&reference, &file));
+                let (with, mut without) = (columns(&case, &file), columns(&reference, &file));
                 let recorded = &world.injection.recorded()[k];
                 let measured = recorded.recording.measurement.as_ref().unwrap();
                 let affected = match truth.effects[0].recording.as_deref() {
@@ -118,10 +118,16 @@ fn what_was_added_is_what_the_truth_says() {
                     None => split.presence == Presence::All || place >= split.calibration.len(),
                 };
                 let torque = added.torque(&recorded.scene, measured).unwrap();
+                // Nothing late was measured before the recording began.
+                let first = without[0].len() - with[0].len();
+                let is_late = affected && effect == "time_delay";
+                let begins_s = if is_late { added.size } else { 0.0 };
+                assert_eq!(first, without[0].partition_point(|t| *t < without[0][0] + begins_s), "{effect}");
+                without.iter_mut().for_each(|column| drop(column.drain(..first)));
                 assert_eq!(with[..7], without[..7], "{effect}: stamps and positions");
                 let mut largest = 0.0_f64;
                 for j in 0..6 {
-                    for (row, t) in torque[j].iter().enumerate() {
+                    for (row, t) in torque[j][first..].iter().enumerate() {
                         let difference = with[7 + j][row] - without[7 + j][row];
                         let expected = if affected { *t } else { 0.0 };
                         assert!((difference - expected).abs() < 1e-9, "{effect} on joint {j}");

@@ -3,7 +3,7 @@ use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, inve
 use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_plugins::Registry;
 use aurt_recording::Recording;
-use aurt_simulation::inject::{Added, Injection, Presence, Split};
+use aurt_simulation::inject::{Added, Injection, Presence, Split, applied};
 use aurt_traits::RobotModel;
 
 use super::claims::Claims;
@@ -94,8 +94,8 @@ impl Subject {
     /// If the rigid bodies refuse.
     pub fn altered(&self, place: Place, effects: &[&Added]) -> Result<Recording, Failure> {
         let recorded = &self.injection.recorded()[place.number];
-        let mut here = effects.iter().filter(|e| self.has(place, e));
-        Ok(here.try_fold(recorded.recording.clone(), |r, e| e.applied(&recorded.scene, &r))?)
+        let here: Vec<&Added> = effects.iter().copied().filter(|e| self.has(place, e)).collect();
+        Ok(applied(&here, &recorded.scene, &recorded.recording)?)
     }
 
     /// The recordings with effects.

@@ -9,7 +9,7 @@ use serde_json::json;
 use aurt_simulation::{
     Random, Rotors, SimulationError,
     effects::{self, Family},
-    inject::{Built, Kind, Law, Presence, Rows, Split, mean_square},
+    inject::{Added, Built, Kind, Law, Presence, Rows, Split, applied, mean_square},
 };
 
 use super::{build::build, requests::InjectedWorld};
@@ -140,12 +140,9 @@ impl InjectedWorld {
             .into_iter()
             .map(|(k, affected)| {
                 let recorded = &self.injection.recorded()[k];
-                built
-                    .iter()
-                    .filter(|b| affected && (!b.added.is_local() || first_target == Some(k)))
-                    .try_fold(recorded.recording.clone(), |recording, b| {
-                        b.added.applied(&recorded.scene, &recording)
-                    })
+                let here = |b: &&Built| affected && (!b.added.is_local() || first_target == Some(k));
+                let here: Vec<&Added> = built.iter().filter(here).map(|b| &b.added).collect();
+                applied(&here, &recorded.scene, &recorded.recording)
             })
             .collect::<Result<Vec<Recording>, SimulationError>>()?;
         let mut files = vec![

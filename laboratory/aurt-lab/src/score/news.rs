@@ -105,20 +105,30 @@ impl<'a> Background<'a> {
     /// The claims that are news, in the verdict's order: neither the background's nor the reference's. A claim on
     /// several joints is one for each of them.
     pub fn news(&self, truth: &Truth, claim: &'a Claim) -> Vec<News<'a>> {
-        claim.effects.iter().filter_map(|c| self.one(truth, c)).collect()
+        claim.effects.iter().filter_map(|c| self.one(truth, &claim.effects, c)).collect()
     }
 
-    fn one(&self, truth: &Truth, claim: &'a ClaimedEffect) -> Option<News<'a>> {
+    fn one(&self, truth: &Truth, claims: &[ClaimedEffect], claim: &'a ClaimedEffect) -> Option<News<'a>> {
         let change = claim.is_change();
+        let alternatives = &claim.alternatives[..claim.alternatives.len().min(ALTERNATIVES)];
+        let same = Sameness::Class;
         let is_true = |joint: usize| {
-            let here =
-                |e: &TrueEffect| Sameness::Class.same(&e.effect, &claim.effect) && e.joints.contains(&joint);
+            let named = |e: &TrueEffect, by: &ClaimedEffect| {
+                same.same(&e.effect, &by.effect) && by.joints.contains(&joint)
+            };
+            // A name of the background speaks of the truth that it says would do as well, unless another claim does.
+            let or = |e: &TrueEffect| {
+                alternatives.iter().any(|a| same.same(&e.effect, &a.effect))
+                    && !claims.iter().any(|c| named(e, c))
+            };
+            let here = |e: &TrueEffect| e.joints.contains(&joint) && (named(e, claim) || or(e));
             truth.effects.iter().any(here)
         };
         let joints: Vec<usize> = if whole_arm(&claim.effect) {
             claim.joints.clone()
         } else {
-            let new = |j: &usize| is_true(*j) || !self.has_on(&claim.effect, change, *j);
+            let names = alternatives.iter().map(|a| a.effect.as_str()).chain([claim.effect.as_str()]);
+            let new = |j: &usize| is_true(*j) || !names.clone().any(|name| self.has_on(name, change, *j));
             claim.joints.iter().copied().filter(new).collect()
         };
         let of_truth = truth.effects.iter().any(|e| Sameness::Class.same(&e.effect, &claim.effect));
@@ -127,7 +137,6 @@ impl<'a> Background<'a> {
         } else {
             joints.is_empty()
         };
-        let alternatives = &claim.alternatives[..claim.alternatives.len().min(ALTERNATIVES)];
         (!old).then_some(News { effect: &claim.effect, joints, change, alternatives })
     }
 }

@@ -121,6 +121,15 @@ fn the_background_and_the_reference_are_no_news() {
     assert_eq!(both(&[0, 2], "calibration").beside, 1);
     assert_eq!(both(&[0], "target").beside, 1, "a background has not changed");
 
+    let with = |effect: &str, joint: usize, alternative: &str| {
+        let mut one = claimed(effect, &[joint], "calibration");
+        one["alternatives"] = json!([{ "effect": alternative, "joints": [joint] }]);
+        score(&rough, &claim("named", &[one, right.clone()]), None, None).beside
+    };
+    assert_eq!(with("stribeck", 0, "presliding_hysteresis"), 0, "it says that the background does as well");
+    assert_eq!(with("stribeck", 0, "viscous"), 1);
+    assert_eq!(with("stribeck", 2, "presliding_hysteresis"), 1, "there is none on this joint");
+
     let lost: TrueEffect =
         serde_json::from_value(effect("dropped_samples", &[0, 1, 2], "calibration")).unwrap();
     rough.background.push(lost);

@@ -66,7 +66,7 @@ impl Parts<'_> {
         if baseline.frozen || groups.is_empty() || !own_columns && !groups.iter().any(is_made_of_it) {
             return Ok(false);
         }
-        let laws = self.laws(&groups);
+        let laws = self.laws(&groups)?;
         for round in 0..ROUNDS {
             let own = selected.fitted.own(self.own, self.base);
             for law in &laws {
@@ -116,10 +116,18 @@ impl Parts<'_> {
         (0..from.len()).filter(law).map(by).fold(0.0, f64::max)
     }
 
-    /// The candidates of chosen laws, and of all that are made of the model's coefficients.
-    fn laws(&self, chosen: &[&Group]) -> Vec<usize> {
+    /// The candidates of chosen laws, and of all that are made of the model's coefficients. Where a load was found, the
+    /// latter keep that of the model in question: losses of a load that contain a spring's torque would take its place.
+    fn laws(&self, chosen: &[&Group]) -> Result<Vec<usize>, DiagnosisError> {
+        let mut is_loaded = false;
+        for candidate in chosen.iter().map(|g| &self.candidates[g.candidate]) {
+            if let Addition::Term(configuration) = &candidate.proposal.addition {
+                is_loaded |= build_term(self.registry, candidate.effect, configuration)?.is_load();
+            }
+        }
         let chosen = |k: usize| chosen.iter().any(|g| g.candidate == k);
-        (0..self.candidates.len()).filter(|k| chosen(*k) || self.candidates[*k].effect.reads_model).collect()
+        let is_made_of_it = |k: usize| !is_loaded && self.candidates[k].effect.reads_model;
+        Ok((0..self.candidates.len()).filter(|k| chosen(*k) || is_made_of_it(*k)).collect())
     }
 
     fn final_model(&self, laws: &[usize]) -> Result<Final, DiagnosisError> {

@@ -113,6 +113,7 @@ impl Selector<'_> {
             self.forward(&mut chosen, &barred, &mut progress);
             self.replace(&mut chosen);
             self.scoring().split(&mut chosen);
+            self.scoring().join(&mut chosen);
             barred.extend(self.scoring().remove(&mut chosen, &before));
             if chosen == start {
                 break;
@@ -236,6 +237,34 @@ impl Scoring<'_> {
             } else {
                 i += 1;
             }
+        }
+    }
+
+    /// Replaces two effects on the same joints by one of as many coefficients that does as well: more Coulomb friction and
+    /// more viscous friction are friction at another level.
+    fn join(&self, chosen: &mut Vec<usize>) {
+        let alike = |a: &Group, b: &Group| a.joints == b.joints && a.target_only() == b.target_only();
+        let mut pairs = (0..chosen.len()).flat_map(|i| (i + 1..chosen.len()).map(move |k| (i, k)));
+        let joined = pairs.find_map(|(i, k)| {
+            let (one, other) = (&self.groups[chosen[i]], &self.groups[chosen[k]]);
+            if !alike(one, other) {
+                return None;
+            }
+            let rest = without(&without(chosen, k), i);
+            let fit = self.fit(&rest);
+            let apart: Vec<Switch> = one.switches.iter().chain(&other.switches).copied().collect();
+            let before = &fit.errors.all;
+            let near = self.near(self.score(&fit, before, &self.with(&fit, &apart)));
+            let both = |g: usize| {
+                let own = &self.groups[g];
+                own.is_named() && alike(own, one) && own.switches.len() == apart.len() && !chosen.contains(&g)
+            };
+            let ranked = self.rank(&fit, |g| both(g) && !self.is_repeated(g, &rest));
+            let best = ranked.first().filter(|(_, score)| *score >= near)?.0;
+            Some(rest.into_iter().chain([best]).collect())
+        });
+        if let Some(joined) = joined {
+            *chosen = joined;
         }
     }
 

@@ -175,6 +175,26 @@ fn a_change_is_found_beside_the_structure_that_hides_it() {
 }
 
 #[test]
+fn two_changes_of_friction_are_one() {
+    // Beside the spring that is still missing, the larger change does as well as both; beside the larger change, the smaller
+    // one is found.
+    let mut rows = Rows::new(vec![
+        recording(Role::Calibration, 8, &[1.0, 0.0, 0.0, 0.5]),
+        recording(Role::Target, 9, &[1.0, 1.0, 0.14, 0.5]),
+    ]);
+    let mut level = group("friction_level_changed", 1, true);
+    level.switches.push(switch(2, true));
+    let apart = [group("viscous", 1, true), group("coulomb", 2, true), group("spring", 3, false)];
+    let mut chosen = |groups: &[Group]| {
+        let mut found: Vec<usize> = rows.select(groups).chosen.iter().map(|c| c.group).collect();
+        found.sort_unstable();
+        found
+    };
+    assert_eq!(chosen(&apart), [0, 1, 2]);
+    assert_eq!(chosen(&[&apart[..], &[level]].concat()), [2, 3]);
+}
+
+#[test]
 fn a_weak_effect_leaves_its_like_open_and_a_strong_one_does_not() {
     let seeds = 100..140;
     for (strength, expected) in [(0.05, 32..=40), (0.8, 0..=2)] {

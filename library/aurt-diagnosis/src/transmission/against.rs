@@ -38,7 +38,7 @@ pub(super) struct Against<'a> {
     joint: usize,
     /// The joints whose rows take part.
     span: Vec<Spanned>,
-    /// Power of the joint's own residual, block by block.
+    /// Power of the residual of these rows, block by block.
     power: Vec<f64>,
 }
 
@@ -125,11 +125,9 @@ impl<'a> Against<'a> {
         let mut power = vec![0.0; rows.parts];
         let mut spanned = Vec::with_capacity(span.len());
         for (place, (i, residual)) in span.into_iter().zip(&residual).enumerate() {
-            if i == joint {
-                for (r, block) in residual.iter().zip(&rows.block) {
-                    if let Some(sum) = block.map(|b| &mut power[b]) {
-                        *sum += r * r;
-                    }
+            for (r, block) in residual.iter().zip(&rows.block) {
+                if let Some(sum) = block.map(|b| &mut power[b]) {
+                    *sum += r * r;
                 }
             }
             let along: Vec<&Vec<f64>> = bands.iter().map(|band| &band[place]).collect();
@@ -177,7 +175,7 @@ impl<'a> Against<'a> {
         moments
     }
 
-    /// Power of the joint's own residual, block by block.
+    /// Power of the residual, block by block.
     pub fn power(&self) -> &[f64] {
         &self.power
     }

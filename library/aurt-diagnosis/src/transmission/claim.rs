@@ -4,7 +4,7 @@
 //! log-likelihood that a prediction gains on held-out rows. Frequency, damping and play are found by variable
 //! projection – the amplitude follows from each shape by least squares –, from a grid of starts by a pattern search.
 
-use aurt_calibration::in_standard_errors;
+use aurt_calibration::{in_standard_errors, two_sided};
 
 use super::against::{Against, Moments, OwnFreed};
 use super::rows::PARTS;
@@ -14,9 +14,6 @@ use crate::error::DiagnosisError;
 /// Least gain in log-likelihood on held-out rows, nats. The starts are some fifty shapes of each of seven
 /// joints: where nothing is there, the best of them gains less than 1 on other rows (it is as likely to lose).
 pub(super) const LEAST_GAIN: f64 = 12.0;
-/// Least mean of the gain over the parts of blocks, in standard errors: less is reached by
-/// one null joint in 400 (Student, 40 parts), before amplitude and agreement of the halves are asked for.
-const LEAST_T: f64 = 3.0;
 /// Fewest parts of blocks that may judge: eight seconds.
 const FEWEST_PARTS: usize = 8 * PARTS;
 /// A gear's torque is what physics asks: amplitude 1. A rotor's inertia that a fit cannot tell from the link's makes it smaller, a load that
@@ -43,6 +40,13 @@ pub(super) enum Among {
     Targets,
 }
 
+/// The level of the test, and the number of gears that are looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    pub level: f64,
+    pub trials: f64,
+}
+
 /// A gear that was found, whether or not it passes all tests.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
@@ -56,8 +60,9 @@ pub(super) struct Found {
     /// Gain in log-likelihood on held-out rows: over all, over reference and target recordings.
     pub gain: f64,
     pub gains: [f64; 2],
-    /// Mean gain of the parts of blocks in standard errors.
-    pub t: f64,
+    /// The probability that chance makes such gains of the parts of blocks in one of all trials: Student's t of the logarithms
+    /// of the powers' ratios, which few parts with impacts do not decide.
+    pub p: f64,
     /// Share of the power of the joint's own rows that it explains.
     pub share: f64,
     /// Tests that it fails, in words.
@@ -150,7 +155,7 @@ impl<'a> JointRows<'a> {
     }
 
     /// Looks for a gear among starts; `None` if nothing is worth a test. Also what starts of amplitude 1 would gain.
-    pub fn search(&self, scan: &Scan<'_>, among: Among) -> (Option<Found>, Vec<f64>) {
+    pub fn search(&self, scan: &Scan<'_>, among: Among, level: Level) -> (Option<Found>, Vec<f64>) {
         let Scan { starts, moments: scanned } = scan;
         let blocks = self.blocks(among);
         let halves: [Vec<Block>; 2] =
@@ -174,11 +179,12 @@ impl<'a> JointRows<'a> {
         if crossed(first, &halves[0], &halves[1]) + crossed(second, &halves[1], &halves[0]) < WORTH_REFINING {
             return (None, visible);
         }
-        (Some(self.tested(&halves, [starts[first], starts[second]], &blocks)), visible)
+        (Some(self.tested(&halves, [starts[first], starts[second]], &blocks, level)), visible)
     }
 
-    fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block]) -> Found {
-        let mut gains = [Vec::new(), Vec::new()];
+    fn tested(&self, halves: &[Vec<Block>; 2], starts: [Shape; 2], blocks: &[Block], level: Level) -> Found {
+        let mut gains = [0.0; 2];
+        let mut log_gains = Vec::new();
         let mut shapes = Vec::new();
         let mut amplitudes = Vec::new();
         for (k, start) in starts.into_iter().enumerate() {
@@ -187,13 +193,15 @@ impl<'a> JointRows<'a> {
             let moments = self.moments(&self.all, shape);
             let amplitude = amplitude(sums(&moments, fit));
             for (s, b) in judge {
-                gains[usize::from(self.target[*s])].push(gain(moments[*s][*b], amplitude));
+                let gain = gain(moments[*s][*b], amplitude);
+                gains[usize::from(self.target[*s])] += gain;
+                let power = self.all[*s].power()[*b];
+                log_gains.push((power / (power - 2.0 * gain)).ln());
             }
             shapes.push(shape);
             amplitudes.push(amplitude);
         }
-        let judged: Vec<f64> = gains.iter().flatten().copied().collect();
-        let total: f64 = judged.iter().sum();
+        let total = gains[0] + gains[1];
         let better = usize::from(
             fitted_gain(sums(&self.moments(&self.all, shapes[1]), blocks))
                 > fitted_gain(sums(&self.moments(&self.all, shapes[0]), blocks)),
@@ -212,12 +220,12 @@ impl<'a> JointRows<'a> {
             amplitude_std: 1.0 / cc.sqrt(),
             shape_std: self.shape_std(shape, blocks),
             gain: total,
-            gains: [gains[0].iter().sum(), gains[1].iter().sum()],
-            t: in_standard_errors(&judged),
+            gains,
+            p: level.by_chance(&log_gains),
             share: 2.0 * total / own_power.max(f64::MIN_POSITIVE),
             fails: Vec::new(),
         };
-        found.test(&shapes, &amplitudes, self.top_hz);
+        found.test(&shapes, &amplitudes, self.top_hz, level.level);
         found
     }
 
@@ -264,8 +272,17 @@ impl<'a> JointRows<'a> {
     }
 }
 
+impl Level {
+    /// The probability that a mean as far above zero as that of some gains comes about in one of all trials.
+    fn by_chance(self, gains: &[f64]) -> f64 {
+        let t = in_standard_errors(gains);
+        let above = if t > 0.0 { 0.5 * two_sided(t, gains.len() as f64 - 1.0) } else { 1.0 };
+        (self.trials * above).min(1.0)
+    }
+}
+
 impl Found {
-    fn test(&mut self, shapes: &[Shape], amplitudes: &[f64], top_hz: f64) {
+    fn test(&mut self, shapes: &[Shape], amplitudes: &[f64], top_hz: f64, level: f64) {
         let mut fails = Vec::new();
         if self.gain < LEAST_GAIN {
             fails.push(format!(
@@ -273,11 +290,8 @@ impl Found {
                 self.gain
             ));
         }
-        if self.t.is_nan() || self.t < LEAST_T {
-            fails.push(format!(
-                "its gain of {:.0} nats is {:.1} standard errors, at least {LEAST_T} required",
-                self.gain, self.t
-            ));
+        if self.p > level {
+            fails.push(format!("chance alone makes such a finding with a probability of {:.2}", self.p));
         }
         if self.share < LEAST_SHARE {
             fails.push(format!("it explains only {:.1} % of the joint's residual", 100.0 * self.share));

@@ -33,7 +33,7 @@ use crate::recordings::rows::{Fit, Role};
 use crate::request::Question;
 use crate::vocabulary::Effect;
 use against::OwnFreed;
-use claim::{Among, Found, JointRows, LEAST_GAIN, Visible};
+use claim::{Among, Found, JointRows, LEAST_GAIN, Level, Visible};
 use gravity::GravityGradients;
 use rows::Rows;
 use shape::{Inertia, Shape};
@@ -49,6 +49,8 @@ pub struct Shaking {
     pub present: [bool; 2],
     /// Gain in log-likelihood on held-out rows, nats.
     pub score: f64,
+    /// The probability that chance makes such a gain in one of all gears that are looked for.
+    pub p: f64,
     /// Stiffness of the gear or of its flanks and its standard deviation, Nm/rad (A/rad of a current).
     pub stiffness_nm_rad: [f64; 2],
     /// Damping and its standard deviation, Nm s/rad.
@@ -125,6 +127,12 @@ pub fn find_gears(
         return Ok(Gears::default());
     }
     let mut gears = Gears::default();
+    let kinds = [false, true].map(|target| pieces.iter().any(|p| p.target == target));
+    let ways = [effects, kinds].map(|of| of.iter().filter(|is| **is).count() as f64);
+    let level = Level {
+        level: question.selection.level,
+        trials: question.model.joints() as f64 * ways.iter().product::<f64>(),
+    };
     loop {
         let freed = |most_hz: f64| {
             pieces
@@ -141,7 +149,7 @@ pub fn find_gears(
             .collect();
         let of_joints = open
             .par_iter()
-            .map(|joint| of_joint(&freed, *joint, effects))
+            .map(|joint| of_joint(&freed, *joint, effects, level))
             .collect::<Result<Vec<_>, DiagnosisError>>()?;
         gears.found.retain(|g| g.confirmed);
         let mut round: Vec<Shaking> = of_joints.iter().flat_map(|o| o.found.iter().cloned()).collect();
@@ -207,13 +215,17 @@ fn of_joint(
     [elastic_rows, play_rows]: &[Vec<OwnFreed>; 2],
     joint: usize,
     effects: [bool; 2],
+    level: Level,
 ) -> Result<OfJoint, DiagnosisError> {
     let kinds = [elastic_rows.iter().any(|f| !f.target), elastic_rows.iter().any(|f| f.target)];
     let search = |rows: &JointRows<'_>, starts: &[Shape]| {
         let scan = rows.scan(starts);
-        let (found, visible) = rows.search(&scan, Among::All);
-        let found =
-            if kinds == [true; 2] { changed(found, rows.search(&scan, Among::Targets).0) } else { found };
+        let (found, visible) = rows.search(&scan, Among::All, level);
+        let found = if kinds == [true; 2] {
+            changed(found, rows.search(&scan, Among::Targets, level).0)
+        } else {
+            found
+        };
         let shows: Vec<Shape> =
             starts.iter().zip(visible).filter(|(_, gain)| *gain >= VISIBLE_GAIN).map(|(s, _)| *s).collect();
         // A torque of the right shape and a tenth of the size is none of a gear, and no indication of one.
@@ -270,6 +282,7 @@ impl Shaking {
             joint: found.joint,
             present: [shown(0), shown(1)],
             score: found.gain,
+            p: found.p,
             stiffness_nm_rad: [stiffness, stiffness * (2.0 * hz).hypot(relative)],
             damping_nm_s: [damping, damping * hz.hypot(ratio).hypot(relative)],
             gap_rad: [gear.half_gap_rad, if play { gear.half_gap_rad * gap } else { 0.0 }],

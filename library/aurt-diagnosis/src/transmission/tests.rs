@@ -6,7 +6,7 @@ use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::MeasurementUnit;
 
 use super::against::OwnFreed;
-use super::claim::{Among, Found, JointRows};
+use super::claim::{Among, Found, JointRows, Level};
 use super::gravity::GravityGradients;
 use super::rows::Rows;
 use super::series::FullRate;
@@ -111,7 +111,7 @@ fn searched(encoder_noise_rad: f64, hz: Option<f64>) -> Option<Found> {
     let freed = [OwnFreed::new(rows.unwrap(), false)];
     let rows = JointRows::new(&freed, 0).unwrap().unwrap();
     let [elastic, _]: [Vec<Shape>; 2] = rows.starts();
-    rows.search(&rows.scan(&elastic), Among::All).0
+    rows.search(&rows.scan(&elastic), Among::All, Level { level: 0.05, trials: 2.0 }).0
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
             shaking.frequency_hz
         )
     };
-    let evidence = Evidence::of(shaking.score, question.selection.score);
+    let evidence = Evidence { p: Some(shaking.p), ..Evidence::of(shaking.score, question.selection.score) };
     Finding {
         present_in: kinds.iter().filter(|(_, is)| *is).map(|(kind, _)| (*kind).to_owned()).collect(),
         parameters,

@@ -35,24 +35,33 @@ impl Added {
             _ => Ok(friction::torque(self, scene)),
         }
     }
+}
 
-    /// The recording with the effect.
-    ///
-    /// # Errors
-    /// As [`Self::torque`].
-    pub fn applied(&self, scene: &Scene, recording: &Recording) -> Result<Recording, SimulationError> {
-        let mut altered = recording.clone();
-        if let Law::DroppedSamples { seed } = self.law {
-            instrument::drop_samples(&mut altered, self.size, seed);
-            return Ok(altered);
-        }
+/// The recording with effects; those that take rows out of it come last.
+///
+/// # Errors
+/// As [`Added::torque`].
+pub fn applied(
+    effects: &[&Added],
+    scene: &Scene,
+    recording: &Recording,
+) -> Result<Recording, SimulationError> {
+    let mut altered = recording.clone();
+    for effect in effects.iter().filter(|e| !matches!(e.law, Law::DroppedSamples { .. })) {
         let measured = altered.measurement.get_or_insert_default();
-        let torque = self.torque(scene, measured)?;
+        let torque = effect.torque(scene, measured)?;
         for (series, added) in measured.iter_mut().zip(&torque) {
             for (m, a) in series.iter_mut().zip(added) {
                 *m += a;
             }
         }
-        Ok(altered)
     }
+    for effect in effects {
+        match effect.law {
+            Law::TimeDelay => instrument::begin_late(&mut altered, effect.size),
+            Law::DroppedSamples { seed } => instrument::drop_samples(&mut altered, effect.size, seed),
+            _ => {}
+        }
+    }
+    Ok(altered)
 }

@@ -75,11 +75,23 @@ pub(super) fn drop_samples(recording: &mut Recording, share: f64, seed: u64) {
         }
         done += length;
     }
+    retain(recording, |k| !missing[k]);
+}
+
+/// Leaves out the rows before the first late value, which nothing was measured of.
+pub(super) fn begin_late(recording: &mut Recording, delay_s: f64) {
+    let first = recording.time_s.first().map_or(0.0, |t| t + delay_s);
+    let kept: Vec<bool> = recording.time_s.iter().map(|t| *t >= first).collect();
+    retain(recording, |k| kept[k]);
+}
+
+/// Keeps some rows.
+fn retain(recording: &mut Recording, is_kept: impl Fn(usize) -> bool) {
     let keep = |series: &mut Vec<f64>| {
         let mut row = 0;
         series.retain(|_| {
             row += 1;
-            !missing[row - 1]
+            is_kept(row - 1)
         });
     };
     keep(&mut recording.time_s);

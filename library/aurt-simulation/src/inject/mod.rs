@@ -28,6 +28,7 @@ mod sizing;
 mod smoothed;
 mod split;
 
+pub use applied::applied;
 pub use describe::SizeName;
 pub use gram::{Gram, mean_square};
 pub use injection::{Injection, Recorded};
