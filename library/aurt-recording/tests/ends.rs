@@ -108,3 +108,15 @@ fn accelerations_up_to_the_ends() {
     assert!(worst[0] < 0.1 * largest, "{worst:?} of {largest}");
     assert!(worst[1] > largest, "{worst:?} of {largest}");
 }
+
+#[test]
+fn a_run_shorter_than_the_memory_has_a_motion_and_no_rows() {
+    for gap_to_s in [1.2, 1.5, 1.7, 1.8, 1.9, 1.93] {
+        let recording = recorded([0.0, 2.0], |t| !(0.9..gap_to_s).contains(&t));
+        let data = prepared(&recording, false, true);
+        let Some(last) = data.segments.get(1) else { continue };
+        assert_eq!(last.motion.samples(), ((2.0 - gap_to_s) * RATE_HZ).round() as usize - 2);
+        assert_eq!(last.measurement.as_ref().unwrap()[0].len(), last.rows());
+        assert!(gap_to_s < 1.7 || last.rows() == 0, "{gap_to_s} s: {} rows", last.rows());
+    }
+}

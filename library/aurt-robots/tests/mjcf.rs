@@ -230,7 +230,7 @@ fn files_of_many_bodies_are_read_at_once() {
     assert_eq!(arm.standard_parameters.unwrap()[9], 40_000.0);
     let error = parse(&of(&moving), "many.xml", None, None).unwrap_err().to_string();
     assert!(error.contains("and 39960 more"), "{error}");
-    assert!(begin.elapsed().as_secs() < 30, "{:?}", begin.elapsed());
+    assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
 
 const SHAPES: &str = include_str!("reference/shapes.xml");

@@ -24,7 +24,7 @@ use crate::{
 };
 
 /// Longest time that a command may take here.
-const LONGEST: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(300);
 /// Memory that a command may take: so many times its input, and so many bytes.
 const MEMORY: (u64, u64) = (20, 200 << 20);
 /// Draws of each damage that draws something, in all and in the share of every test run.

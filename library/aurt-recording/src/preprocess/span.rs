@@ -74,7 +74,9 @@ impl Memory {
             return Span { wanted: motion.clone(), motion, rows, near_ends, lost: 0, all, decimation };
         }
         if options.whole_motion {
-            let rows = rows.start.next_multiple_of(decimation).min(rows.end)..rows.end;
+            // A run shorter than the filters' memory has a motion and no row.
+            let end = rows.end.min(all);
+            let rows = rows.start.next_multiple_of(decimation).min(end)..end;
             return Span { motion: 0..all, rows, wanted, near_ends, lost: 0, all, decimation };
         }
         let end = (rows.end + self.parallel).min(all.saturating_sub(self.motion)).max(rows.end);
