@@ -55,18 +55,20 @@ def long_work():
 
 
 def test_ctrl_c_ends_the_waiting(long_work):
-    pressed = []
+    begun, pressed = time.monotonic(), []
+    long_work()
+    whole = time.monotonic() - begun
 
     def press():
         pressed.append(time.monotonic())
         _thread.interrupt_main()
 
-    timer = threading.Timer(0.5, press)
+    timer = threading.Timer(0.2 * whole, press)
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         long_work()
-    # An idle machine takes a tenth of a second; what does not listen takes as long as its diagnosis, or for ever.
-    assert time.monotonic() - pressed[0] < 20.0
+    # What does not listen goes on for four fifths of the work, however busy the machine is.
+    assert time.monotonic() - pressed[0] < 0.5 * whole
 
 
 def test_other_threads_go_on_meanwhile(two_link, monday):
@@ -85,6 +87,6 @@ def test_other_threads_go_on_meanwhile(two_link, monday):
     took = time.monotonic() - begun
     done.set()
     thread.join()
-    # A thread that goes on turns some hundred times a second, one that is held up not at all.
-    assert turns[0] > 2 + 2 * took, (turns, took)
+    # A thread that goes on turns some hundred times a second, one that is held up hardly at all.
+    assert turns[0] > 20 * took, (turns, took)
 
