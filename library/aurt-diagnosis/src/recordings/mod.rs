@@ -4,6 +4,7 @@ pub(crate) mod divided;
 pub(crate) mod partition;
 pub(crate) mod rows;
 pub(crate) mod term_rows;
+pub(crate) mod unresolved;
 
 pub use divided::{ConfirmRows, FitRows};
 pub use partition::Partition;

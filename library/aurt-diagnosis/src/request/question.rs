@@ -7,6 +7,7 @@ use aurt_traits::{MeasurementUnit, RobotModel};
 use crate::error::DiagnosisError;
 use crate::faults::RecordingFaults;
 use crate::recordings::rows::{RecordingRows, Role};
+use crate::recordings::unresolved::unresolved;
 use crate::request::SelectionOptions;
 use crate::vocabulary::Effect;
 
@@ -38,6 +39,8 @@ pub struct Spoilt {
     /// The value of each joint's measurement that never changes: what was logged there is no measurement, and the joint's
     /// rows do not count.
     pub constant: Vec<Option<f64>>,
+    /// The rows in which the direction of a joint's motion is not resolved, `[joint][row]`; they do not count.
+    pub unresolved: Vec<Vec<bool>>,
 }
 
 impl QuestionedRecording {
@@ -97,7 +100,8 @@ impl QuestionedRecording {
         if let Some(raw) = faults.repaired(&self.raw).filter(|_| self.simulated.is_none()) {
             repaired.replace(raw)?;
         }
-        repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant }));
+        let unresolved = unresolved(&repaired.raw, &repaired.data.data, &repaired.options)?;
+        repaired.spoilt = Some(Box::new(Spoilt { original: self.raw.clone(), faults, constant, unresolved }));
         Ok(repaired)
     }
 
@@ -106,8 +110,8 @@ impl QuestionedRecording {
         self.raw.report.branches.iter().any(|branch| branch.upstream.contains(&joint))
     }
 
-    /// Leaves out the rows that a fault has touched, and all of a joint whose measurement never changes or contains a motion
-    /// beside the chain.
+    /// Leaves out the rows that a fault has touched, those in which a direction is not resolved, and all of a joint whose
+    /// measurement never changes or contains a motion beside the chain.
     pub(crate) fn mask(&self, rows: &mut RecordingRows) {
         for (_, joint) in rows.joints.iter_mut().enumerate().filter(|(j, _)| self.contains_branch(*j)) {
             joint.counts.fill(false);
@@ -116,9 +120,9 @@ impl QuestionedRecording {
         let (Some(spoilt), Some(segment)) = (&self.spoilt, self.data.data.segments.first()) else { return };
         let cutoff_hz = segment.parallel_filter.cutoff_hz();
         let faulty = spoilt.faults.faulty_rows(&spoilt.original, rows, cutoff_hz);
-        for (joint, faulty) in rows.joints.iter_mut().zip(faulty) {
-            for (counts, faulty) in joint.counts.iter_mut().zip(faulty) {
-                *counts &= !faulty;
+        for ((joint, faulty), unresolved) in rows.joints.iter_mut().zip(faulty).zip(&spoilt.unresolved) {
+            for ((counts, faulty), unresolved) in joint.counts.iter_mut().zip(faulty).zip(unresolved) {
+                *counts &= !faulty && !unresolved;
             }
             joint.silence();
         }
