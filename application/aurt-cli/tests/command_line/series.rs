@@ -91,8 +91,12 @@ fn a_diagnosis_writes_what_it_saw() {
         "later_motion.csv",
         "later_other_motion.csv",
     ]);
+    // Rows in which a joint rests have no prediction; between them all move.
+    let moving = "{ file = \"later_motion.csv\", window_s = [1.0, 15.0] }";
+    let experiment = folder.read("later.toml").replace("\"later_motion.csv\"", moving);
+    folder.write("moving.toml", &experiment);
     for (format, out) in [("parquet", "table"), ("mcap", "bag")] {
-        let run = ["diagnose", "later.toml", "--out", out, "--verdict-only", "--series", format, "--quiet"];
+        let run = ["diagnose", "moving.toml", "--out", out, "--verdict-only", "--series", format, "--quiet"];
         assert_eq!(folder.aurt(run).status(), 1);
     }
     let bag = std::fs::read(folder.path("bag/series_later_motion.mcap")).unwrap();
