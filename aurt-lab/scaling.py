@@ -1,6 +1,6 @@
 """How time and memory grow with samples and joints.
 
-    python laboratory/scaling.py [--samples 100000 1000000 10000000] [--joints 2 4 6] [--skip-long]
+    python aurt-lab/scaling.py [--samples 100000 1000000 10000000] [--joints 2 4 6] [--skip-long]
 
 Runs the benchmarks `long` (recordings longer than memory, from the file; each size in a process of its own) and
 `identification` (in memory). Prints the exponent by which processor time grows from one size to the next: 1 is linear.

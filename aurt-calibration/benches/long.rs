@@ -4,7 +4,7 @@
 //!
 //! Writes a table of so many rows, then reads, prepares and calibrates it with τ_J fitted. Prints seconds by step (what
 //! the process as a whole spent on processors) and the largest memory that it ever held. One size a run, because the
-//! largest memory is that of the whole run; `laboratory/scaling.py` runs several and fits the slope.
+//! largest memory is that of the whole run; `aurt-lab/scaling.py` runs several and fits the slope.
 #![expect(clippy::unwrap_used, reason = "a benchmark may panic")]
 
 mod workload;

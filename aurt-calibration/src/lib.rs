@@ -5,13 +5,14 @@
 //! folded into one triangle per joint ([`JointFactor`]). These triangles answer every further question (OLS,
 //! σ_j, WLS, subsets of columns, sums of recordings) without the samples ([`System`]). Where many models are fitted to
 //! the same recordings, the rigid bodies' rows are shared ([`RigidRows`]); parameters in which a model is not linear
-//! are searched ([`calibrate_shapes`]).
+//! are searched ([`calibrate_shapes`]). Arms that record commands and positions are calibrated by output error ([`drives`]).
 
 mod calibrate;
 mod calibrated;
 mod consistent;
 mod dense;
 mod deviations;
+pub mod drives;
 mod error;
 mod errors_in_positions;
 mod essential;

@@ -27,7 +27,7 @@ pub fn listen() {
             let _ = Command::new("kill").args(["-s", "TERM", &below.to_string()]).output();
             return;
         }
-        let kept = aurt_output::abandon();
+        let kept = aurt_files::output::abandon();
         let said = match kept {
             0 => "nothing was written".to_owned(),
             1 => "one file had been written before and is whole".to_owned(),

@@ -11,9 +11,9 @@ mod values;
 
 use std::process::ExitCode;
 
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{Registry, Trust};
 use aurt_traits::Dispatch;
-use aurt_workbench::failure::Failure;
 
 use crate::{
     arguments::Arguments,
@@ -69,7 +69,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(arguments.json, arguments.quiet);
     interrupt::listen();
     let outcome = run(&arguments, &terminal);
-    terminal.print_cleared(&aurt_output::take_cleared());
+    terminal.print_cleared(&aurt_files::output::take_cleared());
     let status = report(outcome, &terminal);
     supervised::ended();
     status

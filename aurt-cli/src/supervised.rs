@@ -86,7 +86,7 @@ fn watch_time() {
         loop {
             std::thread::sleep(EVERY);
             if let Some((called, time)) = aurt_plugins::longest_call().filter(|(_, time)| *time > limit) {
-                let kept = aurt_output::abandon();
+                let kept = aurt_files::output::abandon();
                 say(&format!(
                     "{called} has not returned for {:.1} s and is ended ({kept} files had been written before); \
                      {LIMIT} sets another limit",

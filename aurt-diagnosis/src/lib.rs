@@ -8,6 +8,7 @@
 //! | [`vocabulary`] | what an effect consists of: descriptor, parameters, proposals |
 //! | [`effects`] | the physics that can be missing, one effect a file |
 //! | [`faults`] | clipped measurements and bad rows, found in recordings as read |
+//! | [`drives`] | which structures of drives and joints positions need |
 //! | [`request`] | what is asked, and the settings that decide |
 //! | [`noise`] | what noise alone leaves |
 //! | [`hypotheses`] | what effects propose, and registered models, as columns |
@@ -24,6 +25,7 @@
 
 pub mod comparison;
 pub mod contact;
+pub mod drives;
 pub mod effects;
 mod error;
 pub mod evidence;

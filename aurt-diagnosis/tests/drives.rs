@@ -1,11 +1,9 @@
 //! Structures concealed in simulated servo arms are named, and nothing else is.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt_drives::{
-    DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection,
-    diagnosis::{Answer, Demands, Diagnosis, diagnose},
-    models::PositionServo,
-};
+use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection};
+use aurt_diagnosis::drives::{Answer, Demands, Diagnosis, diagnose};
+use aurt_friction::drives::PositionServo;
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
 
 /// Even numbers in 0 … 1 (Knuth's multiplier).

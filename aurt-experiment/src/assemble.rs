@@ -1,6 +1,6 @@
 //! From the sections of an experiment to a robot model.
 
-use aurt_model::{BASE_PARAMETER_SEED, Error, RigidBodyDynamics};
+use aurt_plugins::model::{BASE_PARAMETER_SEED, Error, RigidBodyDynamics};
 use aurt_traits::{KnownBodies, RobotModel};
 
 use crate::experiment::Experiment;

@@ -12,5 +12,5 @@ pub enum Error {
     Experiment(#[from] Box<ExperimentErrors>),
     /// Its file, its models or its robot.
     #[error(transparent)]
-    Model(#[from] aurt_model::Error),
+    Model(#[from] aurt_plugins::model::Error),
 }

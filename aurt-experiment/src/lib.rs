@@ -1,14 +1,23 @@
-//! Experiment files: reading and checking them with the place of every mistake, composing robot models.
+//! Experiments: reading and checking their files, and what the commands do with them.
 //!
-//! - [`Experiment`] is an experiment's TOML file, checked;
-//! - [`Experiment::robot_model`] composes the robot model.
+//! The rooms stand in order; each imports only from those before it:
 //!
-//! Models are found by name in a [`Registry`](aurt_plugins::Registry), which knows the linked ones and those of loaded
-//! libraries.
+//! | room | what it does |
+//! |---|---|
+//! | [`experiment`] | experiment files with the place of every mistake: [`Experiment`] |
+//! | [`sweep`] | many variants of one experiment, run resumably and ranked |
+//! | [`workbench`] | what the commands do with experiments, for every front end |
+//! | [`doctor`] | usual mistakes of a setup, and a first experiment without them |
+//!
+//! [`Experiment::robot_model`] composes the robot model. Models are found by name in a
+//! [`Registry`](aurt_plugins::Registry), which knows the linked ones and those of loaded libraries.
 
 mod assemble;
+pub mod doctor;
 mod error;
 pub mod experiment;
+pub mod sweep;
+pub mod workbench;
 
 pub use error::Error;
 pub use experiment::{Complaint, Experiment, ExperimentErrors, Problem};

@@ -5,8 +5,8 @@
 use std::{fs, path::Path, sync::OnceLock};
 
 use aurt_experiment::Experiment;
-use aurt_model::model_file;
 use aurt_plugins::Registry;
+use aurt_plugins::model::model_file;
 use proptest::{prelude::*, sample::Index};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -138,7 +138,7 @@ proptest! {
         let registry = Registry::linked().unwrap();
         if let Err(error) = model_file::robot_model_from_json(&changed, &registry) {
             let error = error.in_file(Path::new("m.json"), &text, &[]);
-            let aurt_model::Error::ModelFile { line, column, .. } = error else {
+            let aurt_plugins::model::Error::ModelFile { line, column, .. } = error else {
                 return Err(TestCaseError::fail(error.to_string()));
             };
             prop_assert!(line >= 1 && line <= text.lines().count() && column >= 1);

@@ -93,7 +93,7 @@ pub enum ExportError {
     Archive(#[from] zip::result::ZipError),
     /// A file to be corrected cannot be read as a robot.
     #[error(transparent)]
-    Robot(aurt_robots::RobotErrors),
+    Robot(aurt_rbd::robots::RobotErrors),
     /// A file to be corrected is no XML.
     #[error("the file is no well-formed XML: {0}")]
     Xml(roxmltree::Error),

@@ -14,8 +14,8 @@ use std::{
 
 use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
+use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
 use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
-use aurt_robots::{KNOWN_ROBOTS, Part};
 use aurt_traits::{ArmTerm, LoadTorque, MeasurementUnit, RobotModel};
 
 use models::{Case, arm, case, case_with_memory, checks, checks_along_a_path, gantry, two_arms};
@@ -280,7 +280,7 @@ fn the_bodies_of_a_urdf_or_mujoco_file_need_the_torques_of_the_model() {
         ] {
             let (file, text) = &export.files[0];
             assert_eq!(file, wanted);
-            let read = aurt_robots::parse_part(text, file, None, &Part::All).unwrap();
+            let read = aurt_rbd::robots::parse_part(text, file, None, &Part::All).unwrap();
             let known = case.chain.gravity_m_s2();
             let chain = SerialChain::new(read.joints.clone(), known).unwrap();
             let mut described = ChainDynamics::new(chain, &read.standard_parameters.unwrap()).unwrap();

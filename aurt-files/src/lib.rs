@@ -1,4 +1,4 @@
-//! Files of users: read with bounds, and quoted without harm.
+//! Files: those of users read with bounds and quoted without harm, those of results written together ([`output`]).
 //!
 //! Every reader of AURT opens its file with [`open`] and every reader of a whole text takes it from [`read_text`], so
 //! that what is a device, a pipe that nobody writes to, too large, compressed or no UTF-8 is refused alike, with what
@@ -6,6 +6,7 @@
 //! [`harmless`]; paths that are written into experiments go through [`escaped`].
 
 mod input;
+pub mod output;
 mod shown;
 
 pub use input::{MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, read_text, text_of};

@@ -2,7 +2,7 @@
 
 use std::{fs, thread, time::Duration};
 
-use aurt_output::{StagedFolder, abandon, write_file, write_folder};
+use aurt_files::output::{StagedFolder, abandon, write_file, write_folder};
 
 /// Threads that write into a staged folder after the interruption do not make it again.
 #[test]

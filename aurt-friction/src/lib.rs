@@ -5,6 +5,8 @@
 //! f_C, [`hysteresis`] for H, [`viscous`] for f_v. What lacks a slot's invariants, or acts on several joints, is
 //! physics outside that equation and lives in [`arm_terms`].
 //!
+//! [`drives`] holds drives, from the command of a joint to its torque.
+//!
 //! Linking the crate (`use aurt_friction as _;`) registers every model with [`aurt_traits::ModelEntry`] and with
 //! `typetag`, so that experiments and saved models find it by its name. Each file's documentation holds equation,
 //! parameters, columns, use, source and invariants.
@@ -16,6 +18,7 @@
 mod declare;
 
 pub mod conformance;
+pub mod drives;
 mod path_step;
 mod shape;
 mod stribeck_curve;

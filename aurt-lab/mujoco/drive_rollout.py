@@ -1,6 +1,6 @@
 """Rolls out a model of `aurt export mjcf drive_calibrated.json` in MuJoCo, and compares it with recordings and with AURT.
 
-    python laboratory/mujoco/drive_rollout.py ROBOT.xml rollout_*.csv
+    python aurt-lab/mujoco/drive_rollout.py ROBOT.xml rollout_*.csv
 
 The files are those of `aurt run`: time, q_simulated_j, q_j, command_j. Each line is the rms of q - q_measured over all joints
 in 1e-3 rad: AURT, MuJoCo alone, MuJoCo with ROBOT_drive.py, and the rms between the last and AURT.

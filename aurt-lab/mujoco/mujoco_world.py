@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Cases of the world `mujoco`: another engine's integrator, friction and actuators.
 
-    python3 laboratory/mujoco/mujoco_world.py --plan PLAN.json --seed 7 --list
-    python3 laboratory/mujoco/mujoco_world.py --plan PLAN.json --seed 7 --index 0 --count 5 --cases CASES --sealed SEALED
+    python3 aurt-lab/mujoco/mujoco_world.py --plan PLAN.json --seed 7 --list
+    python3 aurt-lab/mujoco/mujoco_world.py --plan PLAN.json --seed 7 --index 0 --count 5 --cases CASES --sealed SEALED
 
 PLAN.json is a proof's plan. `--list` prints the requests that this world can fulfil, in the order of the cases, as JSON.
 A case is a folder CASES/case_0001 as `aurt diagnose` reads it; its truth is SEALED/case_0001.json. The same plan, seed and

@@ -2,7 +2,7 @@
 
     pip install mujoco==4.0.0 numpy
     cargo build --release -p aurt-simulation --example releases
-    python laboratory/mujoco/releases.py target/release/examples/releases
+    python aurt-lab/mujoco/releases.py target/release/examples/releases
 
 Both start from the same state and swing for 5 s. MuJoCo integrates by Runge-Kutta of order four in steps of 0.1 ms. Prints for
 each robot the largest difference of a joint angle up to 1 s, 2 s and 5 s. Exit status 1 if one exceeds 1e-7 rad within

@@ -14,7 +14,7 @@ sys.path.insert(0, str(HERE))
 
 from mujoco_lab import arm, case, effect, laws, motions, requests, rigid_body, robots, structure  # noqa: E402
 
-REFERENCE = HERE.parent.parent / "library/aurt-rbd/tests/reference/reference.json"
+REFERENCE = HERE.parent.parent / "aurt-rbd/tests/reference/reference.json"
 SHORT = {"duration_s": 8.0, "rate_hz": 500.0}
 
 
@@ -72,7 +72,7 @@ def test_engine_and_regressor_agree(name):
 
 @pytest.mark.parametrize("name", ("ur5e", "ur10e", "tx40", "panda"))
 def test_engine_agrees_with_the_reference_of_the_crates(name):
-    """The torques to which `aurt-rbd` is held (library/aurt-rbd/tests/reference.rs), with the same inertias."""
+    """The torques to which `aurt-rbd` is held (aurt-rbd/tests/reference.rs), with the same inertias."""
     stored = json.loads(REFERENCE.read_text())["robots"][name]
     standard = np.array(stored["standard_parameters"]).reshape(-1, 10)
     mass, com = standard[:, 9], standard[:, 6:9] / standard[:, 9:]

@@ -1,7 +1,7 @@
 """Errors on recordings that were held out: figaroh, the original AURT and ours, one model, one preprocessing.
 
     pip install figaroh==1.0.2 pin==4.1.0
-    AURT_DATA=/path/to/recordings python laboratory/peers/accuracy.py --aurt target/release/aurt
+    AURT_DATA=/path/to/recordings python aurt-lab/peers/accuracy.py --aurt target/release/aurt
 
 A UR10e at 500 Hz in A (docs/real-recordings.md), calibrated on `calibration.csv`, judged on the two others while the joint
 moves. The model is what figaroh has: rigid bodies, Coulomb and viscous friction ({1}, no load dependence). Positions and

@@ -1,7 +1,7 @@
 """Time of the Python package's batched torques against Pinocchio's RNEA, in C++ and as a loop in Python, in the same run.
 
     pip install ./python pin==4.1.0 cmeel-eigen
-    python laboratory/peers/batch_torque.py [--rounds 9] [--states 100000] [--compiler g++]
+    python aurt-lab/peers/batch_torque.py [--rounds 9] [--states 100000] [--compiler g++]
 
 The robot is the UR10e by name with bodies of some inertia. All sides get the same states and the same bodies; torques that
 differ by more than 1e-9 of the largest end the run. `rigid bodies` is `Robot.torque`, what RNEA computes; `with friction`

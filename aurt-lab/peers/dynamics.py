@@ -1,7 +1,7 @@
 """Time of inverse dynamics, forward dynamics and the mass matrix, sample by sample, against Pinocchio's in C++, in one run.
 
     pip install pin==4.1.0 cmeel-eigen
-    python laboratory/peers/dynamics.py [--rounds 9] [--compiler g++]
+    python aurt-lab/peers/dynamics.py [--rounds 9] [--compiler g++]
 
 A UR10e whose six links have the same body. Prints the ratio Pinocchio / ours: the median of the rounds and, in brackets, the
 smallest and largest. What both compute is compared first.

@@ -1,7 +1,7 @@
 """Processor time of an identification end to end against figaroh, in the same run.
 
     pip install figaroh pin==4.1.0
-    python laboratory/peers/identification.py [--rounds 3] [--samples 29000]
+    python aurt-lab/peers/identification.py [--rounds 3] [--samples 29000]
 
 Both sides filter the positions of six joints over 58 s at 500 Hz, evaluate the regressor of rigid bodies and friction at
 every sample, filter and decimate it by ten in parallel with the measurement, find base parameters and solve; figaroh by

@@ -1,7 +1,7 @@
 """Processor time of least squares on a tall matrix against LAPACK's dgels, in the same run.
 
     pip install scipy
-    python laboratory/peers/least_squares.py [--rounds 7] [--rows 300000] [--columns 70]
+    python aurt-lab/peers/least_squares.py [--rounds 7] [--rows 300000] [--columns 70]
 
 Builds our benchmark (`cargo bench`), and lets it and SciPy's dgels (OpenBLAS, one thread) solve the same problem by
 turns. Prints per instruction set the ratio LAPACK / ours, the median of the rounds with [smallest, largest], and the

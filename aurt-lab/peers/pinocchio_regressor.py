@@ -1,7 +1,7 @@
 """Time of our regressor kernel against Pinocchio's in C++, in the same run.
 
     pip install pin==4.1.0 cmeel-eigen
-    python laboratory/peers/pinocchio_regressor.py [--rounds 9] [--compiler g++]
+    python aurt-lab/peers/pinocchio_regressor.py [--rounds 9] [--compiler g++]
 
 Builds `pinocchio_regressor.cpp` against the headers that PyPI's `pin` carries (-O3 -march=native) and the
 kernel's benchmark (`cargo bench`), runs them by turns, and prints per robot, instruction set and case the ratio

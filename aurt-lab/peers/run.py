@@ -1,7 +1,7 @@
 """All comparisons with other programs, one after the other, in one run.
 
     pip install pin==4.1.0 cmeel-eigen scipy figaroh
-    python laboratory/peers/run.py [--rounds 7]
+    python aurt-lab/peers/run.py [--rounds 7]
 
 A comparison whose program is not installed says so and is left out.
 """

@@ -2,7 +2,7 @@
 
     pip install figaroh pin==4.1.0 example-robot-data==6.0.0
     cargo build --release -p aurt-cli
-    python laboratory/peers/trees.py target/release/aurt [--seconds 60] [--skip-figaroh] [--skip-diagnosis]
+    python aurt-lab/peers/trees.py target/release/aurt [--seconds 60] [--skip-figaroh] [--skip-diagnosis]
 
 Recordings are simulated with Pinocchio: sums of four sines a joint, viscous and Coulomb friction, noise of 0.3 % of each
 joint's torque. The upper body is that of a Unitree G1 with hands: waist, arms and fingers, 31 joints at 500 Hz. Times

@@ -32,7 +32,7 @@ pub fn aurt() -> &'static Path {
 fn is_fresh(program: &Path) -> bool {
     let written = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
     let Some(built) = written(program) else { return false };
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let below = |folder: PathBuf| read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let crates = ["library", "application"].into_iter().flat_map(|house| below(root.join(house)));
     let mut places: Vec<PathBuf> = crates.map(|folder| folder.join("src")).collect();

@@ -277,8 +277,8 @@ impl BuildError {
     }
 }
 
-impl From<aurt_output::WriteError> for Error {
-    fn from(error: aurt_output::WriteError) -> Self {
+impl From<aurt_files::output::WriteError> for Error {
+    fn from(error: aurt_files::output::WriteError) -> Self {
         Self::Write { path: error.path, source: error.source }
     }
 }

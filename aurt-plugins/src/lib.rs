@@ -2,7 +2,8 @@
 //!
 //! - [`Registry`] knows every model that can be named and builds one from its table;
 //! - [`Node`] is such a table, with the place of every key and value;
-//! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from.
+//! - [`Registry::load_library`] adds the models of a dynamic library, [`new_plugin`] writes a new one to start from;
+//! - [`model`] puts robot models together from named models, and reads and writes their files.
 //!
 //! ```
 //! use aurt_plugins::{Node, Registry};
@@ -25,6 +26,7 @@ mod describe;
 mod dynamic;
 mod error;
 mod listing;
+pub mod model;
 mod new_plugin;
 mod place;
 mod registry;

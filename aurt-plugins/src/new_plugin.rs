@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_output::write_folder;
+use aurt_files::output::write_folder;
 use aurt_traits::abi;
 
 use crate::Error;

@@ -88,7 +88,7 @@ impl Trust {
             if let Some(folder) = list.parent() {
                 fs::create_dir_all(folder).map_err(fail)?;
             }
-            aurt_output::write_file(list, text.as_bytes())?;
+            aurt_files::output::write_file(list, text.as_bytes())?;
         }
         Ok(hash)
     }

@@ -5,8 +5,8 @@
 use std::{fs, path::Path};
 
 use aurt_experiment::Experiment;
-use aurt_model::{Error, RigidBodyDynamics, model_file};
 use aurt_plugins::Registry;
+use aurt_plugins::model::{Error, RigidBodyDynamics, model_file};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_traits::RobotModel;
 use serde_json::Value;

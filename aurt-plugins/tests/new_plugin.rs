@@ -43,7 +43,7 @@ fn check(library: &Path, name: &str) {
 fn a_new_rust_plugin_works() {
     let plugin = fresh("new-in-rust", PluginLanguage::Rust);
     // The versions of this workspace, so that nothing has to be downloaded.
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     fs::copy(root.join("Cargo.lock"), plugin.folder.join("Cargo.lock")).unwrap();
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-plugin-target");
     let cargo = |arguments: &[&str]| {

@@ -1,5 +1,5 @@
 //! Time of the per-sample algorithms and of the base parameters: `cargo bench -p aurt-rbd --bench dynamics`;
-//! with `--tsv` as `laboratory/peers/dynamics.py` reads it.
+//! with `--tsv` as `aurt-lab/peers/dynamics.py` reads it.
 //!
 //! Fastest of many short rounds, on one core.
 #![expect(clippy::expect_used, reason = "the robots are constants")]

@@ -13,8 +13,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use aurt_rbd::robots::{Part, parse_part, tips};
 use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, base_parameters};
-use aurt_robots::{Part, parse_part, tips};
 use aurt_traits::{Motion, RegressorTile, RigidBodyRegressor};
 use serde_json::{Value, json};
 

@@ -10,6 +10,7 @@
 //! - [`ChainDynamics`] adds values of the standard parameters: inverse and forward dynamics, mass matrix,
 //!   bias torque, energy, one sample at a time.
 //! - [`LinkBody`] converts mass, centre of mass and inertia; [`inconsistencies`] checks standard parameters.
+//! - [`robots`] reads robots from URDF and MJCF files and knows common arms by name.
 //!
 //! Everywhere: joints count from 0, the standard parameters of a link are
 //! {XX XY XZ YY YZ ZZ mX mY mZ m} in the link frame, inertia about its origin (the joint's centre of rotation),
@@ -51,6 +52,7 @@ mod plausible;
 mod random;
 mod regressor;
 mod rnea;
+pub mod robots;
 
 pub use aurt_traits::Dispatch;
 pub use base_parameters::{CarriedOver, base_parameters, carry_over};

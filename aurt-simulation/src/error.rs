@@ -289,8 +289,8 @@ impl Complaints {
     }
 }
 
-impl From<aurt_output::WriteError> for SimulationError {
-    fn from(error: aurt_output::WriteError) -> Self {
+impl From<aurt_files::output::WriteError> for SimulationError {
+    fn from(error: aurt_files::output::WriteError) -> Self {
         Self::Io { path: error.path, source: error.source }
     }
 }

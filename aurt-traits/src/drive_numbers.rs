@@ -1,10 +1,13 @@
 //! Structures of numbers that are keys of an experiment and parameters of an estimate at once.
 
 /// A limit that is not there: JSON has no infinity.
-pub(crate) const UNLIMITED: f64 = 1e9;
+pub const UNLIMITED: f64 = 1e9;
 
 /// A structure of numbers with, for each, a unit, a default, the deviation of what is known of it, and bounds.
-macro_rules! numbers {
+///
+/// The author's crate depends on `serde` with its feature `derive`.
+#[macro_export]
+macro_rules! drive_numbers {
     ($(#[$documentation:meta])+ pub struct $name:ident {
         $($(#[$field_documentation:meta])+ $key:ident: $unit:literal = $default:expr, $deviation:expr, [$lower:expr, $upper:expr];)+
     }) => {
@@ -22,9 +25,9 @@ macro_rules! numbers {
         impl $name {
             /// Every number with what is known of it.
             #[must_use]
-            pub fn numbers(&self) -> Vec<aurt_traits::DriveParameter> {
-                vec![$(aurt_traits::DriveParameter {
-                    parameter: aurt_traits::Parameter::new(stringify!($key), $unit),
+            pub fn numbers(&self) -> Vec<$crate::DriveParameter> {
+                vec![$($crate::DriveParameter {
+                    parameter: $crate::Parameter::new(stringify!($key), $unit),
                     value: self.$key,
                     deviation: $deviation,
                     bounds: [$lower, $upper],
@@ -39,40 +42,3 @@ macro_rules! numbers {
         }
     };
 }
-
-/// A drive that is a structure of [`numbers!`], under a name.
-macro_rules! drive {
-    ($drive:ty, $name:literal, $command:ident, $initial:expr, $torque:expr) => {
-        #[typetag::serde(name = $name)]
-        impl aurt_traits::DriveModel for $drive {
-            fn name(&self) -> &str {
-                $name
-            }
-            fn command(&self) -> aurt_traits::Command {
-                aurt_traits::Command::$command
-            }
-            fn parameters(&self) -> Vec<aurt_traits::DriveParameter> {
-                self.numbers()
-            }
-            fn set_parameters(&mut self, values: &[f64]) {
-                self.set_numbers(values);
-            }
-            fn initial_state(&self, command: f64) -> Vec<aurt_traits::Jet> {
-                ($initial)(command)
-            }
-            fn torque(
-                &self,
-                parameters: &[aurt_traits::Jet],
-                input: &aurt_traits::DriveInput<'_>,
-                state: &mut [aurt_traits::Jet],
-            ) -> aurt_traits::DriveTorque {
-                $torque(parameters, input, state)
-            }
-            fn boxed_clone(&self) -> Box<dyn aurt_traits::DriveModel> {
-                Box::new(*self)
-            }
-        }
-    };
-}
-
-pub(crate) use {drive, numbers};

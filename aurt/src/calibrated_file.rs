@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use aurt_calibration::Calibration;
-use aurt_model::model_file::{read_json, robot_model_from_json, robot_model_to_json};
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use aurt_plugins::Registry;
+use aurt_plugins::model::model_file::{read_json, robot_model_from_json, robot_model_to_json};
 use aurt_traits::{LoadTorque, RobotModel};
 use serde_json::{Value, json};
 

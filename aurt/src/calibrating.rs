@@ -1,7 +1,7 @@
 //! Calibrating recordings in memory.
 
 use aurt_calibration::{CalibrationOptions, Prediction, TermScopes, predict};
-use aurt_output::write_file;
+use aurt_files::output::write_file;
 use aurt_plugins::Registry;
 use aurt_recording::{PreprocessOptions, Recording};
 use aurt_traits::RobotModel;

@@ -7,8 +7,8 @@ use aurt_diagnosis::{
     Answer, Improvement, Investigation, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, improvement, investigate, series, write_verdict,
 };
-use aurt_model::Error as ModelFileError;
 use aurt_plugins::Registry;
+use aurt_plugins::model::Error as ModelFileError;
 use aurt_recording::{Recording, RobotJoints};
 use aurt_traits::{ArmTerm, MeasurementUnit, RobotModel};
 use serde_json::Value;

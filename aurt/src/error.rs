@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use aurt_calibration::{CalibrationError, GainsError};
 use aurt_diagnosis::DiagnosisError;
-use aurt_output::WriteError;
+use aurt_files::output::WriteError;
 use aurt_plugins::BuildError;
+use aurt_rbd::robots::RobotErrors;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
-use aurt_robots::RobotErrors;
 use aurt_traits::{MeasurementUnit, ModelError};
 
 /// Why something failed.
@@ -17,7 +17,7 @@ use aurt_traits::{MeasurementUnit, ModelError};
 pub enum Error {
     /// A robot, its models, or a file that holds them.
     #[error(transparent)]
-    Model(Box<aurt_model::Error>),
+    Model(Box<aurt_plugins::model::Error>),
     /// A recording.
     #[error(transparent)]
     Recording(Box<RecordingError>),
@@ -81,10 +81,10 @@ pub enum Error {
     },
 }
 
-impl From<aurt_model::Error> for Error {
-    fn from(error: aurt_model::Error) -> Self {
+impl From<aurt_plugins::model::Error> for Error {
+    fn from(error: aurt_plugins::model::Error) -> Self {
         match error {
-            aurt_model::Error::Write { path, source } => Self::Write { path, source },
+            aurt_plugins::model::Error::Write { path, source } => Self::Write { path, source },
             other => Self::Model(Box::new(other)),
         }
     }
@@ -95,7 +95,7 @@ macro_rules! of_model {
     ($($error:ty),+) => {$(
         impl From<$error> for Error {
             fn from(error: $error) -> Self {
-                aurt_model::Error::from(error).into()
+                aurt_plugins::model::Error::from(error).into()
             }
         }
     )+};

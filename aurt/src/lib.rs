@@ -139,8 +139,8 @@ pub use aurt_diagnosis as diagnosis;
 #[cfg(feature = "export")]
 pub use aurt_export as export;
 pub use aurt_friction as friction;
-pub use aurt_model as model;
 pub use aurt_plugins as plugins;
+pub use aurt_plugins::model;
 pub use aurt_recording as recording;
 #[cfg(feature = "simulation")]
 pub use aurt_simulation as simulation;
@@ -162,4 +162,4 @@ pub use crate::{
     role::{RecordingResult, Role},
     torque::TorqueSeries,
 };
-pub use aurt_model::{Friction, ModelBuilder, Robot};
+pub use aurt_plugins::model::{Friction, ModelBuilder, Robot};

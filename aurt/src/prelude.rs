@@ -6,7 +6,7 @@ pub use aurt_friction::arm_terms::{
     counterbalance::Counterbalance, coupling::Coupling, current_offset::CurrentOffset,
     joint_selection::JointSelection, payload::Payload, rotor_inertia::RotorInertia, spring::Spring,
 };
-pub use aurt_model::{Friction, ModelBuilder, Robot};
+pub use aurt_plugins::model::{Friction, ModelBuilder, Robot};
 pub use aurt_recording::{PreprocessOptions, Recording};
 pub use aurt_traits::{MeasurementUnit, MotionView, RobotModel};
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use aurt::traits::Motion;
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray,
     PyUntypedArrayMethods,

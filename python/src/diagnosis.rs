@@ -6,8 +6,8 @@ use aurt::{CalibratedModel, Diagnoser, Explanation, Settings, traits::RobotModel
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
-use aurt_workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
+use aurt_experiment::workbench::failure::Failure;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

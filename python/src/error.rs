@@ -1,6 +1,6 @@
 //! Errors of the library as Python exceptions.
 
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
 use pyo3::{PyErr, create_exception, exceptions::PyValueError};
 
 create_exception!(

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use aurt::CalibratedModel;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     exporting::{self, Format, Kind, ModelFile, Target},
     failure::Failure,
     output::OutputFolder,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use aurt_calibration::KnownLoad;
 use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
-use aurt_workbench::gains::{Question, drive_gains};
+use aurt_experiment::workbench::gains::{Question, drive_gains};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use aurt_report::Page;
-use aurt_workbench::output::OutputFile;
+use aurt_experiment::workbench::output::OutputFile;
 use pyo3::prelude::*;
 
 use crate::error::raised;

@@ -7,8 +7,8 @@ use aurt::{
     traits::{RegressorTile, RobotModel},
 };
 use aurt_plugins::{Registry, SlotModel};
-use aurt_robots::Part;
-use aurt_workbench::failure::Failure;
+use aurt_rbd::robots::Part;
+use aurt_experiment::workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use serde_json::{Map, Value, json};
@@ -54,7 +54,7 @@ impl Robot {
             _ => return Err(refused("`tip`, `tips` and `joints` are three ways to choose a part; give one")),
         };
         let read = || {
-            let described = aurt_robots::read_part(&path, base.as_deref(), &part)?;
+            let described = aurt_rbd::robots::read_part(&path, base.as_deref(), &part)?;
             aurt::Robot::of_description(described, gravity)
         };
         Ok(Self::named(py.detach(read).map_err(raised)?, "robot"))
@@ -120,7 +120,7 @@ impl Robot {
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let limits = self.inner.described().map(|described| described.limits.as_slice()).unwrap_or_default();
-        let row = |(joint, limit): (usize, &aurt_robots::JointLimits)| {
+        let row = |(joint, limit): (usize, &aurt_rbd::robots::JointLimits)| {
             json!({
                 "joint": joint,
                 "lower_rad": limit.position_rad.map(|[low, _]| low),

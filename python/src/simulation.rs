@@ -1,7 +1,7 @@
 //! Simulated robots, and motions for them.
 
 use aurt::simulation;
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2};
 use pyo3::{prelude::*, types::PyDict};
 use serde_json::{Value, json};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use aurt::Progress;
 use aurt_plugins::Registry;
 use aurt_report::rendering::style::Style;
-use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
-use aurt_workbench::failure::Failure;
-use aurt_workbench::{results::sweep_table, sweeping::ExperimentLoader};
+use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
+use aurt_experiment::workbench::failure::Failure;
+use aurt_experiment::workbench::{results::sweep_table, sweeping::ExperimentLoader};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -65,7 +65,7 @@ fn ranked(
         }
         Event::Done { .. } => progress.step("a point is done"),
     };
-    aurt_sweep::run(&sweep, &plan, &folder, &ExperimentLoader, &watch)?;
+    aurt_experiment::sweep::run(&sweep, &plan, &folder, &ExperimentLoader, &watch)?;
     Ok(Ranking::of(&folder, &plan, rows))
 }
 

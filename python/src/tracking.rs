@@ -7,7 +7,7 @@ use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_recording::RecordedAs;
 use aurt_report::Page;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     failure::Failure,
     reports::track as words,
     tracking::{self, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of},

@@ -11,7 +11,7 @@ use std::{
 };
 
 use aurt::{Progress, progress::Observer};
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
 use pyo3::prelude::*;
 
 use crate::error::{raised, refused};

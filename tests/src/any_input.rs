@@ -17,10 +17,10 @@ use aurt::{
     simulation::{Motion, Scenario, ScenarioFile, robots},
 };
 use aurt_experiment::Experiment;
+use aurt_experiment::workbench::experiments::fit_experiment;
 use aurt_lab::case::Plan;
 use aurt_plugins::Registry;
 use aurt_recording::preprocess;
-use aurt_workbench::experiments::fit_experiment;
 use tempfile::TempDir;
 
 /// What is given bytes, and its name: that of its folder in `fuzz/corpus`.

@@ -16,8 +16,8 @@ const DAMAGED: u32 = 200;
 /// The inputs of a target: those that the fuzzer kept, and files of other tests.
 fn inputs(target: &str) -> Vec<Vec<u8>> {
     let others: &[&str] = match target {
-        "recording" => &["library/aurt-recording/tests/formats"],
-        "robot" => &["library/aurt-robots/tests/reference", "library/aurt-rbd/tests/robots"],
+        "recording" => &["aurt-recording/tests/formats"],
+        "robot" => &["aurt-rbd/tests/descriptions/reference", "aurt-rbd/tests/robots"],
         _ => &[],
     };
     let kept = format!("fuzz/corpus/{target}");

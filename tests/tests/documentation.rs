@@ -27,7 +27,7 @@ fn pages() -> Vec<PathBuf> {
         "examples/5-servo",
         "examples/plugin-c",
         "examples/plugin-rust",
-        "laboratory/mujoco",
+        "aurt-lab/mujoco",
     ] {
         let entries = fs::read_dir(root.join(folder)).into_iter().flatten();
         pages.extend(entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "md")));
@@ -111,7 +111,7 @@ fn as_anchor(heading: &str) -> String {
 fn commands_in_the_documentation_exist() {
     let commands =
         |crate_: &str| fs::read_to_string(Path::new(ROOT).join(crate_).join("src/commands/mod.rs")).unwrap();
-    let (product, laboratory) = (commands("application/aurt-cli"), commands("laboratory/aurt-lab"));
+    let (product, laboratory) = (commands("aurt-cli"), commands("aurt-lab"));
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
         for line in blocks(&text, "sh").iter().flat_map(|b| b.lines()) {

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, calibrate};
-use aurt_model::RigidBodyDynamics;
 use aurt_plugins::Registry;
+use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::{ChainDynamics, INERTIAL_PARAMETERS, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, MeasurementUnit, ViscousBasis};

@@ -3,7 +3,7 @@
 
 use std::{io::Write, path::Path, time::Instant};
 
-use aurt_model::RigidBodyDynamics;
+use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{ReadReport, Recording};

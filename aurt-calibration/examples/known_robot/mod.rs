@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use aurt_calibration::NamedRecording;
-use aurt_model::RigidBodyDynamics;
 use aurt_plugins::Registry;
+use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::{ChainDynamics, LinkBody, MdhRows, MdhTable, SerialChain};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};
 use aurt_traits::{

@@ -19,7 +19,7 @@ use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::{
+use crate::drives::{
     DriveError, DriveRecording, DrivenArm, Options, Selection,
     columns::{Column, columns, stem},
     output_error::{Problem, loss},
@@ -37,7 +37,7 @@ pub struct Absorbed {
 /// The parts of the changes of the selected numbers of `kept`, an estimate, against `full`, by key in which the two differ.
 ///
 /// # Errors
-/// As [`output_error`](crate::output_error); arms with other parts.
+/// As [`output_error`](crate::drives::output_error); arms with other parts.
 pub fn absorbed(
     kept: &DrivenArm,
     selection: &Selection,

@@ -1,13 +1,10 @@
 use aurt_rbd::SerialChain;
-use aurt_traits::{DriveModel, DriveParameter};
+use aurt_traits::{DriveModel, DriveParameter, UNLIMITED, drive_numbers};
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    DriveError,
-    declare::{UNLIMITED, numbers},
-};
+use crate::drives::DriveError;
 
-numbers! {
+drive_numbers! {
     /// What a joint has beside its links and its drive. Friction is that of the model `stribeck` with `load = "absolute"` and
     /// of `polynomial` with the power 1,
     /// τ_F = (F_C + F_L |τ_J| + F_S e^(−(q̇/v_S)²)) sgn q̇ + F_v q̇ + F_A |q̇|, set-valued at rest; τ_J is the torque of gravity, of
@@ -40,7 +37,7 @@ numbers! {
     }
 }
 
-numbers! {
+drive_numbers! {
     /// A horizontal surface under a point of the last link: an elastic normal force, Coulomb friction along the surface.
     pub struct Floor {
         /// Height of the surface in the base frame, against gravity, in m.

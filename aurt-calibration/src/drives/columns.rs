@@ -1,6 +1,8 @@
 //! Which numbers of an arm are estimated.
 
-use crate::{DriveError, DrivenArm, declare::UNLIMITED};
+use aurt_traits::UNLIMITED;
+
+use crate::drives::{DriveError, DrivenArm};
 
 /// What is estimated, and what is known beforehand.
 #[derive(Debug, Clone, PartialEq, Default)]

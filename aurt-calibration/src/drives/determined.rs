@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::columns::Column;
+use crate::drives::columns::Column;
 
 /// Numbers of a direction below this part of its largest are not named.
 const NAMED: f64 = 0.35;

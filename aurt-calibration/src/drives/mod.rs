@@ -1,10 +1,8 @@
-//! Drives of robot joints and the output error of their closed loops.
+//! Arms with drives on their joints, and the output error of their closed loops.
 //!
-//! - [`models`] are drives: ideal torque, current, voltage with back-EMF, a law of control, a servo that follows a position.
-//! - [`DrivenArm`] puts them on the joints of a chain or tree, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
+//! - [`DrivenArm`] puts drives ([`DriveModel`](aurt_traits::DriveModel)) on the joints of a chain or tree, with dry friction, rotors, stops and a floor; [`DrivenArm::rollout`]
 //!   simulates the closed loop from commands alone.
 //! - [`output_error`] estimates its numbers from commands and positions.
-//! - [`diagnosis`] tells which structures recordings need and which the model lacks.
 //!
 //! Everything is computed in [`Jet`](aurt_traits::Jet)s: one code gives a simulation and its derivatives, of the
 //! branch of dry friction that is taken, with the speed in the Stribeck factor and in the floor's friction held.
@@ -13,11 +11,8 @@ mod absorbed;
 mod arm;
 mod bodies;
 mod columns;
-mod declare;
 mod determined;
-pub mod diagnosis;
 mod error;
-pub mod models;
 mod output_error;
 mod plant;
 mod rollout;
@@ -27,5 +22,5 @@ pub use arm::{DrivenArm, DrivenJoint, Floor, Mechanics};
 pub use columns::{Selection, stem};
 pub use determined::Undetermined;
 pub use error::DriveError;
-pub use output_error::{EstimatedNumber, Options, OutputErrorFit, output_error, output_error_from};
+pub use output_error::{EstimatedNumber, Options, OutputErrorFit, loss, output_error, output_error_from};
 pub use rollout::{DriveRecording, LONGEST_STEP_S};

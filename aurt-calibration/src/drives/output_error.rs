@@ -23,7 +23,7 @@ use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::{
+use crate::drives::{
     DriveError, DriveRecording, DrivenArm, LONGEST_STEP_S,
     columns::{Column, Selection, columns},
     determined::{Undetermined, undetermined},
@@ -403,7 +403,7 @@ impl Linearised {
 }
 
 /// ρ(x) and the weight ρ'(x)/2x.
-pub(crate) fn loss(x: f64) -> (f64, f64) {
+pub fn loss(x: f64) -> (f64, f64) {
     let root = (1.0 + x * x).sqrt();
     (2.0 * (root - 1.0), 1.0 / root)
 }

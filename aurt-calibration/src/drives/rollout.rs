@@ -1,6 +1,6 @@
 use aurt_traits::Jet;
 
-use crate::{DriveError, DrivenArm, plant::Plant};
+use crate::drives::{DriveError, DrivenArm, plant::Plant};
 
 /// A recording of commands and positions: what a rollout starts from and is compared with.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -52,7 +52,7 @@ fn rotors(fitted: &Fitted<'_>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use aurt_model::RigidBodyDynamics;
+    use aurt_plugins::model::RigidBodyDynamics;
     use aurt_plugins::{Registry, SlotModel};
     use aurt_rbd::{MdhRows, MdhTable};
     use aurt_traits::{ArmTerm, JointStack, MeasurementUnit};

@@ -2,7 +2,7 @@
 //! multi-sines, with friction that each test integrates by itself.
 
 use aurt_calibration::NamedRecording;
-use aurt_model::RigidBodyDynamics;
+use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording, preprocess};

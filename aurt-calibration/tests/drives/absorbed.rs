@@ -1,10 +1,9 @@
 //! What armature and damping stand for where delay and dry friction are left out.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt_drives::{
-    DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection, absorbed, models::PositionServo,
-    output_error,
+use aurt_calibration::drives::{
+    DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection, absorbed, output_error,
 };
+use aurt_friction::drives::PositionServo;
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
 
 /// One servo with a rod on its shaft, in a vertical plane.

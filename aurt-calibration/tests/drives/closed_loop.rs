@@ -1,11 +1,9 @@
 //! Simulations with answers on paper, and estimates of what was simulated.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt_drives::{
-    DriveError, DriveRecording, DrivenArm, DrivenJoint, Floor, Mechanics, Options, Selection,
-    models::{PositionServo, TorqueDrive, VoltageDrive},
-    output_error,
+use aurt_calibration::drives::{
+    DriveError, DriveRecording, DrivenArm, DrivenJoint, Floor, Mechanics, Options, Selection, output_error,
 };
+use aurt_friction::drives::{PositionServo, TorqueDrive, VoltageDrive};
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
 use aurt_traits::DriveModel;
 

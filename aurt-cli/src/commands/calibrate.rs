@@ -9,15 +9,15 @@ use aurt::{
     origins::Origins,
 };
 use aurt_calibration::TermScopes;
-use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_robot_model};
-use aurt_plugins::Registry;
-use aurt_report::results::{metrics::Results, parameters};
-use aurt_traits::RobotModel;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFile, Outputs, distinct},
     streaming::{Bytes, TooLarge, fit_in_stretches},
 };
+use aurt_plugins::Registry;
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics, model_file::read_robot_model};
+use aurt_report::results::{metrics::Results, parameters};
+use aurt_traits::RobotModel;
 use clap::Args;
 use serde_json::json;
 

@@ -9,13 +9,13 @@ use aurt::{
     fitting::{Assigned, Detail, Job},
 };
 use aurt_calibration::TermScopes;
+use aurt_experiment::workbench::{
+    failure::Failure,
+    output::{OutputFile, Outputs, distinct},
+};
 use aurt_report::{
     reports,
     results::{metrics::Results, parameters},
-};
-use aurt_workbench::{
-    failure::Failure,
-    output::{OutputFile, Outputs, distinct},
 };
 use clap::Args;
 use serde_json::json;

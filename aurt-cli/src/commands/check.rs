@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use aurt_doctor::checkup::{Checkup, Given, Known, Question, check};
 use aurt_experiment::Experiment;
-use aurt_rbd::MdhTable;
-use aurt_report::reports;
-use aurt_workbench::{
+use aurt_experiment::doctor::checkup::{Checkup, Given, Known, Question, check};
+use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
 };
+use aurt_rbd::MdhTable;
+use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 

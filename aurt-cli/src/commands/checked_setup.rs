@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use aurt::{RecordingResult, fitting::Assigned};
-use aurt_doctor::{
-    checkup::Checkup,
-    doctor::{self, Examination, Subject},
-};
 use aurt_experiment::Experiment;
+use aurt_experiment::doctor::{
+    checkup::Checkup,
+    mistakes::{self, Examination, Subject},
+};
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
 use aurt_plugins::Registry;
 use aurt_report::rendering::text::wrapped;
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use serde_json::json;
 
 use crate::rendering::terminal::{Emphasis, Report, Terminal};
@@ -62,7 +62,7 @@ pub fn correct(
     if examination.steps.is_empty() {
         return Ok(());
     }
-    let (text, left) = doctor::corrected(experiment, subject, examination)?;
+    let (text, left) = mistakes::corrected(experiment, subject, examination)?;
     fixed.write(text.as_bytes())?;
     report.text.push_str(&format!("\nwritten\n  {}\n", fixed.path().display()));
     report.text.extend(left.iter().map(|l| wrapped(&format!("to be done by hand: {l}"))));
@@ -88,16 +88,16 @@ pub fn doubts(
     recordings: Vec<Assigned>,
     registry: &Registry,
 ) -> Result<Doubts, Failure> {
-    let poor = doctor::poorly_explained(results);
+    let poor = mistakes::poorly_explained(results);
     let mut oddities: Vec<String> = Vec::new();
     for recording in recordings.iter().map(|r| &r.loaded) {
         let name = recording.source.file.file_name().unwrap_or_default().to_string_lossy();
-        let said = doctor::oddities(&name, &recording.recording);
+        let said = mistakes::oddities(&name, &recording.recording);
         oddities.extend(said.into_iter().filter(|s| !oddities.contains(s)).collect::<Vec<_>>());
     }
     let subject = Subject::of_experiment(experiment, recordings)?;
-    let examination = doctor::examine_calibrated(&subject, !poor.is_empty(), registry)?;
-    Ok(Doubts { loudly: doctor::loudly(&poor), oddities, examination })
+    let examination = mistakes::examine_calibrated(&subject, !poor.is_empty(), registry)?;
+    Ok(Doubts { loudly: mistakes::loudly(&poor), oddities, examination })
 }
 
 impl Doubts {

@@ -3,13 +3,13 @@
 use std::{path::PathBuf, sync::Arc};
 
 use aurt::file_contents;
-use aurt_model::{
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
+use aurt_plugins::model::{
     BASE_PARAMETER_SEED, RigidBodyDynamics,
     model_file::{read_base_parameters, rigid_body_to_json},
 };
 use aurt_rbd::{MdhRows, MdhTable, SerialChain};
 use aurt_report::rendering::table::Table;
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 

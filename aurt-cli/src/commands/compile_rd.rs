@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use aurt::file_contents;
-use aurt_doctor::inspection::judged::build;
 use aurt_experiment::Experiment;
-use aurt_model::model_file::{read_rigid_body, robot_model_to_json};
+use aurt_experiment::doctor::inspection::judged::build;
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
 use aurt_plugins::Registry;
+use aurt_plugins::model::model_file::{read_rigid_body, robot_model_to_json};
 use aurt_report::rendering::table::Table;
 use aurt_traits::{
     ArmTerm, ColumnGroup, CoulombModel, HysteresisModel, JointStack, RobotModel, ViscousBasis,
 };
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -89,7 +89,7 @@ impl CompileRd {
                     });
                 }
                 (
-                    experiment.joint_dynamics.stacks(joints).map_err(aurt_model::Error::Assembly)?,
+                    experiment.joint_dynamics.stacks(joints).map_err(aurt_plugins::model::Error::Assembly)?,
                     experiment.arm_terms,
                 )
             }

@@ -1,6 +1,6 @@
 //! `aurt completions`: what a shell needs to complete command lines.
 
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
 use clap::Args;
 use clap_complete::{Shell, generate};
 use serde_json::json;

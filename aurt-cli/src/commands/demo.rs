@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use aurt_calibration::CalibratedParameter;
 use aurt_experiment::Experiment;
+use aurt_experiment::workbench::{demo, failure::Failure, output::OutputFolder};
 use aurt_report::rendering::{number::significant, table::Table, text::wrapped};
-use aurt_workbench::{demo, failure::Failure, output::OutputFolder};
 use clap::Args;
 use serde_json::{Value, json};
 

@@ -3,14 +3,11 @@
 use std::path::PathBuf;
 
 use aurt::Progress;
+use aurt_diagnosis::drives::STRUCTURES;
 use aurt_diagnosis::{Learnt, effects};
-use aurt_doctor::doctor::{self, Examination, Subject};
-use aurt_drives::diagnosis::STRUCTURES;
 use aurt_experiment::Experiment;
-use aurt_output::pretty;
-use aurt_plugins::{Registry, suggestion};
-use aurt_report::{rendering::text::wrapped, reports};
-use aurt_workbench::{
+use aurt_experiment::doctor::mistakes::{self, Examination, Subject};
+use aurt_experiment::workbench::{
     described_model::{ChainEnds, GivenModel},
     diagnosing::{DiagnosisOptions, MOST_ROWS, diagnose_experiment},
     driving::{diagnose_drives, second_opinion},
@@ -18,6 +15,9 @@ use aurt_workbench::{
     output::{OutputFolder, Outputs},
     results::diagnosed_series,
 };
+use aurt_files::output::pretty;
+use aurt_plugins::{Registry, suggestion};
+use aurt_report::{rendering::text::wrapped, reports};
 use clap::Args;
 use serde_json::json;
 
@@ -242,8 +242,8 @@ impl Diagnose {
 
 /// What is wrong with the setup that physics would be invented for, if anything clearly is.
 fn mistaken(experiment: &Experiment, registry: &Registry) -> Result<Option<Examination>, Failure> {
-    let subject = Subject::of_experiment(experiment, doctor::recordings_of(experiment)?)?;
-    let examination = doctor::examine_calibrated(&subject, false, registry)?;
+    let subject = Subject::of_experiment(experiment, mistakes::recordings_of(experiment)?)?;
+    let examination = mistakes::examine_calibrated(&subject, false, registry)?;
     Ok(Some(examination).filter(Examination::is_serious))
 }
 

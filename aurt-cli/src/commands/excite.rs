@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
 use aurt_simulation::{
     Motion, Robot, Trajectory,
     trajectory::{ExcitationOptions, MultiSineOptions, excite, excite_bodies},
 };
 use aurt_traits::RigidBodyRegressor;
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 

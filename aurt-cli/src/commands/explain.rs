@@ -1,6 +1,7 @@
 //! `aurt explain`: what an effect, a model or a term of the reports means.
 
 use aurt_diagnosis::effects;
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{ModelListing, suggestion};
 use aurt_report::{
     glossary::{self, terms},
@@ -10,7 +11,6 @@ use aurt_report::{
         text::{wrapped_at, wrapped_with},
     },
 };
-use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 

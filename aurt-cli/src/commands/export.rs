@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use aurt_experiment::Experiment;
-use aurt_report::rendering::text::wrapped;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     driving::CalibratedDrive,
     exporting::{Format, Kind, ModelFile, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
+use aurt_report::rendering::text::wrapped;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 

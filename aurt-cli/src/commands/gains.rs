@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use aurt_calibration::KnownLoad;
 use aurt_experiment::Experiment;
-use aurt_output::pretty;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     failure::Failure,
     gains::{Question, drive_gains},
     output::{OutputFolder, Outputs},
 };
+use aurt_files::output::pretty;
 use clap::Args;
 use serde_json::json;
 

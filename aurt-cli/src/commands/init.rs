@@ -5,12 +5,12 @@ use std::{
     path::PathBuf,
 };
 
-use aurt_doctor::{
-    doctor::Examination,
+use aurt_experiment::doctor::{
     first_experiment::{Known, draft},
+    mistakes::Examination,
 };
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
 use aurt_report::rendering::text::wrapped;
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 

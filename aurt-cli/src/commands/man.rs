@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_workbench::{failure::Failure, output::OutputFolder};
+use aurt_experiment::workbench::{failure::Failure, output::OutputFolder};
 use clap::Args;
 use clap_mangen::Man as Page;
 use serde_json::json;

@@ -29,8 +29,8 @@ mod sweep;
 mod track;
 mod trust;
 
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
-use aurt_workbench::failure::Failure;
 use clap::Subcommand;
 
 use crate::rendering::terminal::{Report, Terminal};

@@ -1,9 +1,9 @@
 //! `aurt models`: what can be named in an experiment.
 
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{ModelListing, Origin, Registry};
 use aurt_report::rendering::table::Table;
 use aurt_traits::Slot;
-use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -37,7 +37,7 @@ impl Models {
         }
         let mut table = Table::new(["model", "command", "numbers"]).left(3);
         let mut drives = Vec::new();
-        for drive in aurt_drives::models::all() {
+        for drive in aurt_friction::drives::all() {
             let command = format!("{:?}", drive.command()).to_lowercase();
             let numbers = drive.parameters();
             let names: Vec<&str> = numbers.iter().map(|n| n.parameter.name.as_str()).collect();
@@ -79,7 +79,7 @@ fn title(slot: Slot) -> String {
 /// # Errors
 /// If its example gives no model.
 pub fn describe(registry: &Registry, model: &ModelListing) -> Result<Value, Failure> {
-    let description = registry.describe(model, EXAMPLE_JOINTS).map_err(aurt_model::Error::Build)?;
+    let description = registry.describe(model, EXAMPLE_JOINTS).map_err(aurt_plugins::model::Error::Build)?;
     let columns: Vec<Value> =
         description.columns.iter().map(|p| json!({ "name": p.name, "unit": p.unit })).collect();
     let shape: Vec<Value> = description

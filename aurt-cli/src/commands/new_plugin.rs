@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{PluginLanguage, new_plugin};
-use aurt_workbench::failure::Failure;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 

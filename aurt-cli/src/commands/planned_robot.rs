@@ -5,11 +5,11 @@ use std::{
     sync::Arc,
 };
 
+use aurt_experiment::workbench::{failure::Failure, table_file::TableFile};
+use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_rbd::{Coupling, JointKind, MdhRow, MdhRows, MdhTable, Parent, RobotDescription};
-use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot};
 use aurt_simulation::{MotionLimits, Robot, SimulationError};
 use aurt_traits::RigidBodyRegressor;
-use aurt_workbench::{failure::Failure, table_file::TableFile};
 use clap::Args;
 
 use super::compile_rbd::Rows;
@@ -87,7 +87,7 @@ impl PlannedRobotOptions {
         let file = Path::new(asked);
         if file.is_file() {
             return self.of_description(
-                &aurt_robots::read_part(file, self.base.as_deref(), &self.tip.as_deref().into())?,
+                &aurt_rbd::robots::read_part(file, self.base.as_deref(), &self.tip.as_deref().into())?,
                 asked,
             );
         }

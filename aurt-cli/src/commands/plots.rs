@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use aurt_workbench::{failure::Failure, output::OutputFolder};
+use aurt_experiment::workbench::{failure::Failure, output::OutputFolder};
 use clap::Args;
 
 /// Options of commands that write a report.

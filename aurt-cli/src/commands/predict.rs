@@ -4,14 +4,14 @@ use std::{path::PathBuf, sync::Arc};
 
 use aurt::{CalibratedModel, data::Purpose, origins::hash_of_file};
 use aurt_calibration::extrapolations;
-use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
-use aurt_report::rendering::text::wrapped;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     driving::CalibratedDrive,
     failure::Failure,
     output::OutputFile,
     results::series::{Series, SeriesFormat},
 };
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
 

@@ -1,8 +1,8 @@
 //! `aurt robots`: the robots that experiments can name.
 
+use aurt_experiment::workbench::failure::Failure;
+use aurt_rbd::robots::{JointLimits, KNOWN_ROBOTS, KnownRobot};
 use aurt_report::rendering::{table::Table, text::wrapped_at};
-use aurt_robots::{JointLimits, KNOWN_ROBOTS, KnownRobot};
-use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 

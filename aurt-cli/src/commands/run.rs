@@ -4,21 +4,21 @@ use std::path::{Path, PathBuf};
 
 use aurt::Outcome;
 use aurt_experiment::Experiment;
-use aurt_output::pretty;
-use aurt_rbd::RobotDescription;
-use aurt_report::{
-    Page,
-    rendering::style::Style,
-    reports,
-    results::{metrics::Results, parameters},
-};
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     driving::{DriveOutcome, fit_drives},
     experiments::{fit_and_keep, fit_experiment, job},
     failure::Failure,
     output::{OutputFolder, Outputs},
     results::series::{self, SeriesFormat},
     streaming::{Bytes, TooLarge, fit_experiment_in_stretches},
+};
+use aurt_files::output::pretty;
+use aurt_rbd::RobotDescription;
+use aurt_report::{
+    Page,
+    rendering::style::Style,
+    reports,
+    results::{metrics::Results, parameters},
 };
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};

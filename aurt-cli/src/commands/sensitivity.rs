@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use aurt_diagnosis::Prepared;
 use aurt_experiment::Experiment;
-use aurt_output::pretty;
-use aurt_report::reports;
-use aurt_simulation::inject::{Kind, injectable};
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
     reports::sensitivity::Answered,
     sensitivity::{Check, DRAWS, LEVELS, NAMED_IN, Subject, Trials, check, search, tasks},
 };
+use aurt_files::output::pretty;
+use aurt_report::reports;
+use aurt_simulation::inject::{Kind, injectable};
 use clap::Args;
 use serde_json::json;
 

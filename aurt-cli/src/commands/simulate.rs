@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use aurt::{CalibratedModel, data::Purpose};
+use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
 use aurt_recording::Segment;
 use aurt_simulation::{
     ScenarioFile,
     model::{ModelDrive, ModelMotion, MovingModel},
     simulate,
 };
-use aurt_workbench::{failure::Failure, output::OutputFile};
 use clap::Args;
 use serde_json::json;
 

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_report::reports;
-use aurt_sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, run_point, slurm};
-use aurt_workbench::{
+use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Summary, run, run_point, slurm};
+use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
     results::sweep_table,
     sweeping::ExperimentLoader,
 };
+use aurt_report::reports;
 use clap::{Args, Subcommand, ValueEnum};
 use serde_json::{Value, json};
 
@@ -149,8 +149,8 @@ fn planned(
     experiment: &Path,
     out: &Path,
     session: &mut Session<'_>,
-) -> Result<(aurt_sweep::Sweep, Plan, Folder), Failure> {
-    let sweep = aurt_sweep::Sweep::read(experiment, &mut session.registry)?;
+) -> Result<(aurt_experiment::sweep::Sweep, Plan, Folder), Failure> {
+    let sweep = aurt_experiment::sweep::Sweep::read(experiment, &mut session.registry)?;
     let folder = Folder::for_sweep(out, &sweep)?;
     let plan = Plan::of(&sweep, &session.registry)?;
     folder.write_plan(&sweep, &plan)?;
@@ -159,7 +159,9 @@ fn planned(
 
 /// Numbers of the points without a result.
 fn missing(folder: &Folder, plan: &Plan) -> Vec<usize> {
-    let lacks = |(k, p): (usize, &aurt_sweep::PlannedPoint)| folder.result(&p.key).is_none().then_some(k + 1);
+    let lacks = |(k, p): (usize, &aurt_experiment::sweep::PlannedPoint)| {
+        folder.result(&p.key).is_none().then_some(k + 1)
+    };
     plan.points.iter().enumerate().filter_map(lacks).collect()
 }
 
@@ -191,8 +193,10 @@ impl RunSweep {
                 findings: false,
             });
         }
-        let program = std::env::current_exe()
-            .map_err(|source| aurt_sweep::SweepError::Read { path: "/proc/self/exe".into(), source })?;
+        let program = std::env::current_exe().map_err(|source| aurt_experiment::sweep::SweepError::Read {
+            path: "/proc/self/exe".into(),
+            source,
+        })?;
         // The jobs lock the folder for themselves.
         drop(folder);
         let plugins: Vec<PathBuf> = session.registry.libraries().iter().map(|l| l.path.clone()).collect();
@@ -281,7 +285,7 @@ fn collected(
     let document = format!("{:#}\n", json!(ranking));
     let plots = plots.folder()?;
     let definition = std::fs::read_to_string(folder.path().join("experiment.toml")).ok();
-    let page = aurt_workbench::reports::sweep::page(&ranking, plan, definition.as_deref());
+    let page = aurt_experiment::workbench::reports::sweep::page(&ranking, plan, definition.as_deref());
     let mut outputs = Outputs::default();
     outputs.folder(
         &OutputFolder::new("--out", folder.path())?,

@@ -4,14 +4,14 @@ use std::{io::Write, path::PathBuf};
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
-use aurt_output::pretty;
-use aurt_report::reports;
-use aurt_workbench::{
+use aurt_experiment::workbench::{
     failure::Failure,
     output::{OutputFolder, Outputs},
     reports::track,
     tracking::{Alarm, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of, track},
 };
+use aurt_files::output::pretty;
+use aurt_report::reports;
 use clap::Args;
 use serde_json::json;
 

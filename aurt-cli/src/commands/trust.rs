@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Trust;
-use aurt_workbench::failure::Failure;
 use clap::Args;
 use serde_json::{Value, json};
 

@@ -8,13 +8,13 @@ use std::{
 };
 
 use aurt::Error;
+use aurt_experiment::workbench::failure::Failure;
 use aurt_files::harmless;
-use aurt_model::Error as ModelError;
+use aurt_plugins::model::Error as ModelError;
 use aurt_plugins::suggestion;
 use aurt_rbd::MdhError;
 use aurt_recording::RecordingError;
 use aurt_simulation::SimulationError;
-use aurt_workbench::failure::Failure;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents,
     SourceCode, SourceSpan, SpanContents,

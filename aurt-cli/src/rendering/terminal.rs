@@ -14,8 +14,8 @@ use aurt_report::rendering::style::Style;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
-use aurt_output::pretty;
-use aurt_workbench::failure::Failure;
+use aurt_experiment::workbench::failure::Failure;
+use aurt_files::output::pretty;
 
 use super::problem;
 

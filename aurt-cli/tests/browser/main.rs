@@ -103,7 +103,7 @@ fn a_check_and_a_diagnosis_of_a_real_robot_are_readable() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     aurt(folder.path(), &format!("diagnose {root}/examples/diagnose_ur10e_payload.toml --out payload"));
     look(&mut browser, &folder.path().join("payload/report.html"), "ur10e_payload");
     let ur3e = data.join("ur3e");

@@ -1,14 +1,14 @@
 //! A chain in which joints follow others: motions are planned for it, and what its model lacks is found.
 
 use aurt_rbd::RobotDescription;
-use aurt_robots::DescribedRobot;
+use aurt_rbd::robots::DescribedRobot;
 use aurt_traits::Motion;
 use serde_json::{Value, json};
 
 use crate::support::Folder;
 
 /// Five joints, of which three move on their own; a parallelogram and a telescope.
-const URDF: &str = include_str!("../../../../library/aurt-robots/tests/reference/coupled.urdf");
+const URDF: &str = include_str!("../../../aurt-rbd/tests/descriptions/reference/coupled.urdf");
 const TIP: &str = "rod";
 /// Dry and viscous friction of the three joints, Nm and Nm s/rad (N and N s/m).
 const FRICTION: [(f64, f64); 3] = [(6.0, 10.0), (12.0, 20.0), (9.0, 60.0)];
@@ -40,7 +40,7 @@ impl Noise {
 }
 
 fn robot() -> DescribedRobot {
-    aurt_robots::parse(URDF, "coupled.urdf", None, Some(TIP)).unwrap()
+    aurt_rbd::robots::parse(URDF, "coupled.urdf", None, Some(TIP)).unwrap()
 }
 
 /// Plans a motion of the arm and records what its drives give along it.

@@ -184,7 +184,7 @@ fn programs_are_told_the_place_of_what_is_wrong() {
 
 #[test]
 fn the_keys_that_the_pages_list_are_in_the_files() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     let folder = Folder::new();
     folder.aurt(words("demo --out demo --quiet")).succeeded();
     let metrics = folder.json("demo/metrics.json");

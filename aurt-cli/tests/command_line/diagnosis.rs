@@ -201,7 +201,7 @@ fn the_improved_experiment_is_read_from_anywhere_and_moves_with_its_recordings()
 }
 
 fn example(name: &str) -> (Folder, Value) {
-    let experiment = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/diagnose_{}.toml"), name);
+    let experiment = format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_{}.toml"), name);
     let folder = Folder::new();
     folder.aurt(["diagnose", &experiment, "--out", "out", "--quiet"]);
     let verdict = folder.json("out/verdict.json");
@@ -241,7 +241,7 @@ fn a_calibration_recording_that_determines_little_is_no_excuse() {
     };
     let example = std::fs::read_to_string(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../../examples/diagnose_ur10e_structure.toml"
+        "/../examples/diagnose_ur10e_structure.toml"
     ));
     let asked: Vec<String> = example
         .unwrap()
@@ -319,7 +319,7 @@ fn a_contact_that_may_not_be_named_is_not_masked_either() {
 #[test]
 fn a_push_against_a_standing_arm_is_a_contact() {
     let Some(_) = real_recordings("a_push_against_a_standing_arm_is_a_contact") else { return };
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/diagnose_ur10e_structure.toml");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/diagnose_ur10e_structure.toml");
     let example = std::fs::read_to_string(example).unwrap();
     let asked: Vec<String> = example
         .lines()

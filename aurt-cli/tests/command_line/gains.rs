@@ -96,7 +96,7 @@ fn loads_that_tell_nothing_are_refused() {
 fn the_gains_of_a_real_robot_are_those_of_its_controller() {
     let Some(data) = real_recordings("the gains of a real robot") else { return };
     let folder = Folder::new();
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/ur10e_gains.toml");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/ur10e_gains.toml");
     let text = std::fs::read_to_string(example).unwrap().replace("${AURT_DATA}", data.to_str().unwrap());
     folder.write("ur10e.toml", &text);
     folder.aurt(["gains", "ur10e.toml", "--mass-kg", "2.805", "--out", "gains"]).succeeded();

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::support::Folder;
 
-const SCHEMA: &str = include_str!("../../../../docs/rd_calibrated.schema.json");
+const SCHEMA: &str = include_str!("../../../docs/rd_calibrated.schema.json");
 
 /// What of a value a schema does not allow, as `place: reason`; of JSON Schema the words that ours uses.
 fn complaints(schema: &Value, root: &Value, value: &Value, place: &str) -> Vec<String> {

@@ -163,7 +163,7 @@ fn the_order_of_a_bag_changes_nothing_in_any_command() {
 #[test]
 fn a_first_experiment_matches_the_joints_of_any_robot_by_name() {
     let folder = Folder::new();
-    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/urdf-bag");
+    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/urdf-bag");
     for name in ["ur10e.urdf", "monday.mcap"] {
         std::fs::copy(example.join(name), folder.path(name)).unwrap();
     }
@@ -220,7 +220,7 @@ fn a_model_file_with_the_former_name_of_a_model_predicts_the_same() {
 #[test]
 fn predictions_of_a_saved_model_are_those_of_the_run() {
     let folder = Folder::new();
-    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/urdf-bag");
+    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/urdf-bag");
     for name in ["experiment.toml", "ur10e.urdf", "monday.mcap", "tuesday.mcap"] {
         std::fs::copy(example.join(name), folder.path(name)).unwrap();
     }

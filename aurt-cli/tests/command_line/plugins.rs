@@ -117,7 +117,7 @@ fn a_new_rust_plugin_is_calibrated_and_swept() {
     let folder = Folder::new();
     folder.aurt(["new-plugin", "drag-rust"]).succeeded();
     // The versions of this workspace, so that nothing has to be downloaded.
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     fs::copy(root.join("Cargo.lock"), folder.path("drag-rust/Cargo.lock")).unwrap();
     // Another test builds a new plugin here too; what both depend on is built once.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new-plugin-target");
@@ -166,9 +166,7 @@ fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
         ("BEYOND_BOUND", "declares that it is bounded by one in magnitude, but column 0 at sample 0"),
     ] {
         let defined = format!("-D{fault}");
-        let Some(library) =
-            folder.library(fault, "library/aurt-plugins/tests/fixtures/faulty.c", &[&defined])
-        else {
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
         let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
@@ -195,9 +193,7 @@ fn a_library_that_crashes_or_never_returns_is_named() {
         ("EXITS", "ended the command with exit status 0"),
     ] {
         let defined = format!("-D{fault}");
-        let Some(library) =
-            folder.library(fault, "library/aurt-plugins/tests/fixtures/faulty.c", &[&defined])
-        else {
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
         let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
@@ -218,9 +214,7 @@ fn names_of_a_library_are_words_and_each_is_there_once() {
     let folder = Folder::new();
     for (fault, reason) in [("NO_NAME", "names are words"), ("TWICE", "faulty")] {
         let defined = format!("-D{fault}");
-        let Some(library) =
-            folder.library(fault, "library/aurt-plugins/tests/fixtures/faulty.c", &[&defined])
-        else {
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
         folder.aurt(["--plugin", &text(&library), "models"]).refused(&[reason]);

@@ -71,7 +71,7 @@ fn the_original_tool_s_results_are_reproduced() {
 
 /// Runs an experiment of the folder `examples` and hands over its metrics.
 fn example(folder: &Folder, name: &str) -> Value {
-    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/").to_owned() + name + ".toml";
+    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/").to_owned() + name + ".toml";
     folder.aurt(["run", &experiment, "--out", name]).succeeded();
     folder.json(&format!("{name}/metrics.json"))
 }
@@ -143,7 +143,7 @@ fn a_headerless_log_is_read_by_column_numbers() {
     let folder = Folder::new();
     let data = text(&data);
     let toml =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/ur10e.toml")).unwrap();
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/ur10e.toml")).unwrap();
     let begin = toml.find("[recordings]").unwrap();
     let end = toml.find("[preprocess]").unwrap();
     let recordings = format!(

@@ -11,11 +11,7 @@ use crate::support::{Folder, numbers, text};
 
 /// The library of laws that no effect has.
 fn strange_friction(folder: &Folder) -> Option<PathBuf> {
-    folder.library(
-        "strange_friction",
-        "application/aurt-cli/tests/fixtures/strange_friction.c",
-        &["-std=c99", "-O2"],
-    )
+    folder.library("strange_friction", "aurt-cli/tests/fixtures/strange_friction.c", &["-std=c99", "-O2"])
 }
 
 fn verdict(folder: &Folder, out: &str) -> Value {
@@ -123,9 +119,7 @@ fn a_library_that_fails_is_a_note_and_not_the_end() {
     let folder = Folder::new().with_whole_demo();
     for (fault, reason) in [("PANICS", "it panicked"), ("NOT_FINITE", "is NaN at sample")] {
         let defined = format!("-D{fault}");
-        let Some(library) =
-            folder.library(fault, "library/aurt-plugins/tests/fixtures/faulty.c", &[&defined])
-        else {
+        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
             return;
         };
         let library = text(&library);

@@ -149,8 +149,8 @@ fn excitation_is_optimised_within_limits() {
 #[test]
 fn limits_of_a_description_are_those_of_the_motion() {
     let folder = Folder::new();
-    folder.write("gantry.urdf", include_str!("../../../../library/aurt-robots/tests/reference/gantry.urdf"));
-    folder.write("arm.xml", include_str!("../../../../library/aurt-robots/tests/reference/arm.xml"));
+    folder.write("gantry.urdf", include_str!("../../../aurt-rbd/tests/descriptions/reference/gantry.urdf"));
+    folder.write("arm.xml", include_str!("../../../aurt-rbd/tests/descriptions/reference/arm.xml"));
     let line = "excite --robot gantry.urdf --tip wrist --velocity-rad-s 2 --duration-s 8 --tries 20 --seed 1 --out m.csv";
     let run = folder.aurt(format!("{line} --json").split(' ')).succeeded();
     let report: Value = serde_json::from_str(&run.stdout()).unwrap();

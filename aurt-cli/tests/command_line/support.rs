@@ -79,11 +79,11 @@ impl Folder {
     /// A library of models compiled here from C, the source seen from the repository's root; nothing, with a reason printed, where there
     /// is no C compiler.
     pub fn library(&self, name: &str, source: &str, options: &[&str]) -> Option<PathBuf> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let library = self.path(&format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"));
         let compiler = Command::new("cc")
             .args(["-shared", "-fPIC", "-I"])
-            .arg(root.join("library/aurt-traits/include"))
+            .arg(root.join("aurt-traits/include"))
             .args(options)
             .arg(root.join(source))
             .arg("-o")

@@ -56,7 +56,7 @@ fn a_fleet_is_followed_robot_by_robot() {
     folder.write("robots.csv", &list);
     folder.write("broken.csv", &(list + &line("broken", "none.json", "other_motion.csv")));
     let fleet = |list: &str, arguments: &[&str]| {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/fleet.py");
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../scripts/fleet.py");
         let run = Command::new("python3")
             .args([script, list, "--out", "fleet", "--aurt", env!("CARGO_BIN_EXE_aurt")])
             .args(arguments)

@@ -112,7 +112,7 @@ fn shells_and_manual_readers_are_served() {
 #[test]
 fn keys_of_experiments_are_explained() {
     let folder = Folder::new();
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/experiment-file.md");
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/experiment-file.md");
     let page = std::fs::read_to_string(page).unwrap();
     let sections = page.lines().filter_map(|l| l.strip_prefix("## `[")?.split(']').next());
     let keys = page.lines().filter_map(|l| l.strip_prefix("| `")?.split('`').next());

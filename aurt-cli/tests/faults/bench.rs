@@ -54,8 +54,7 @@ impl Bench {
             fs::write(bench.path().join(name), text).unwrap();
         }
         // The same recording in each format that is no text, as the tests of the readers have it.
-        let formats =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../library/aurt-recording/tests/formats");
+        let formats = Path::new(env!("CARGO_MANIFEST_DIR")).join("../aurt-recording/tests/formats");
         for (source, name) in [
             ("compressed.npz", "log.npz"),
             ("version_7.mat", "log.mat"),

@@ -1,7 +1,7 @@
 //! Whether one model predicts held-out recordings better than another.
 //!
 //! # Equation
-//! With the losses ρ of a model (that of [`output_error`](crate::output_error)) and n samples of joint j in block b of
+//! With the losses ρ of a model (that of [`output_error`](aurt_calibration::drives::output_error)) and n samples of joint j in block b of
 //! [`Options::block_s`], its log-likelihood is −Σ_j ½ n ln(1 + ρ̄_jb): errors of one motion are large or small together, and a
 //! deviation for all blocks would let the few with the largest decide. Where errors are small this is −½ Σ ρ. d_b is the
 //! difference of two models. Errors of neighbouring blocks depend on each other (stick–slip, poses), so the variance of the mean is
@@ -12,9 +12,8 @@
 //! Diebold, Mariano (1995), *Comparing predictive accuracy*, J. Business & Economic Statistics 13; Newey, West (1987) for the
 //! variance; Benjamini, Hochberg (1995), J. Royal Statistical Society B 57.
 
+use aurt_calibration::drives::{DriveError, DriveRecording, DrivenArm, Options, loss};
 use statrs::distribution::{ContinuousCDF, StudentsT};
-
-use crate::{DriveError, DriveRecording, DrivenArm, Options, output_error::loss};
 
 /// Fewer blocks tell no deviation.
 pub const FEWEST_BLOCKS: usize = 8;

@@ -18,11 +18,12 @@ mod structures;
 pub use evidence::{Comparison, FEWEST_BLOCKS, Missed, compare};
 pub use structures::{STRUCTURES, Structure, deciders};
 
-use self::evidence::largest_of_claims;
-use crate::{
+use aurt_calibration::drives::{
     DriveError, DriveRecording, DrivenArm, EstimatedNumber, Options, OutputErrorFit, Selection,
     output_error_from,
 };
+
+use self::evidence::largest_of_claims;
 
 /// What a structure must bring.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,7 +116,7 @@ const AGAIN: f64 = 1e-3;
 /// Diagnoses a model: `fitted` recordings are estimated from, `held_out` ones decide; `progress` hears what is being tried.
 ///
 /// # Errors
-/// As [`output_error`](crate::output_error) of the model in question, and [`DriveError::TooShort`].
+/// As [`output_error`](aurt_calibration::drives::output_error) of the model in question, and [`DriveError::TooShort`].
 pub fn diagnose(
     arm: &DrivenArm,
     selection: &Selection,

@@ -1,6 +1,7 @@
 //! The structures that drives and joints can have.
 
-use crate::{DriveRecording, DrivenArm, columns::Selection, columns::stem, declare::UNLIMITED};
+use aurt_calibration::drives::{DriveRecording, DrivenArm, Selection, stem};
+use aurt_traits::UNLIMITED;
 
 /// A structure of a drive, a joint or its surroundings: what a model with it has that one without it lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,14 +2,15 @@
 
 use std::{path::Path, sync::Arc};
 
+use crate::Experiment;
+use crate::workbench::{experiments, failure::Failure};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
     fitting::Assigned,
 };
-use aurt_experiment::Experiment;
-use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_plugins::Registry;
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{MdhTable, RobotDescription};
 use aurt_recording::{Recording, RobotJoints};
 use aurt_report::{
@@ -20,16 +21,15 @@ use aurt_report::{
     },
 };
 use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
-use aurt_workbench::{experiments, failure::Failure};
 use serde_json::{Value, json};
 
-use crate::{
-    doctor::{self, Examination, Subject},
+use crate::doctor::{
     inspection::{
         inspected::{Inspected, rest},
         joints::suitable_f_dyn_hz,
         judged::{Judged, plain_friction},
     },
+    mistakes::{self, Examination, Subject},
     report::Checked,
 };
 
@@ -145,7 +145,8 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
         .map(|one| Ok(Seen { judged: excitation.of(&[&one])?, one }))
         .collect::<Result<_, Failure>>()?;
     let measured = |s: &&Subject| s.recordings.iter().any(|r| r.loaded.recording.measurement.is_some());
-    let examination = subject.as_ref().filter(measured).map(|s| doctor::examine(s, registry)).transpose()?;
+    let examination =
+        subject.as_ref().filter(measured).map(|s| mistakes::examine(s, registry)).transpose()?;
     Ok(Checkup { alone, together, subject, examination })
 }
 
@@ -345,7 +346,7 @@ fn own_name(one: &Inspected, taken: &[String]) -> String {
 
 /// The f_dyn to look with: what is usual, less where the slowest recording asks for it.
 fn highest_f_dyn_hz(assigned: &[Assigned]) -> f64 {
-    let rate_hz = |a: &Assigned| 1.0 / doctor::median_period_s(&a.loaded.recording.time_s);
+    let rate_hz = |a: &Assigned| 1.0 / mistakes::median_period_s(&a.loaded.recording.time_s);
     let slowest_hz = assigned.iter().map(rate_hz).fold(f64::INFINITY, f64::min);
     (DEFAULT_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * slowest_hz) * 1e3).round() / 1e3
 }

@@ -2,23 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::Experiment;
+use crate::workbench::failure::Failure;
 use aurt::{
     Role,
     data::{Loaded, Preprocessing, Purpose, Source},
 };
-use aurt_experiment::Experiment;
 use aurt_files::escaped;
 use aurt_plugins::Registry;
+use aurt_rbd::robots::{DescribedRobot, known_robot};
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
 use aurt_recording::RobotJoints;
-use aurt_robots::{DescribedRobot, known_robot};
 use aurt_traits::MeasurementUnit;
-use aurt_workbench::failure::Failure;
 use toml_edit::Value;
 
-use crate::{
-    doctor::{self, Examination, Subject, median_period_s},
+use crate::doctor::{
     inspection::{inspected::Inspected, joints::suitable_f_dyn_hz},
+    mistakes::{self, Examination, Subject, median_period_s},
 };
 
 /// f_dyn to look with, Hz, and the share of the sampling rate that it must stay below.
@@ -103,9 +103,9 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     if !measured {
         return Ok(Draft { text, guesses, examination: None });
     }
-    let subject = Subject::of_experiment(&experiment, doctor::recordings_of(&experiment)?)?;
-    let examination = doctor::examine(&subject, registry)?;
-    let (text, left) = doctor::corrected(&experiment, &subject, &examination)?;
+    let subject = Subject::of_experiment(&experiment, mistakes::recordings_of(&experiment)?)?;
+    let examination = mistakes::examine(&subject, registry)?;
+    let (text, left) = mistakes::corrected(&experiment, &subject, &examination)?;
     // A correction that cannot be read back is none.
     Experiment::parse(&text, path, registry).map_err(Failure::Experiment)?;
     let mut head = String::new();
@@ -126,8 +126,9 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let file = Path::new(robot);
     if !file.is_file() {
-        let meant =
-            aurt_robots::probably_meant(robot).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
+        let meant = aurt_rbd::robots::probably_meant(robot)
+            .map(|n| format!("did you mean {n}? "))
+            .unwrap_or_default();
         return Err(Failure::Argument {
             option: "--robot",
             reason: format!("{robot} is neither a robot known by name nor a file"),
@@ -138,19 +139,22 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
-        let described = aurt_robots::read_part(file, known.base.as_deref(), &known.tip.as_deref().into())
-            .map_err(|errors| Failure::Argument {
-                option: "--robot",
-                reason: errors.to_string(),
-                remedy: "choose the ends of a chain with `--base` and `--tip`, or correct the file".into(),
-            })?;
+        let described =
+            aurt_rbd::robots::read_part(file, known.base.as_deref(), &known.tip.as_deref().into()).map_err(
+                |errors| Failure::Argument {
+                    option: "--robot",
+                    reason: errors.to_string(),
+                    remedy: "choose the ends of a chain with `--base` and `--tip`, or correct the file"
+                        .into(),
+                },
+            )?;
         let is_tree = described.tip.is_empty();
         let mut ends = if is_tree { String::new() } else { format!("tip = {}\n", quoted(&described.tip)) };
         if known.base.is_some() {
             ends.insert_str(0, &format!("base = {}\n", quoted(&described.base)));
         }
-        let is_mjcf =
-            aurt_files::read_text(file, aurt_robots::MOST_BYTES).is_ok_and(|t| aurt_robots::is_mjcf(&t));
+        let is_mjcf = aurt_files::read_text(file, aurt_rbd::robots::MOST_BYTES)
+            .is_ok_and(|t| aurt_rbd::robots::is_mjcf(&t));
         let key = if is_mjcf { "mjcf" } else { "urdf" };
         return Ok(Arm {
             line: format!("{key} = {written}\n{ends}"),

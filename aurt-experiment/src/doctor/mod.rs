@@ -2,7 +2,7 @@
 //! without them.
 
 pub mod checkup;
-pub mod doctor;
 pub mod first_experiment;
 pub mod inspection;
+pub mod mistakes;
 pub mod report;

@@ -1,6 +1,6 @@
 //! The page of a recording: `aurt check --out`.
 
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use aurt_recording::{Preprocessed, Recording};
 use aurt_report::{
     Axis, BarGroup, Bars, Block, Cell, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone,
@@ -16,7 +16,7 @@ use serde_json::Value;
 
 use aurt_report::rendering::joints::label;
 
-use crate::inspection::joints::JointReport;
+use crate::doctor::inspection::joints::JointReport;
 
 /// What a motion says of the parameters, by their names.
 pub struct Excited<'a> {

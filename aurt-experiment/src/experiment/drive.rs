@@ -1,6 +1,6 @@
 use std::{collections::BTreeMap, ops::Range};
 
-use aurt_drives::{DrivenJoint, Floor, Mechanics, Selection};
+use aurt_calibration::drives::{DrivenJoint, Floor, Mechanics, Selection};
 use aurt_plugins::{Node, NodeKind};
 use aurt_traits::{DriveModel, DriveParameter};
 use serde_json::json;

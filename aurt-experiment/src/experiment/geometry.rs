@@ -1,8 +1,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use aurt_rbd::robots::DescribedRobot;
 use aurt_rbd::{MdhTable, RbdError, RobotDescription, SerialChain};
-use aurt_robots::DescribedRobot;
 use aurt_traits::{Branch, RigidBodyRegressor};
 
 /// Where the geometry of an experiment's robot is from.

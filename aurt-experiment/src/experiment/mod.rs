@@ -106,7 +106,7 @@ impl Experiment {
     pub fn read_with_drives(path: impl AsRef<Path>, registry: &mut Registry) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = read_text(path, MOST_TEXT_BYTES)
-            .map_err(|source| aurt_model::Error::Read { path: path.to_owned(), source })?;
+            .map_err(|source| aurt_plugins::model::Error::Read { path: path.to_owned(), source })?;
         Ok(Self::parse(&text, path, registry)?)
     }
 

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
 use aurt_plugins::Node;
+use aurt_rbd::robots::{DescribedRobot, Part, known_robot};
 use aurt_rbd::{MdhRows, MdhTable, RbdError, RobotDescription, gravity_complaint};
 use aurt_recording::RobotJoints;
-use aurt_robots::{DescribedRobot, Part, known_robot};
 use aurt_traits::RigidBodyRegressor;
 
 use super::{errors::Complaint, geometry::Geometry, joint_count::JointCheck, recorded_as, section::Section};
@@ -153,7 +153,7 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
                     if *key == "tips" { Part::Tips(names) } else { Part::Joints(names) }
                 }
             };
-            let robot = aurt_robots::read_part(&path, base, &part)
+            let robot = aurt_rbd::robots::read_part(&path, base, &part)
                 .map_err(|errors| {
                     for error in errors.0 {
                         section
@@ -168,7 +168,7 @@ fn read_geometry(section: &mut Section<'_, '_>) -> Option<Geometry> {
             let name = section.text_of("name", node)?;
             let known = known_robot(name);
             if known.is_none() {
-                let meant = aurt_robots::probably_meant(name);
+                let meant = aurt_rbd::robots::probably_meant(name);
                 let meant = meant.map(|name| format!("did you mean \"{name}\"? ")).unwrap_or_default();
                 let help = format!(
                     "{meant}`aurt robots` lists those that are known; others need `mdh`, `urdf` or `mjcf`"

@@ -2,7 +2,7 @@
 
 use aurt_calibration::two_sided;
 
-use crate::result::JointErrors;
+use crate::sweep::result::JointErrors;
 
 /// Fewer blocks than this say nothing.
 const FEWEST_BLOCKS: usize = 8;

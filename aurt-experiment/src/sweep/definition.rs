@@ -1,9 +1,9 @@
 //! `[sweep]`: what is varied, how points are judged.
 
-use aurt_experiment::Complaint;
+use crate::Complaint;
 use aurt_plugins::{Node, NodeKind, Span, suggestion};
 
-use crate::place::Place;
+use crate::sweep::place::Place;
 
 /// Length of the blocks of time over which errors are summed, unless given.
 const BLOCK_S: f64 = 1.0;

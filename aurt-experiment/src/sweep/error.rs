@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
+use crate::ExperimentErrors;
 use aurt_calibration::CalibrationError;
-use aurt_experiment::ExperimentErrors;
 use thiserror::Error;
 
 /// Why a sweep, as a whole, cannot go on. What is wrong with a single point is its result, not one of these.
@@ -13,7 +13,7 @@ pub enum SweepError {
     Definition(#[from] Box<ExperimentErrors>),
     /// The experiment, models or libraries.
     #[error(transparent)]
-    Plugins(#[from] aurt_experiment::Error),
+    Plugins(#[from] crate::Error),
     /// The experiment has no `[sweep]`.
     #[error("{}: there is no [sweep] to run; add one that names keys and their values", path.display())]
     NoSweep {
@@ -105,7 +105,7 @@ pub enum PointError {
     Recordings(String),
     /// The rigid bodies or the robot model.
     #[error(transparent)]
-    Model(#[from] aurt_model::Error),
+    Model(#[from] aurt_plugins::model::Error),
     /// The fit or its validation.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -117,8 +117,8 @@ pub enum PointError {
     Panic(String),
 }
 
-impl From<aurt_output::WriteError> for SweepError {
-    fn from(error: aurt_output::WriteError) -> Self {
+impl From<aurt_files::output::WriteError> for SweepError {
+    fn from(error: aurt_files::output::WriteError) -> Self {
         Self::Write { path: error.path, source: error.source }
     }
 }

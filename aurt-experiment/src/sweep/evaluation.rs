@@ -1,11 +1,11 @@
 //! A point's result, from the rows that its family shares.
 
+use crate::Experiment;
 use aurt_calibration::{FitRows, JudgedRow, TermScopes, calibrate_shapes_rows};
-use aurt_experiment::Experiment;
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
-use crate::{
+use crate::sweep::{
     Loader, Point, PointError,
     family::{SharedRows, point_model},
     loading::Settings,

@@ -1,12 +1,12 @@
 //! Points that share recordings and rigid bodies.
 
+use crate::Experiment;
 use aurt_calibration::{FitRows, RigidRows};
-use aurt_experiment::Experiment;
-use aurt_model::{Error, RigidBodyDynamics};
+use aurt_plugins::model::{Error, RigidBodyDynamics};
 use aurt_traits::{MeasurementUnit, RobotModel};
 use toml::Table;
 
-use crate::{Loader, Point, PointError, definition::Validate, loading::Data};
+use crate::sweep::{Loader, Point, PointError, definition::Validate, loading::Data};
 
 /// What of an experiment does not touch the rows of the rigid bodies: points that differ in nothing else share them.
 const FREE_SECTIONS: [&str; 3] = ["joint_dynamics", "arm_terms", "plugins"];

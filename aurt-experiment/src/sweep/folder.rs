@@ -20,10 +20,10 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use aurt_output::{STAGED, clear_unfinished, write_file_unsynced};
+use aurt_files::output::{STAGED, clear_unfinished, write_file_unsynced};
 use serde::Serialize;
 
-use crate::{
+use crate::sweep::{
     Sweep, SweepError,
     kept::{self, Found},
     plan::{self, Plan},

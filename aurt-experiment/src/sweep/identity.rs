@@ -6,12 +6,12 @@ use std::{
     sync::Mutex,
 };
 
-use aurt_experiment::Experiment;
+use crate::Experiment;
 use aurt_plugins::Registry;
 use blake3::Hasher;
 use serde_json::Value;
 
-use crate::{SweepError, definition::Validate};
+use crate::sweep::{SweepError, definition::Validate};
 
 /// Version of what is hashed, and of the results.
 const VERSION: &str = "aurt sweep result 1";

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::result::{Outcome, PointResult, SCHEMA};
+use crate::sweep::result::{Outcome, PointResult, SCHEMA};
 
 /// A result as its file has it.
 #[derive(Debug, Serialize, Deserialize)]

@@ -1,8 +1,8 @@
+use crate::Experiment;
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
-use aurt_experiment::Experiment;
 use aurt_traits::MeasurementUnit;
 
-use crate::{PointError, definition::Validate};
+use crate::sweep::{PointError, definition::Validate};
 
 /// The recordings of an experiment, preprocessed.
 #[derive(Debug, Clone)]

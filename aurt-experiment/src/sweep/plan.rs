@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use aurt_experiment::Experiment;
+use crate::Experiment;
 use aurt_plugins::Registry;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{
+use crate::sweep::{
     Point, Sweep, SweepError,
     definition::Validate,
     identity::{Digests, key},

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use aurt_experiment::{Complaint, Experiment, ExperimentErrors, Problem};
+use crate::{Complaint, Experiment, ExperimentErrors, Problem};
 use aurt_plugins::{Node, Registry, Span};
 use toml::Table;
 
-use crate::{
+use crate::sweep::{
     SweepError,
     definition::{Definition, Setting, Step, Validate},
     documents::{make_absolute, path_at},

@@ -3,7 +3,7 @@
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use crate::{
+use crate::sweep::{
     Folder, Plan,
     comparison::{holm, paired, paired_overall},
     result::{Evaluation, JointErrors, Outcome, Rows},

@@ -12,11 +12,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use aurt_experiment::Experiment;
+use crate::Experiment;
 use aurt_plugins::Registry;
 use rayon::prelude::*;
 
-use crate::{
+use crate::sweep::{
     Folder, Loader, Plan, Point, PointError, Sweep, SweepError,
     definition::Validate,
     evaluation::evaluate,

@@ -7,7 +7,7 @@ use std::{
     process::Command,
 };
 
-use crate::{Folder, SweepError};
+use crate::sweep::{Folder, SweepError};
 
 /// Largest element of an array that Slurm takes unless `MaxArraySize` allows more.
 const LARGEST_ELEMENT: usize = 1000;

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
+use crate::{Experiment, experiment::Geometry};
 use aurt::{CalibratedModel, origins::Origins};
 use aurt_calibration::{CalibratedParameter, Calibration, JointRange};
-use aurt_experiment::{Experiment, experiment::Geometry};
-use aurt_model::RigidBodyDynamics;
 use aurt_plugins::Registry;
+use aurt_plugins::model::RigidBodyDynamics;
+use aurt_rbd::robots::{DescribedRobot, JointFriction};
 use aurt_rbd::{RobotDescription, carry_over};
-use aurt_robots::{DescribedRobot, JointFriction};
 use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel};
 use serde_json::json;
 
-use crate::{
+use crate::workbench::{
     experiments::{calibration_options, check_robot_of, instrument},
     failure::Failure,
 };
@@ -78,11 +78,11 @@ impl GivenModel {
 fn chain(path: &Path, ends: ChainEnds<'_>, experiment: &Experiment) -> Result<DescribedRobot, Failure> {
     if let (ChainEnds { base: None, tip: None }, Geometry::Urdf { robot, .. }) =
         (ends, &experiment.robot.geometry)
-        && let Ok(described) = aurt_robots::read_part(path, Some(&robot.base), &robot.part)
+        && let Ok(described) = aurt_rbd::robots::read_part(path, Some(&robot.base), &robot.part)
     {
         return Ok(described);
     }
-    Ok(aurt_robots::read_part(path, ends.base, &ends.tip.into())?)
+    Ok(aurt_rbd::robots::read_part(path, ends.base, &ends.tip.into())?)
 }
 
 /// The model that a description states, in the geometry of an experiment.
@@ -176,9 +176,13 @@ fn model(
         let powers: &[u32] = if friction.viscous_nm_s_rad == 0.0 { &[] } else { &[1] };
         let viscous = json!({ "model": "polynomial", "powers": powers });
         JointStack::new(
-            registry.build_from_json(&json!({ "model": level })).map_err(aurt_model::Error::Build)?,
-            registry.build_from_json(&json!({ "model": "sign" })).map_err(aurt_model::Error::Build)?,
-            registry.build_from_json(&viscous).map_err(aurt_model::Error::Build)?,
+            registry
+                .build_from_json(&json!({ "model": level }))
+                .map_err(aurt_plugins::model::Error::Build)?,
+            registry
+                .build_from_json(&json!({ "model": "sign" }))
+                .map_err(aurt_plugins::model::Error::Build)?,
+            registry.build_from_json(&viscous).map_err(aurt_plugins::model::Error::Build)?,
         )
         .map_err(Into::into)
     };
@@ -188,7 +192,7 @@ fn model(
     let mut terms = Vec::new();
     if !rotors.is_empty() {
         let term = json!({ "model": "rotor_inertia", "joints": rotors });
-        terms.push(registry.build_from_json(&term).map_err(aurt_model::Error::Build)?);
+        terms.push(registry.build_from_json(&term).map_err(aurt_plugins::model::Error::Build)?);
     }
     Ok(dynamics.with_joint_dynamics(stacks, terms)?)
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::{Complaint, Experiment, ExperimentErrors, experiment::RecordingSource};
 use aurt::{
     Asked, CalibratedModel, Diagnoser, Part, Progress, Settings,
     data::{Loaded, Purpose, Source},
@@ -10,7 +11,6 @@ use aurt_diagnosis::{
     Improvement, Investigation, Learnt, Method, Question, QuestionedRecording, RecordingSeries, Role,
     SelectionOptions, Verdict, from_folder, improved_experiment, improvement, series, with_file_names,
 };
-use aurt_experiment::{Complaint, Experiment, ExperimentErrors, experiment::RecordingSource};
 use aurt_plugins::{Entry, Node, NodeKind, Registry};
 use aurt_recording::{RobotJoints, Stretches};
 use aurt_report::{
@@ -22,7 +22,7 @@ use aurt_report::{
 use aurt_traits::{ColumnGroup, MeasurementUnit};
 use serde_json::{Map, Value, json};
 
-use crate::{
+use crate::workbench::{
     experiments::{calibration_options, fit_experiment, instrument, source},
     failure::Failure,
     results::diagnosed_series::DiagnosedSeries,

@@ -1,5 +1,9 @@
 //! What an experiment asks of the library: its recordings, instrument, options, and the fit of its model.
 
+use crate::{
+    Experiment,
+    experiment::{self, RecordingSource},
+};
 use aurt::{
     CalibratedModel, Outcome, Progress,
     data::{Instrument, Source},
@@ -7,14 +11,10 @@ use aurt::{
     origins::Origins,
 };
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
-use aurt_experiment::{
-    Experiment,
-    experiment::{self, RecordingSource},
-};
 
 use aurt_recording::RobotJoints;
 
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// `[instrument]`, and what of `[robot]` concerns it.
 #[must_use]

@@ -9,14 +9,14 @@ use aurt_export::{
     mjcf, rust, sdf, urdf,
 };
 pub use aurt_export::{fmu::Kind, into::Format};
-use aurt_model::model_file::read_json;
 use aurt_plugins::Registry;
-use aurt_robots::{Part, RobotError};
+use aurt_plugins::model::model_file::read_json;
+use aurt_rbd::robots::{Part, RobotError};
 use aurt_simulation::Random;
 use aurt_traits::{Motion, MotionView};
 use serde_json::Value;
 
-use crate::{failure::Failure, output::OutputFolder};
+use crate::workbench::{failure::Failure, output::OutputFolder};
 use aurt::CalibratedModel;
 
 /// What a model is exported to.
@@ -196,13 +196,13 @@ pub fn correct(
     format: Format,
     [base, tip]: [Option<&str>; 2],
 ) -> Result<Exported, Failure> {
-    let text = aurt_files::read_text(into, aurt_robots::MOST_BYTES).map_err(|source| {
-        aurt_robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
+    let text = aurt_files::read_text(into, aurt_rbd::robots::MOST_BYTES).map_err(|source| {
+        aurt_rbd::robots::RobotErrors::from(RobotError::Unreadable { path: into.to_owned(), source })
     })?;
     // Without a tip it is the part that the model's joints name, or else all of the file.
     let names = model.calibrated.model.rigid_body().joint_names();
     let named = Part::Joints(names.to_vec());
-    let is_named = tip.is_none() && aurt_robots::parse_part(&text, into, base, &named).is_ok();
+    let is_named = tip.is_none() && aurt_rbd::robots::parse_part(&text, into, base, &named).is_ok();
     let part = &if is_named { named } else { Part::from(tip) };
     let original = Original { text: &text, path: into, format, base, part };
     with_source(model, "robot", |source, _| {

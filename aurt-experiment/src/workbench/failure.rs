@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ExperimentErrors;
+use crate::sweep::SweepError;
 use aurt_calibration::{CalibrationError, GainsError};
 use aurt_diagnosis::DiagnosisError;
-use aurt_experiment::ExperimentErrors;
 use aurt_export::ExportError;
-use aurt_output::WriteError;
+use aurt_files::output::WriteError;
 use aurt_plugins::BuildError;
+use aurt_rbd::robots::RobotErrors;
 use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
-use aurt_robots::RobotErrors;
 use aurt_simulation::SimulationError;
-use aurt_sweep::SweepError;
 use aurt_traits::ModelError;
 use thiserror::Error;
 
@@ -146,11 +146,11 @@ impl Failure {
     }
 }
 
-impl From<aurt_experiment::Error> for Failure {
-    fn from(error: aurt_experiment::Error) -> Self {
+impl From<crate::Error> for Failure {
+    fn from(error: crate::Error) -> Self {
         match error {
-            aurt_experiment::Error::Experiment(errors) => Self::Experiment(errors),
-            aurt_experiment::Error::Model(error) => error.into(),
+            crate::Error::Experiment(errors) => Self::Experiment(errors),
+            crate::Error::Model(error) => error.into(),
         }
     }
 }
@@ -178,7 +178,7 @@ macro_rules! of_library {
 
 of_library!(
     aurt::Error,
-    aurt_model::Error,
+    aurt_plugins::model::Error,
     aurt_plugins::Error,
     CalibrationError,
     DiagnosisError,

@@ -1,13 +1,13 @@
 //! Gains of the drives from an experiment: ratios from unloaded motion, the common factor from a load of known mass.
 
+use crate::Experiment;
 use aurt::{Progress, data::Purpose};
 use aurt_calibration::{Decided, Gain, Gains, GainsOf, KnownLoad, with_deviation};
-use aurt_experiment::Experiment;
 use aurt_report::rendering::table::Table;
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use crate::{experiments, failure::Failure};
+use crate::workbench::{experiments, failure::Failure};
 
 /// What is to be known of the gains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,16 +1,16 @@
 //! Experiments with real recordings as what effects are added to: gains undone, windows cut, one plain form.
 
-use aurt::data::{Pipeline, Purpose};
-use aurt_experiment::{
+use crate::{
     Experiment,
     experiment::{Geometry, RecordingSource},
 };
+use aurt::data::{Pipeline, Purpose};
 use aurt_files::escaped;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
-use crate::{
+use crate::workbench::{
     experiments::{instrument, source},
     failure::Failure,
 };
@@ -75,7 +75,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         ));
     };
     let mdh = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
-        .map_err(|source| aurt_model::Error::Read { path: path.clone(), source })?;
+        .map_err(|source| aurt_plugins::model::Error::Read { path: path.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         mdh_csv: mdh,
@@ -128,7 +128,7 @@ fn without_recordings(experiment: &Experiment) -> Result<String, String> {
 /// What each joint's row has beyond rigid bodies, as far as a small least squares can follow.
 fn structure(experiment: &Experiment) -> Result<Structure, Failure> {
     let joints = experiment.joints();
-    let stacks = experiment.joint_dynamics.stacks(joints).map_err(aurt_model::Error::Assembly)?;
+    let stacks = experiment.joint_dynamics.stacks(joints).map_err(aurt_plugins::model::Error::Assembly)?;
     let rotors: Vec<usize> = experiment
         .arm_terms
         .iter()

@@ -6,10 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use aurt_output::{clear_unfinished, is_named_pipe, write_file, write_files, write_folder};
+use aurt_files::output::{clear_unfinished, is_named_pipe, write_file, write_files, write_folder};
 use aurt_report::Page;
 
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// A file that a command is going to write.
 #[derive(Debug, Clone, PartialEq, Eq)]

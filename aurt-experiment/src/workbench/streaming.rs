@@ -6,6 +6,7 @@ use std::{
     str::FromStr,
 };
 
+use crate::Experiment;
 use aurt::{
     CalibratedModel, Progress, RecordingResult, Role,
     data::Source,
@@ -13,16 +14,15 @@ use aurt::{
     origins::Origins,
 };
 use aurt_calibration::{CalibrationError, Comparison, calibrate_long, shapes_of, validate_long};
-use aurt_experiment::Experiment;
 use aurt_recording::{LongPrepared, LongRecording, RecordingError};
 use aurt_traits::MeasurementUnit;
 
-use crate::{experiments, failure::Failure};
+use crate::workbench::{experiments, failure::Failure};
 
 /// Memory that whole recordings take at most, per byte of their files (`docs/reliability.md`).
 const MEMORY_PER_BYTE: u64 = 8;
 
-/// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::experiments::fit_experiment) does
+/// Does what an experiment says with recordings that are read in stretches, as [`fit_experiment`](crate::workbench::experiments::fit_experiment) does
 /// with whole ones; predictions for their rows are not made.
 ///
 /// # Errors

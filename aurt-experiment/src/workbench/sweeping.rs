@@ -1,15 +1,15 @@
 //! How a sweep reads recordings and fits: as `aurt run` does.
 
+use crate::sweep::{Data, Loader, PointError, Settings, Validate};
+use crate::{Experiment, experiment::RecordingSource};
 use aurt::{
     Error, Role,
     data::{Loaded, Pipeline, Purpose},
     fitting::judged_rows,
 };
 use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
-use aurt_experiment::{Experiment, experiment::RecordingSource};
-use aurt_sweep::{Data, Loader, PointError, Settings, Validate};
 
-use crate::experiments::{calibration_options, instrument, source};
+use crate::workbench::experiments::{calibration_options, instrument, source};
 
 /// Reads what experiments name.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use aurt_files::{MOST_MODEL_BYTES, clipped, read_text};
 
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// A table that was read from a file; cells are parsed when they are asked for.
 #[derive(Debug)]

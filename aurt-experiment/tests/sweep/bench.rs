@@ -7,13 +7,13 @@ use std::{
 };
 
 use aurt_calibration::{CalibrationOptions, NamedRecording, ShapeOptions, ValidatedRows};
-use aurt_experiment::{Experiment, experiment::RecordingSource};
-use aurt_plugins::Registry;
-use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
-use aurt_sweep::{
+use aurt_experiment::sweep::{
     Data, Folder, Loader, Outcome, Plan, PointError, PointResult, Settings, Summary, Sweep, SweepError,
     Validate, run,
 };
+use aurt_experiment::{Experiment, experiment::RecordingSource};
+use aurt_plugins::Registry;
+use aurt_recording::{PreprocessOptions, ReadOptions, preprocess, read_recording};
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
@@ -210,7 +210,7 @@ pub fn options(experiment: &Experiment) -> CalibrationOptions {
 }
 
 /// What a point came to, or why it failed.
-pub fn judged(result: &PointResult) -> Result<&aurt_sweep::Evaluation, &str> {
+pub fn judged(result: &PointResult) -> Result<&aurt_experiment::sweep::Evaluation, &str> {
     match &result.outcome {
         Outcome::Judged(evaluation) => Ok(evaluation),
         Outcome::Failed(error) => Err(error),

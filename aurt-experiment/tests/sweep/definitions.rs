@@ -1,6 +1,6 @@
 //! What `[sweep]` makes of an experiment, and what it refuses.
 
-use aurt_sweep::SweepError;
+use aurt_experiment::sweep::SweepError;
 
 use crate::bench::Bench;
 

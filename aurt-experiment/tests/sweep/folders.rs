@@ -5,7 +5,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use aurt_sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
+use aurt_experiment::sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
 
 use crate::bench::{Bench, TestLoader, contents, judged, registry};
 
@@ -161,11 +161,11 @@ fn a_plugin_that_panics_fails_its_point_alone() {
         fn load(
             &self,
             _: &aurt_experiment::Experiment,
-            _: aurt_sweep::Validate,
-        ) -> Result<aurt_sweep::Data, aurt_sweep::PointError> {
+            _: aurt_experiment::sweep::Validate,
+        ) -> Result<aurt_experiment::sweep::Data, aurt_experiment::sweep::PointError> {
             panic!("out of cheese")
         }
-        fn settings(&self, experiment: &aurt_experiment::Experiment) -> aurt_sweep::Settings {
+        fn settings(&self, experiment: &aurt_experiment::Experiment) -> aurt_experiment::sweep::Settings {
             TestLoader.settings(experiment)
         }
     }
@@ -174,7 +174,7 @@ fn a_plugin_that_panics_fails_its_point_alone() {
     let folder = Folder::for_sweep(&bench.path("out"), &sweep).unwrap();
     let plan = Plan::of(&sweep, &registry()).unwrap();
     folder.write_plan(&sweep, &plan).unwrap();
-    let summary = aurt_sweep::run(&sweep, &plan, &folder, &Panics, &|_| ()).unwrap();
+    let summary = aurt_experiment::sweep::run(&sweep, &plan, &folder, &Panics, &|_| ()).unwrap();
     assert_eq!((summary.run, summary.failed), (6, 6));
     let result = folder.result(&plan.points[0].key).unwrap();
     assert!(matches!(&result.outcome, Outcome::Failed(e) if e.contains("out of cheese")));

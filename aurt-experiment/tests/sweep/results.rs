@@ -1,7 +1,7 @@
 //! Results are those of the plain way, and they are ranked and marked as they deserve.
 
 use aurt_calibration::{Metrics, ShapeOptions, TermScopes, ValidatedRows, calibrate_shapes, validate};
-use aurt_sweep::{Folder, JointErrors, Point, Ranking, Rows};
+use aurt_experiment::sweep::{Folder, JointErrors, Point, Ranking, Rows};
 use aurt_traits::MeasurementUnit;
 
 use crate::bench::{Bench, TestLoader, judged, options};

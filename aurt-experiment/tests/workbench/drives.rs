@@ -1,16 +1,15 @@
 //! Experiments with a `[drive]`, from files to files.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::{fs, path::Path};
 
 use aurt::{Progress, data::Source};
-use aurt_drives::DriveRecording;
+use aurt_calibration::drives::DriveRecording;
 use aurt_experiment::Experiment;
-use aurt_plugins::Registry;
-use aurt_recording::{AngleUnit, RecordedAs};
-use aurt_workbench::driving::{
+use aurt_experiment::workbench::driving::{
     CalibratedDrive, DRIVE_FILE, IMPROVED_DRIVE_FILE, diagnose_drives, fit_drives,
 };
+use aurt_plugins::Registry;
+use aurt_recording::{AngleUnit, RecordedAs};
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -55,7 +54,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     // What the robot of the experiment does when its friction is 0.3 Nm and its delay 35 ms.
     let mut robot = fit_drives(&experiment, &Progress::silent()).unwrap();
     let file = folder.join(DRIVE_FILE);
-    let saved = |outcome: &mut aurt_workbench::driving::DriveOutcome| {
+    let saved = |outcome: &mut aurt_experiment::workbench::driving::DriveOutcome| {
         outcome.files.iter().find(|(name, _)| name == DRIVE_FILE).unwrap().1.clone()
     };
     fs::write(&file, saved(&mut robot)).unwrap();
@@ -236,7 +235,7 @@ fn the_published_values_of_emps_are_found_by_output_error() {
         println!("skipped: AURT_DATA names no folder with recordings of EMPS");
         return;
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/5-servo/emps.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/5-servo/emps.toml");
     let experiment = Experiment::read_with_drives(&path, &mut Registry::linked().unwrap()).unwrap();
     let outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
     let of = |name: &str| {
@@ -264,7 +263,7 @@ fn a_held_quadruped_is_one_tree() {
         println!("skipped: AURT_DATA names no folder with recordings of a Go2");
         return;
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/6-quadruped/go2.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/6-quadruped/go2.toml");
     let text = fs::read_to_string(&path).unwrap();
     // The numbers of the description, simulated: the fit takes long in a debug build.
     let begin = text.find("estimate").unwrap();
@@ -295,7 +294,7 @@ fn currents_of_a_bench_leave_the_torque_constant_open() {
         return;
     }
     const CONSTANT: &str = "torque_constant_nm_per_a";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/7-dyno/current.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/7-dyno/current.toml");
     let text = fs::read_to_string(&path).unwrap();
     let fitted = |text: &str| {
         let experiment = Experiment::parse(text, &path, &mut Registry::linked().unwrap()).unwrap();

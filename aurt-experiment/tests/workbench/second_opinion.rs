@@ -1,14 +1,14 @@
 //! Fits of others, judged by recordings of a simulated servo.
-#![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use std::{fs, path::Path};
 
 use aurt::Progress;
-use aurt_drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics, models::PositionServo};
+use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics};
 use aurt_experiment::Experiment;
+use aurt_experiment::workbench::driving::{DriveOutcome, second_opinion};
+use aurt_friction::drives::PositionServo;
 use aurt_plugins::Registry;
 use aurt_rbd::{Joint, Placement, SerialChain};
-use aurt_workbench::driving::{DriveOutcome, second_opinion};
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]

@@ -1,8 +1,8 @@
 //! What of a MuJoCo file is corrected: attributes of `inertial` and `joint`. An attribute of an element overrides the default
 //! of its class.
 
+use aurt_rbd::robots::{DescribedRobot, PlacedJoint};
 use aurt_rbd::{LinkBody, SerialChain};
-use aurt_robots::{DescribedRobot, PlacedJoint};
 use roxmltree::Node;
 
 use super::{SAME_CHAIN, edits::Edits};

@@ -10,9 +10,9 @@ mod urdf;
 
 use std::path::Path;
 
+pub use aurt_rbd::robots::Format;
+use aurt_rbd::robots::{DescribedRobot, Part, PlacedBody, PlacedLink, placed_links};
 use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody, SerialChain, inconsistencies};
-pub use aurt_robots::Format;
-use aurt_robots::{DescribedRobot, Part, PlacedBody, PlacedLink, placed_links};
 use roxmltree::{Document, ParsingOptions};
 
 use crate::{

@@ -1,7 +1,7 @@
 //! What of a URDF file is corrected: `<inertial>` of links and `<dynamics>` of joints.
 
 use aurt_rbd::LinkBody;
-use aurt_robots::PlacedJoint;
+use aurt_rbd::robots::PlacedJoint;
 use roxmltree::Node;
 
 use super::edits::Edits;

@@ -8,8 +8,8 @@ use aurt_export::{
     ExportError, Source,
     into::{Corrected, Format, Original, correct},
 };
+use aurt_rbd::robots::{DescribedRobot, Part};
 use aurt_rbd::{ChainDynamics, SerialChain};
-use aurt_robots::{DescribedRobot, Part};
 use roxmltree::Document;
 
 use super::{
@@ -20,7 +20,7 @@ use super::{
 const OWN: &str = include_str!("own.xml");
 
 fn read(text: &str) -> DescribedRobot {
-    aurt_robots::parse(text, "own.xml", None, Some("tool")).unwrap()
+    aurt_rbd::robots::parse(text, "own.xml", None, Some("tool")).unwrap()
 }
 
 fn light_case(text: &str) -> Case {

@@ -1,8 +1,8 @@
 //! The user's own URDF file with its dynamics corrected.
 
 use aurt_export::into::{Corrected, Format, correct};
+use aurt_rbd::robots::DescribedRobot;
 use aurt_rbd::{ChainDynamics, SerialChain};
-use aurt_robots::DescribedRobot;
 
 use super::{
     super::{
@@ -16,7 +16,7 @@ const OWN: &str = include_str!("own.urdf");
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 
 fn read(text: &str) -> DescribedRobot {
-    aurt_robots::parse(text, "own.urdf", None, Some("tool")).unwrap()
+    aurt_rbd::robots::parse(text, "own.urdf", None, Some("tool")).unwrap()
 }
 
 /// A model with links heavier than what the file states, so that something is left for every body.

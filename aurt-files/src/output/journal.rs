@@ -14,7 +14,7 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{
+use crate::output::{
     STAGED, WriteError,
     staging::{PART, Staged, folder_of, mark, named},
     unfinished::note_cleared,

@@ -30,12 +30,12 @@ use std::{
 
 use thiserror::Error;
 
-use crate::{
+use crate::output::{
     journal::Journal,
     staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
     unfinished::{make_folders, publishing},
 };
-pub use crate::{
+pub use crate::output::{
     journal::clear_unfinished,
     json::pretty,
     staging::{StagedFolder, is_named_pipe},

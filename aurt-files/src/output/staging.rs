@@ -8,7 +8,7 @@ use std::{
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-use crate::{
+use crate::output::{
     Durability, STAGED, WriteError,
     unfinished::{Publishing, Unfinished},
 };
@@ -52,7 +52,7 @@ pub(crate) fn sync_folder(folder: &Path) {
 }
 
 /// A folder to make files in before they are moved to their places. It is removed when it is dropped or the command is
-/// interrupted; [`clear_unfinished`](crate::clear_unfinished) removes that of a killed process.
+/// interrupted; [`clear_unfinished`](crate::output::clear_unfinished) removes that of a killed process.
 #[derive(Debug)]
 pub struct StagedFolder {
     folder: TempDir,

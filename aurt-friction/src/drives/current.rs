@@ -1,10 +1,10 @@
 //! `current`: a current controller and a torque constant, τ = k_t i*(t − T).
 
-use aurt_traits::{DriveInput, DriveTorque, Jet};
+use aurt_traits::{DriveInput, DriveTorque, Jet, drive_numbers};
 
-use crate::declare::{drive, numbers};
+use crate::drives::declare::drive;
 
-numbers! {
+drive_numbers! {
     /// A current controller and a torque constant, τ = k_t i*(t − T), gear included.
     pub struct CurrentDrive {
         /// Torque on the joint per current, k_t, in Nm/A.

@@ -1,6 +1,7 @@
 //! Drives, one a file.
 
 mod current;
+mod declare;
 mod pd_law;
 mod position_servo;
 mod torque;

@@ -1,10 +1,10 @@
 //! `pd_law`: a known law of control, τ = sat(K_p (q*(t − T) − q) − K_d q̇), that a torque-controlled drive carries out.
 
-use aurt_traits::{DriveInput, DriveTorque, Jet};
+use aurt_traits::{DriveInput, DriveTorque, Jet, UNLIMITED, drive_numbers};
 
-use crate::declare::{UNLIMITED, drive, numbers};
+use crate::drives::declare::drive;
 
-numbers! {
+drive_numbers! {
     /// A law of control that a torque-controlled drive carries out, τ = sat(K_p (q*(t − T) − q) − K_d q̇): quadrupeds,
     /// direct drives.
     pub struct PdLaw {

@@ -17,11 +17,11 @@
 //! Feetech STS3215 memory table (goal speed, acceleration, position P, I, D, dead zones); Duclusaud et al. (2025), *Extended
 //! Friction Models for the Physics Simulation of Servo Actuators*, for the torque from the duty.
 
-use aurt_traits::{DriveInput, DriveTorque, Jet};
+use aurt_traits::{DriveInput, DriveTorque, Jet, UNLIMITED, drive_numbers};
 
-use crate::declare::{UNLIMITED, drive, numbers};
+use crate::drives::declare::drive;
 
-numbers! {
+drive_numbers! {
     /// A servo that follows a position; equations at the head of its file.
     pub struct PositionServo {
         /// K_p in Nm/rad.

@@ -1,10 +1,10 @@
 //! `torque`: an ideal source of torque, τ = τ*(t − T).
 
-use aurt_traits::{DriveInput, DriveTorque, Jet};
+use aurt_traits::{DriveInput, DriveTorque, Jet, drive_numbers};
 
-use crate::declare::{drive, numbers};
+use crate::drives::declare::drive;
 
-numbers! {
+drive_numbers! {
     /// An ideal source of torque, τ = τ*(t − T).
     pub struct TorqueDrive {
         /// Delay T of the command in s.

@@ -2,11 +2,11 @@
 //!
 //! Viscous friction of the joint and the back-EMF are one column: only their sum is determined by recordings of one kind.
 
-use aurt_traits::{DriveInput, DriveTorque, Jet};
+use aurt_traits::{DriveInput, DriveTorque, Jet, drive_numbers};
 
-use crate::declare::{drive, numbers};
+use crate::drives::declare::drive;
 
-numbers! {
+drive_numbers! {
     /// A motor at a voltage with its back-EMF, τ = (k_t/R) u(t − T) − (k_t k_e/R) q̇; a PWM drive is one with u = duty ·
     /// supply.
     pub struct VoltageDrive {

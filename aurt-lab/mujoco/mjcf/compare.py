@@ -2,8 +2,8 @@
 
     pip install mujoco==4.0.0
     cargo build --release -p aurt-robots --example chains
-    python laboratory/mujoco/mjcf/compare.py target/release/examples/chains FILE...
-    python laboratory/mujoco/mjcf/compare.py --reference arm.json arm.xml TIP   # torques that the tests of aurt-robots keep
+    python aurt-lab/mujoco/mjcf/compare.py target/release/examples/chains FILE...
+    python aurt-lab/mujoco/mjcf/compare.py --reference arm.json arm.xml TIP   # torques that the tests of aurt-robots keep
 
 Prints one row per file: chains read, joints, the largest difference of a torque over 100 random states of all chains (of each state
 relative to its largest torque). Ours is that of the rigid bodies with the file's armature and damping; MuJoCo's is that of mj_inverse without

@@ -3,8 +3,8 @@ parameters against Pinocchio.
 
     pip install pin==4.1.0 example-robot-data==6.0.0
     cargo build --release -p aurt-robots --example chains
-    python laboratory/mujoco/urdf/compare.py target/release/examples/chains            # all files of example-robot-data
-    python laboratory/mujoco/urdf/compare.py target/release/examples/chains arm.urdf   # or those that are named
+    python aurt-lab/mujoco/urdf/compare.py target/release/examples/chains            # all files of example-robot-data
+    python aurt-lab/mujoco/urdf/compare.py target/release/examples/chains arm.urdf   # or those that are named
 
 Prints one row per file: chains read and refused, the largest number of joints, the largest relative differences of
 torque, mass matrix, regressor and acceleration over the states of all chains (of each state relative to its largest entry),

@@ -2,7 +2,7 @@
 
     pip install pin==4.1.0
     cargo build --release -p aurt-robots --example chains
-    python laboratory/mujoco/urdf/random_chains.py target/release/examples/chains [--chains 1000] [--seed 1]
+    python aurt-lab/mujoco/urdf/random_chains.py target/release/examples/chains [--chains 1000] [--seed 1]
 
 Each chain is a URDF file of 1 to 9 joints: axes, placements, masses, centres of mass and inertias (of bodies that can
 be, from random principal moments) are drawn; one joint in five is prismatic, and one axis in three is parallel or at a

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use aurt_output::{write_file, write_folder};
+use aurt_files::output::{write_file, write_folder};
 use rayon::prelude::*;
 
 use super::make::{Case, make_case};

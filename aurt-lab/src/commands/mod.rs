@@ -98,7 +98,7 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     // Without it an interruption ends the command all the same, and the next one removes what it left.
     let _ = ctrlc::set_handler(|| {
-        let kept = aurt_output::abandon();
+        let kept = aurt_files::output::abandon();
         let _ = writeln!(
             std::io::stderr(),
             "\ninterrupted: {kept} files had been written before and are whole; a proof goes on when it is run again"

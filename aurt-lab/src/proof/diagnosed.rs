@@ -57,7 +57,7 @@ pub fn prove(
         });
     // What was too young for that when the next case was made.
     let folders = place.results();
-    folders.iter().map(PathBuf::as_path).chain([place.root()]).for_each(aurt_output::clear_unfinished);
+    folders.iter().map(PathBuf::as_path).chain([place.root()]).for_each(aurt_files::output::clear_unfinished);
     proved
 }
 
@@ -111,7 +111,7 @@ fn prove_case(source: &dyn Source, index: usize, place: &Place, options: &Option
 /// Makes a case in a temporary folder and moves it there when it is complete; the reason if it cannot be made.
 fn make(source: &dyn Source, index: usize, name: &str, place: &Place) -> Result<Result<(), String>, Failure> {
     let fail = |path: PathBuf| move |source| Failure::write(path, source);
-    let building = aurt_output::StagedFolder::new(place.root())?;
+    let building = aurt_files::output::StagedFolder::new(place.root())?;
     let (cases, sealed) = (building.path().join("cases"), building.path().join("sealed"));
     for folder in [&cases, &sealed] {
         // Not the folder that they are in, which an interruption may have removed.

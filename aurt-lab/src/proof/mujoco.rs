@@ -17,7 +17,7 @@ const PYTHON: &str = "AURT_PYTHON";
 /// Names the program that makes the cases; without it the repository's own.
 const PROGRAM: &str = "AURT_MUJOCO_WORLD";
 /// The repository's own, seen from its root.
-const OWN_PROGRAM: &str = "laboratory/mujoco/mujoco_world.py";
+const OWN_PROGRAM: &str = "aurt-lab/mujoco/mujoco_world.py";
 
 /// Cases of the other engine.
 #[derive(Debug)]

@@ -72,7 +72,7 @@ impl Answer {
         out: &Path,
         keep: bool,
     ) -> Result<Self, Failure> {
-        let staged = aurt_output::StagedFolder::new(out)?;
+        let staged = aurt_files::output::StagedFolder::new(out)?;
         let folder = if keep { out.join(name) } else { staged.path().join(name) };
         OutputFolder::nested("--out", &folder)?.write(&setup.files())?;
         // Setups are asked about side by side.

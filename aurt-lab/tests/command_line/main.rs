@@ -7,6 +7,6 @@ mod lab;
 mod programs;
 mod proof;
 mod setups;
-#[path = "../../../../application/aurt-cli/tests/command_line/support.rs"]
+#[path = "../../../aurt-cli/tests/command_line/support.rs"]
 #[expect(dead_code, reason = "the tests of `aurt` use more of it")]
 mod support;

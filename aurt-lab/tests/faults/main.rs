@@ -2,13 +2,13 @@
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-#[path = "../../../../application/aurt-cli/tests/faults/bench.rs"]
+#[path = "../../../aurt-cli/tests/faults/bench.rs"]
 mod bench;
-#[path = "../../../../application/aurt-cli/tests/faults/damages.rs"]
+#[path = "../../../aurt-cli/tests/faults/damages.rs"]
 mod damages;
-#[path = "../../../../application/aurt-cli/tests/faults/interrupts.rs"]
+#[path = "../../../aurt-cli/tests/faults/interrupts.rs"]
 mod interrupts;
-#[path = "../../../../application/aurt-cli/tests/faults/matrix.rs"]
+#[path = "../../../aurt-cli/tests/faults/matrix.rs"]
 mod matrix;
 #[path = "../programs.rs"]
 mod programs;

@@ -2,13 +2,13 @@
 
 use aurt_traits::{ArmTerm, ModelError, RobotModel};
 
-use crate::{error::Error, friction::Friction, rigid_bodies::RigidBodyDynamics};
+use crate::model::{error::Error, friction::Friction, rigid_bodies::RigidBodyDynamics};
 
 /// The parts of a robot model: rigid bodies, the friction of each joint, arm terms.
 ///
 /// ```
 /// use aurt_friction::arm_terms::{coupling::Coupling, payload::Payload, rotor_inertia::RotorInertia};
-/// use aurt_model::{Friction, Robot};
+/// use aurt_plugins::model::{Friction, Robot};
 ///
 /// let robot = Robot::by_name("ur10e", [0.0, 0.0, -9.81])?;
 /// let model = robot
@@ -19,7 +19,7 @@ use crate::{error::Error, friction::Friction, rigid_bodies::RigidBodyDynamics};
 ///     .arm_term(Payload::default())
 ///     .build()?;
 /// assert_eq!(model.arm_terms().len(), 2);
-/// # Ok::<(), aurt_model::Error>(())
+/// # Ok::<(), aurt_plugins::model::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct ModelBuilder {
@@ -53,7 +53,7 @@ impl ModelBuilder {
         self.boxed_arm_term(Box::new(term))
     }
 
-    /// The same, of a term that a [`Registry`](aurt_plugins::Registry) built by its name.
+    /// The same, of a term that a [`Registry`](crate::Registry) built by its name.
     #[must_use]
     pub fn boxed_arm_term(mut self, term: Box<dyn ArmTerm>) -> Self {
         self.arm_terms.push(term);

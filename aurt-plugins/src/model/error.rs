@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use aurt_plugins::BuildError;
+use crate::BuildError;
+use aurt_rbd::robots::RobotErrors;
 use aurt_rbd::{MdhErrors, RbdError};
-use aurt_robots::RobotErrors;
 use aurt_traits::ModelError;
 use thiserror::Error;
 
-use crate::place::{Step, in_words};
+use crate::model::place::{Step, in_words};
 
 /// Why a robot model cannot be put together, read or written.
 #[derive(Debug, Error)]
@@ -16,7 +16,7 @@ use crate::place::{Step, in_words};
 pub enum Error {
     /// Models, libraries or plugins.
     #[error(transparent)]
-    Plugins(Box<aurt_plugins::Error>),
+    Plugins(Box<crate::Error>),
     /// The table of modified Denavit–Hartenberg parameters.
     #[error(transparent)]
     Mdh(#[from] MdhErrors),
@@ -98,10 +98,10 @@ fn and_help(help: &Option<String>) -> String {
     help.as_ref().map_or_else(String::new, |help| format!("; {help}"))
 }
 
-impl From<aurt_plugins::Error> for Error {
-    fn from(error: aurt_plugins::Error) -> Self {
+impl From<crate::Error> for Error {
+    fn from(error: crate::Error) -> Self {
         match error {
-            aurt_plugins::Error::Write { path, source } => Self::Write { path, source },
+            crate::Error::Write { path, source } => Self::Write { path, source },
             other => Self::Plugins(Box::new(other)),
         }
     }
@@ -128,8 +128,8 @@ impl From<Vec<BuildError>> for Error {
     }
 }
 
-impl From<aurt_output::WriteError> for Error {
-    fn from(error: aurt_output::WriteError) -> Self {
+impl From<aurt_files::output::WriteError> for Error {
+    fn from(error: aurt_files::output::WriteError) -> Self {
         Self::Write { path: error.path, source: error.source }
     }
 }

@@ -7,7 +7,7 @@ use aurt_friction::{
 };
 use aurt_traits::{CoulombModel, HysteresisModel, JointStack, ViscousBasis};
 
-use crate::error::Error;
+use crate::model::error::Error;
 
 /// The friction of a joint, f_C(τ_J)·H(z, q̇) + f_v(q̇): a Coulomb level f_C, a hysteresis H, viscous friction f_v.
 ///
@@ -15,7 +15,7 @@ use crate::error::Error;
 ///
 /// ```
 /// use aurt_friction::{coulomb::stribeck::{LoadDependence, Stribeck}, hysteresis::dahl::Dahl};
-/// use aurt_model::Friction;
+/// use aurt_plugins::model::Friction;
 ///
 /// let plain = Friction::coulomb().viscous(1);
 /// let harmonic_drive = Friction::load_dependent().hysteresis(Dahl { presliding_rad: 0.02 }).viscous(2);
@@ -30,7 +30,7 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Friction of three models, such as a [`Registry`](aurt_plugins::Registry) builds by their names.
+    /// Friction of three models, such as a [`Registry`](crate::Registry) builds by their names.
     #[must_use]
     pub fn new(
         coulomb: Box<dyn CoulombModel>,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use aurt_rbd::{MdhTable, SerialChain, base_parameters};
 use aurt_traits::{ArmTerm, BaseParameters, JointStack, RigidBodyRegressor, RobotModel};
 
-use crate::error::Error;
+use crate::model::error::Error;
 
 /// Seed of the random motions by which base parameters are found, unless another is asked for. Any seed finds the
 /// same ones; a fixed one makes files reproducible to the last digit.

@@ -2,11 +2,11 @@
 
 use std::{path::Path, sync::Arc};
 
+use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, known_robot, probably_meant};
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
-use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, known_robot, probably_meant};
 use aurt_traits::{BaseParameters, RigidBodyRegressor};
 
-use crate::{
+use crate::model::{
     builder::ModelBuilder,
     error::Error,
     rigid_bodies::{BASE_PARAMETER_SEED, RigidBodyDynamics},
@@ -15,13 +15,13 @@ use crate::{
 /// A robot: its rigid bodies under gravity, without values of their parameters.
 ///
 /// ```
-/// use aurt_model::{Friction, Robot};
+/// use aurt_plugins::model::{Friction, Robot};
 ///
 /// let table = "alpha,a,d\n0,0,0\n0,1,0\n";
 /// let robot = Robot::from_mdh(table, [0.0, -9.81, 0.0])?;
 /// let model = robot.model().friction(Friction::load_dependent().viscous(3)).build()?;
 /// assert_eq!(model.joints(), 2);
-/// # Ok::<(), aurt_model::Error>(())
+/// # Ok::<(), aurt_plugins::model::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Robot {
@@ -58,7 +58,7 @@ impl Robot {
     }
 
     /// The serial chain between two links of a URDF or MJCF file; without `base` it starts at the file's root, without `tip` it
-    /// is the tree of all joints. [`aurt_robots::read_part`] takes other parts, for [`Self::of_description`].
+    /// is the tree of all joints. [`aurt_rbd::robots::read_part`] takes other parts, for [`Self::of_description`].
     ///
     /// # Errors
     /// Everything that is wrong with the file, each with its place.
@@ -68,7 +68,7 @@ impl Robot {
         tip: Option<&str>,
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
-        Self::of_description(aurt_robots::read_part(path, base, &tip.into())?, gravity_m_s2)
+        Self::of_description(aurt_rbd::robots::read_part(path, base, &tip.into())?, gravity_m_s2)
     }
 
     /// The same from the text of such a file.
@@ -81,7 +81,10 @@ impl Robot {
         tip: Option<&str>,
         gravity_m_s2: [f64; 3],
     ) -> Result<Self, Error> {
-        Self::of_description(aurt_robots::parse_part(text, "robot.urdf", base, &tip.into())?, gravity_m_s2)
+        Self::of_description(
+            aurt_rbd::robots::parse_part(text, "robot.urdf", base, &tip.into())?,
+            gravity_m_s2,
+        )
     }
 
     /// A robot known by name, such as `ur10e`: geometry and limits, without masses, which makers do not publish.

@@ -20,7 +20,7 @@ pub fn rust_example() -> PathBuf {
 
 /// The C example; nothing, with a reason printed, where there is no C compiler.
 pub fn c_example() -> Option<PathBuf> {
-    compile("stop_c", Path::new("../../examples/plugin-c/stop.c"), &[])
+    compile("stop_c", Path::new("../examples/plugin-c/stop.c"), &[])
 }
 
 /// `fixtures/faulty.c` with one fault.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use aurt_model::RigidBodyDynamics;
+use aurt_plugins::model::RigidBodyDynamics;
 use aurt_plugins::{Origin, Registry};
 use aurt_rbd::{MdhRows, MdhTable};
 use aurt_traits::{

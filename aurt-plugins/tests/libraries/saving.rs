@@ -3,8 +3,8 @@
 use std::fs;
 
 use aurt_experiment::Experiment;
-use aurt_model::model_file;
 use aurt_plugins::Registry;
+use aurt_plugins::model::model_file;
 use aurt_traits::{HysteresisModel, ViscousBasis};
 use serde_json::json;
 

@@ -1,7 +1,7 @@
-use aurt_rbd::{INERTIAL_PARAMETERS, LinkBody};
+use crate::{INERTIAL_PARAMETERS, LinkBody};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::pose::Pose;
+use crate::robots::pose::Pose;
 
 /// A mass distribution in the frame of the link that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]

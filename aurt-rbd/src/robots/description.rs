@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use aurt_rbd::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
+use crate::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
 use aurt_traits::{Branch, RigidBodyRegressor};
 
-use crate::part::Part;
+use crate::robots::part::Part;
 
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::RobotError;
+use crate::robots::RobotError;
 
 /// Nodes of a file that are read; a humanoid has some ten thousand.
 const MOST_NODES: u32 = 1 << 22;

@@ -1,9 +1,9 @@
 //! Described chains as tables of modified Denavit–Hartenberg parameters.
 
-use aurt_rbd::{MdhRow, RbdError, RobotDescription};
+use crate::{MdhRow, RbdError, RobotDescription};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::DescribedRobot;
+use crate::robots::DescribedRobot;
 
 /// Sine of the angle below which two axes count as parallel.
 const PARALLEL: f64 = 1e-10;
@@ -13,7 +13,7 @@ const ONE_LINE_M: f64 = 1e-12;
 /// A chain by its axes alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsMdh {
-    /// A row for each joint, in the reading [`MdhRows::Next`](aurt_rbd::MdhRows::Next); coordinates are those of the description.
+    /// A row for each joint, in the reading [`MdhRows::Next`](crate::MdhRows::Next); coordinates are those of the description.
     pub rows: Vec<MdhRow>,
     /// Gravity in the table's base frame, whose z axis is the first joint's, m/s².
     pub gravity_m_s2: [f64; 3],

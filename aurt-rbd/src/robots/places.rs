@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use aurt_rbd::INERTIAL_PARAMETERS;
+use crate::INERTIAL_PARAMETERS;
 
-use crate::pose::Pose;
-use crate::serial::{self, LinkPart};
-use crate::tree::{Tree, TreeJoint};
-use crate::{DescribedRobot, Part, RobotError, RobotErrors, element, mjcf, selection, urdf};
+use crate::robots::pose::Pose;
+use crate::robots::serial::{self, LinkPart};
+use crate::robots::tree::{Tree, TreeJoint};
+use crate::robots::{DescribedRobot, Part, RobotError, RobotErrors, element, mjcf, selection, urdf};
 
 /// A format of robot descriptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,10 +71,10 @@ pub struct PlacedBody {
     pub standard: [f64; INERTIAL_PARAMETERS],
 }
 
-/// A part of a file of a format, as [`parse_part`](crate::parse_part) gives it, and the places of its links.
+/// A part of a file of a format, as [`parse_part`](crate::robots::parse_part) gives it, and the places of its links.
 ///
 /// # Errors
-/// As [`read_part`](crate::read_part); a file of another format.
+/// As [`read_part`](crate::robots::read_part); a file of another format.
 pub fn placed_links(
     text: &str,
     path: impl AsRef<Path>,

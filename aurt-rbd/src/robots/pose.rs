@@ -1,4 +1,4 @@
-use aurt_rbd::Placement;
+use crate::Placement;
 use nalgebra::{Matrix3, Vector3};
 
 /// Where a frame is in another.

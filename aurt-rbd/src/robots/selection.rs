@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use crate::RobotError;
-use crate::part::Part;
-use crate::tree::{Freedom, Tie, Tree};
+use crate::robots::RobotError;
+use crate::robots::part::Part;
+use crate::robots::tree::{Freedom, Tie, Tree};
 
 /// How many names a message lists.
 const MOST_NAMES: usize = 40;

@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use aurt_rbd::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, Parent, inconsistencies};
+use crate::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, Parent, inconsistencies};
 use aurt_traits::Branch;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::pose::{Pose, along};
-use crate::selection::{Selection, select};
-use crate::tree::{Followed, Freedom, Tree, TreeJoint};
-use crate::{DescribedRobot, JointFriction, JointLimits, Part, RobotErrors};
+use crate::robots::pose::{Pose, along};
+use crate::robots::selection::{Selection, select};
+use crate::robots::tree::{Followed, Freedom, Tree, TreeJoint};
+use crate::robots::{DescribedRobot, JointFriction, JointLimits, Part, RobotErrors};
 
 /// A link of a selection: everything between one of its moving joints and the next ones.
 pub(crate) struct ChainLink {

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use nalgebra::Vector3;
 
-use crate::body::Body;
-use crate::pose::Pose;
-use crate::{JointFriction, JointLimits};
+use crate::robots::body::Body;
+use crate::robots::pose::Pose;
+use crate::robots::{JointFriction, JointLimits};
 
 /// Links and the joints between them, as a file has them.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Robots known by name.
 
+use aurt_rbd::robots::{KNOWN_ROBOTS, known_robot, probably_meant};
 use aurt_rbd::{LinkFrame, MdhRows, MdhTable, RobotDescription, SerialChain, base_parameters};
-use aurt_robots::{KNOWN_ROBOTS, known_robot, probably_meant};
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -1,8 +1,7 @@
 //! Descriptions as tables of modified Denavit–Hartenberg parameters: the same axes at every posture.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use aurt_rbd::robots::{DescribedRobot, KNOWN_ROBOTS, parse};
 use aurt_rbd::{LinkFrame, MdhRows, MdhTable, RobotDescription, SerialChain, base_parameters};
-use aurt_robots::{DescribedRobot, KNOWN_ROBOTS, parse};
 use nalgebra::Vector3;
 
 fn robots() -> Vec<DescribedRobot> {

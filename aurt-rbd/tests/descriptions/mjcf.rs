@@ -1,15 +1,14 @@
 //! Chains of MJCF files: what is read, against MuJoCo, and what is refused and how.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
 
+use aurt_rbd::robots::{Format, Part, PlacedBody, is_mjcf, parse, placed_links, tips};
 use aurt_rbd::{ChainDynamics, JointKind, LinkBody, RobotDescription};
-use aurt_robots::{Format, Part, PlacedBody, is_mjcf, parse, placed_links, tips};
 use serde::Deserialize;
 
 const ARM: &str = include_str!("reference/arm.xml");
 
-/// The torques that MuJoCo computes for the same file (`laboratory/mujoco/mjcf/compare.py --reference`).
+/// The torques that MuJoCo computes for the same file (`aurt-lab/mujoco/mjcf/compare.py --reference`).
 #[derive(Deserialize)]
 struct Reference {
     joints: Vec<String>,
@@ -49,8 +48,9 @@ fn classes_limits_rotors_and_friction_are_kept() {
     kinds[0] = JointKind::Prismatic;
     assert_eq!(robot.kinds(), kinds);
     assert_eq!(robot.armature_kg_m2, [0.05, 0.7, 0.7, 0.05, 0.01]);
-    let of =
-        |value: fn(&aurt_robots::JointFriction) -> f64| robot.friction.iter().map(value).collect::<Vec<_>>();
+    let of = |value: fn(&aurt_rbd::robots::JointFriction) -> f64| {
+        robot.friction.iter().map(value).collect::<Vec<_>>()
+    };
     assert_eq!(of(|f| f.viscous_nm_s_rad), [12.0, 1.5, 1.5, 1.5, 1.5]);
     assert_eq!(of(|f| f.coulomb_nm), [3.0; 5]);
     let ranges: Vec<_> = robot.limits.iter().map(|l| l.position_rad).collect();
@@ -292,7 +292,7 @@ fn actuators_of_positions_are_read_with_the_defaults_of_their_class_and_others_a
              <actuator>{actuators}</actuator></mujoco>"
         )
     };
-    let read = |actuators: &str| aurt_robots::position_actuators(&file(actuators), "servo.xml");
+    let read = |actuators: &str| aurt_rbd::robots::position_actuators(&file(actuators), "servo.xml");
     let found = read(
         "<position class=\"servo\" joint=\"a\" forcerange=\"-2 2\"/>\
          <general joint=\"b\" gainprm=\"10\" biastype=\"affine\" biasprm=\"0.5 -10 -0.3\" delay=\"0.02\"/>",

@@ -1,6 +1,6 @@
 //! Chains against MuJoCo's inverse dynamics of the same file.
 
-mod peer;
+use super::peer;
 
 #[test]
 fn torques_limits_and_joints_agree() {

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-mod peer;
+use super::peer;
 
 #[test]
 fn torques_regressors_and_base_parameters_agree() {

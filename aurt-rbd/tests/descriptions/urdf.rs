@@ -1,8 +1,7 @@
 //! Chains of URDF files: what is read, and what is refused and how.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use aurt_rbd::robots::{DescribedRobot, Part, RobotErrors, parse, parse_part, tips};
 use aurt_rbd::{ChainDynamics, JointKind, RobotDescription, SerialChain, base_parameters};
-use aurt_robots::{DescribedRobot, Part, RobotErrors, parse, parse_part, tips};
 use aurt_traits::{Motion, RigidBodyRegressor};
 use serde::Deserialize;
 
@@ -355,14 +354,14 @@ fn files_that_are_no_text_or_too_large_are_refused() {
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("robot.urdf");
     std::fs::write(&path, b"<robot name=\"\xff\"/>").unwrap();
-    let error = aurt_robots::read(&path, None, None).unwrap_err().to_string();
+    let error = aurt_rbd::robots::read(&path, None, None).unwrap_err().to_string();
     assert!(error.contains("is no UTF-8 text (line 1)"), "{error}");
     // A sparse file takes no room.
-    std::fs::File::create(&path).unwrap().set_len(aurt_robots::MOST_BYTES + 1).unwrap();
-    let error = aurt_robots::read(&path, None, None).unwrap_err().to_string();
+    std::fs::File::create(&path).unwrap().set_len(aurt_rbd::robots::MOST_BYTES + 1).unwrap();
+    let error = aurt_rbd::robots::read(&path, None, None).unwrap_err().to_string();
     assert!(error.contains("larger than 64 MB"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
-    let error = aurt_robots::read("no/such.urdf", None, None).unwrap_err().to_string();
+    let error = aurt_rbd::robots::read("no/such.urdf", None, None).unwrap_err().to_string();
     assert!(error.starts_with("no/such.urdf: cannot be read"), "{error}");
 }
 

@@ -2,7 +2,7 @@
 
 use aurt::{CalibratedModel, Outcome, RecordingResult, Role};
 use aurt_calibration::Comparison;
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use serde_json::Value;
 
 use super::{

@@ -1,7 +1,7 @@
 //! Tables and lists that several reports have.
 
 use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueChoice};
-use aurt_model::BASE_PARAMETER_SEED;
+use aurt_plugins::model::BASE_PARAMETER_SEED;
 use aurt_traits::RobotModel;
 
 use crate::{

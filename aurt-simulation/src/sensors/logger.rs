@@ -320,7 +320,7 @@ impl SimulatedRecording {
     /// [`SimulationError::Io`].
     pub fn write_csv(&self, path: impl AsRef<std::path::Path>) -> Result<(), SimulationError> {
         let path = path.as_ref();
-        Ok(aurt_output::write_file(path, &self.csv())?)
+        Ok(aurt_files::output::write_file(path, &self.csv())?)
     }
 }
 

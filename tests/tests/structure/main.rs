@@ -25,10 +25,10 @@ const MOST_FILES: usize = 20;
 
 /// Lists of one kind, one of it a file.
 const LISTS: &[&str] = &[
-    "application/aurt-cli/src/commands",
-    "application/aurt-cli/tests/command_line",
-    "library/aurt-diagnosis/src/effects",
-    "library/aurt-simulation/src/effects",
+    "aurt-cli/src/commands",
+    "aurt-cli/tests/command_line",
+    "aurt-diagnosis/src/effects",
+    "aurt-simulation/src/effects",
 ];
 
 /// Whether a crate is one of ours, by its name.
@@ -109,7 +109,7 @@ fn crates_import_what_the_architecture_page_allows() {
 
 /// The rooms of the diagnosis in the order in which the table of its `lib.rs` lists them.
 fn rooms() -> Vec<String> {
-    let lib = std::fs::read_to_string(Path::new(ROOT).join("library/aurt-diagnosis/src/lib.rs")).unwrap();
+    let lib = std::fs::read_to_string(Path::new(ROOT).join("aurt-diagnosis/src/lib.rs")).unwrap();
     lib.lines()
         .filter_map(|line| {
             line.strip_prefix("//! | [`")?
@@ -125,7 +125,7 @@ fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
     let rooms = rooms();
     assert!(rooms.len() >= 10, "{rooms:?}");
     let place = |room: &str| rooms.iter().position(|r| r == room);
-    let modules = Modules::read(&Path::new(ROOT).join("library/aurt-diagnosis/src"));
+    let modules = Modules::read(&Path::new(ROOT).join("aurt-diagnosis/src"));
     let later = |file: &str, from: &str| {
         let room = file.split('/').next().unwrap_or_default();
         place(room).is_some_and(|own| place(from).is_some_and(|other| other > own))

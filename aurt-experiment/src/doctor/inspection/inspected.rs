@@ -1,5 +1,6 @@
 //! One recording, looked at.
 
+use crate::workbench::failure::Failure;
 use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose};
 use aurt_calibration::NamedRecording;
 use aurt_diagnosis::RecordingFaults;
@@ -9,14 +10,13 @@ use aurt_report::rendering::{
     text::wrapped,
 };
 use aurt_traits::{ModelError, Motion};
-use aurt_workbench::failure::Failure;
 use serde_json::{Value, json};
 
 use super::{
     joints::{JointReport, suitable_f_dyn_hz, tables},
     judged::Judged,
 };
-use crate::doctor::oddities;
+use crate::doctor::mistakes::oddities;
 
 /// A recording with what can be said of it by itself.
 pub struct Inspected {

@@ -1,5 +1,6 @@
 //! Which parameters of a model motions determine, by their names.
 
+use crate::workbench::failure::Failure;
 use aurt_calibration::{
     CalibratedParameter, CalibrationOptions, NamedRecording, accumulate, badly_excited, calibrate,
     hardly_excited,
@@ -9,11 +10,10 @@ use aurt_report::rendering::{number::significant, text::wrapped};
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, JointStack, LoadTorque, MeasurementUnit, RobotModel, ViscousBasis,
 };
-use aurt_workbench::failure::Failure;
 use serde_json::{Value, json};
 
 use super::excitation::{Excitation, Excited, judge};
-use crate::report::Excited as ExcitedNames;
+use crate::doctor::report::Excited as ExcitedNames;
 
 /// A parameter whose column is imitated by others up to this share of its own is hard to tell from them.
 const SMALL_OWN_SHARE: f64 = 0.02;

@@ -1,8 +1,8 @@
 //! An experiment's text without the mistakes that were found; comments and order stay.
 
-use aurt_experiment::Experiment;
+use crate::Experiment;
+use crate::workbench::failure::Failure;
 use aurt_rbd::MdhRows;
-use aurt_workbench::failure::Failure;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table as TomlTable, TableLike, Value};
 
 use super::{

@@ -45,8 +45,10 @@ use self::{
     setup::Setup,
     trial::Bench,
 };
-use crate::inspection::judged::{loaded_friction, often_left_out, plain_friction, presliding_friction};
-use aurt_workbench::failure::Failure;
+use crate::doctor::inspection::judged::{
+    loaded_friction, often_left_out, plain_friction, presliding_friction,
+};
+use crate::workbench::failure::Failure;
 
 /// What the doctor found.
 #[derive(Debug, Clone)]

@@ -5,6 +5,8 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
+use crate::workbench::{experiments, failure::Failure};
+use crate::{Experiment, experiment::Geometry};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose},
@@ -12,11 +14,9 @@ use aurt::{
 };
 use aurt_calibration::{NamedRecording, TermScopes};
 use aurt_diagnosis::RecordingFaults;
-use aurt_experiment::{Experiment, experiment::Geometry};
 use aurt_rbd::{CoupledChain, Coupling, Joint, MdhTable, RobotDescription, SerialChain};
 use aurt_recording::{Recording, preprocess};
 use aurt_traits::{ArmTerm, MeasurementUnit, RigidBodyRegressor, RobotModel};
-use aurt_workbench::{experiments, failure::Failure};
 
 use super::mistake::Mistake;
 

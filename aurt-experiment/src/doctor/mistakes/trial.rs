@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use aurt_calibration::{
     CalibrationOptions, NamedRecording, Rest, System, TermScopes, accumulate_scoped, for_each_predicted_block,
 };
-use aurt_model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
+use aurt_plugins::model::{BASE_PARAMETER_SEED, RigidBodyDynamics};
 use aurt_rbd::{CoupledChain, SerialChain};
 use aurt_traits::{ArmTerm, ColumnGroup, JointStack, LoadTorque, RigidBodyRegressor, RobotModel};
 

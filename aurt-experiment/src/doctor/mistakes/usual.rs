@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use aurt_rbd::robots::KNOWN_ROBOTS;
 use aurt_rbd::{Joint, JointKind, MdhRows, MdhTable, RobotDescription};
-use aurt_robots::KNOWN_ROBOTS;
 use aurt_traits::MeasurementUnit;
 
 use super::{

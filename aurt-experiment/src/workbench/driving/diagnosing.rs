@@ -2,21 +2,19 @@
 
 use std::fmt::Write;
 
+use crate::Experiment;
 use aurt::Progress;
+use aurt_calibration::drives::{DriveRecording, Options};
+use aurt_diagnosis::drives::{Answer, Demands, Diagnosis, Finding, Structure, deciders, diagnose, is_beyond};
 use aurt_diagnosis::{Remainder, Rest};
-use aurt_drives::{
-    DriveRecording, Options,
-    diagnosis::{Answer, Demands, Diagnosis, Finding, Structure, deciders, diagnose, is_beyond},
-};
-use aurt_experiment::Experiment;
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use serde_json::{Value, json};
 
 use super::{
     CalibratedDrive, DriveOutcome, REMEDY, Read, arm_of, doubts_of, of_drive, options_of, read_all,
     rival::rests, warnings, without_drive,
 };
-use crate::{diagnosing::selection, failure::Failure};
+use crate::workbench::{diagnosing::selection, failure::Failure};
 
 /// The file of the model with what a diagnosis found to be missing.
 pub const IMPROVED_DRIVE_FILE: &str = "drive_improved.json";
@@ -83,7 +81,7 @@ fn rollout(
     found: &Diagnosis,
     recording: &DriveRecording,
     options: &Options,
-) -> Result<Vec<Vec<f64>>, aurt_drives::DriveError> {
+) -> Result<Vec<Vec<f64>>, aurt_calibration::drives::DriveError> {
     let Some(piece_s) = options.piece_s else { return found.improved.arm.rollout(recording) };
     let mut all = vec![Vec::new(); recording.command.len()];
     for piece in recording.pieces(piece_s) {

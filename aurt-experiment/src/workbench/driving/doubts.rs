@@ -1,6 +1,6 @@
 //! What commands and positions cannot be, or cannot tell, and what speaks against a model of them.
 
-use aurt_drives::{DriveRecording, DrivenArm};
+use aurt_calibration::drives::{DriveRecording, DrivenArm};
 use aurt_traits::Command;
 
 use super::Judged;

@@ -4,7 +4,7 @@ use aurt_export::mjcf::{Beyond, DrivenJoint, Ground, driven};
 use aurt_rbd::INERTIAL_PARAMETERS;
 
 use super::CalibratedDrive;
-use crate::{exporting::Exported, failure::Failure};
+use crate::workbench::{exporting::Exported, failure::Failure};
 
 /// From this size on a limit is none.
 const UNLIMITED: f64 = 1e9;

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use aurt_drives::{Mechanics, models::PositionServo};
+use aurt_calibration::drives::Mechanics;
+use aurt_friction::drives::PositionServo;
+use aurt_rbd::robots::{Part, position_actuators, read_part};
 use aurt_recording::RobotJoints;
-use aurt_robots::{Part, position_actuators, read_part};
 use serde_json::{Map, Value};
 
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// Drives and joints that others fitted.
 pub(super) struct Fit {
@@ -33,7 +34,7 @@ fn rotor(rotor_inertia_kg_m2: f64) -> Mechanics {
 pub(super) fn read(path: &Path, joints: &RobotJoints) -> Result<Fit, Failure> {
     let unreadable = |e: std::io::Error| Failure::unfit(path, e.to_string(), "name a file that can be read");
     let text = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES).map_err(unreadable)?;
-    if aurt_robots::is_mjcf(&text) {
+    if aurt_rbd::robots::is_mjcf(&text) {
         return mjcf(path, &text, joints);
     }
     let remedy = "name an MJCF file with actuators, BAM's JSON, or a JSON object with settings of Isaac Lab's actuators (`stiffness` …)";

@@ -1,12 +1,13 @@
 //! A calibrated arm with drives as actuators of Isaac Lab, and what the conversion costs.
 
+use crate::Experiment;
 use aurt::Progress;
-use aurt_drives::{DriveRecording, DrivenArm, diagnosis::Missed, stem};
-use aurt_experiment::Experiment;
+use aurt_calibration::drives::{DriveRecording, DrivenArm, stem};
+use aurt_diagnosis::drives::Missed;
 use aurt_export::isaac::{self, Actuator};
 
 use super::{CalibratedDrive, follows_positions, of_drive, options_of, read_all};
-use crate::{exporting::Exported, failure::Failure};
+use crate::workbench::{exporting::Exported, failure::Failure};
 
 /// From this size on a limit is none.
 const UNLIMITED: f64 = 1e9;
@@ -35,7 +36,7 @@ impl CalibratedDrive {
             let reason = "actuators of Isaac Lab follow positions, and these drives do not".into();
             return Err(Failure::Argument { option, reason, remedy });
         }
-        let actuator = |joint: &aurt_drives::DrivenJoint| {
+        let actuator = |joint: &aurt_calibration::drives::DrivenJoint| {
             let (numbers, mechanics) = (joint.drive.parameters(), &joint.mechanics);
             let of = |key: &str| numbers.iter().find(|p| p.parameter.name == key).map_or(0.0, |p| p.value);
             // K_d acts within the limit, K_e behind it.

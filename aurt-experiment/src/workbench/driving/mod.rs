@@ -2,20 +2,22 @@
 
 use std::{fmt::Write, path::Path};
 
+use crate::Experiment;
 use aurt::{
     Progress,
     data::{Loaded, Purpose, Source},
 };
-use aurt_drives::{DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error};
-use aurt_experiment::Experiment;
-use aurt_output::pretty;
+use aurt_calibration::drives::{
+    DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error,
+};
+use aurt_files::output::pretty;
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
 use aurt_traits::{Command, MeasurementUnit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::{experiments::source, failure::Failure};
+use crate::workbench::{experiments::source, failure::Failure};
 
 mod diagnosing;
 mod doubts;

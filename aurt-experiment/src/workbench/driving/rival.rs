@@ -1,7 +1,7 @@
 //! What a black box predicts of the positions that a model misses.
 
+use aurt_calibration::drives::DriveRecording;
 use aurt_diagnosis::remainder::{Judged, Remainder, Rows};
-use aurt_drives::DriveRecording;
 
 /// Rows that are fitted; of more, every k-th is.
 const MOST_ROWS: usize = 6000;

@@ -2,22 +2,22 @@
 
 use std::{fmt::Write, path::Path};
 
+use crate::Experiment;
 use aurt::Progress;
-use aurt_drives::{
+use aurt_calibration::drives::{
     Absorbed, DriveRecording, DrivenArm, EstimatedNumber, Mechanics, OutputErrorFit, Selection, absorbed,
-    diagnosis::{Missed, STRUCTURES, Structure, compare, deciders},
-    models::{PdLaw, PositionServo},
     output_error, stem,
 };
-use aurt_experiment::Experiment;
-use aurt_output::pretty;
+use aurt_diagnosis::drives::{Missed, STRUCTURES, Structure, compare, deciders};
+use aurt_files::output::pretty;
+use aurt_friction::drives::{PdLaw, PositionServo};
 use serde_json::{Value, json};
 
 use super::{
     DriveOutcome, arm_of, doubts_of, fits, follows_positions, of_drive, options_of, read_all, warnings,
     without_drive,
 };
-use crate::{diagnosing::selection, failure::Failure};
+use crate::workbench::{diagnosing::selection, failure::Failure};
 
 /// The keys of viscous friction: one column of a motion that does not saturate.
 const VISCOUS: [&str; 3] = ["damping_nm_s_per_rad", "firmware_damping_nm_s_per_rad", "viscous_nm_s_per_rad"];

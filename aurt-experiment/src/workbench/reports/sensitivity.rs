@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use aurt_diagnosis::Answer;
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use aurt_report::{
     BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
     rendering::number::significant, reports::parts,
@@ -11,7 +11,7 @@ use aurt_report::{
 use aurt_simulation::inject::Presence;
 use serde_json::Value;
 
-use crate::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
+use crate::workbench::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
 
 /// What was found, and for what.
 #[derive(Debug)]

@@ -1,15 +1,15 @@
 //! The page of a sweep.
 
-use aurt_output::pretty;
+use crate::sweep::{Plan, Ranked, Ranking, Rows, Validate};
+use aurt_files::output::pretty;
 use aurt_report::{
     BarGroup, Bars, Block, Cell, Figure, Page, Section, Style, Table, Tone, Verdict,
     rendering::number::{percent, significant},
     reports::parts,
 };
-use aurt_sweep::{Plan, Ranked, Ranking, Rows, Validate};
 use serde_json::{Value, json};
 
-use crate::results::sweep_table::{ranges, readable};
+use crate::workbench::results::sweep_table::{ranges, readable};
 
 /// Points that the page has in its tables.
 const MOST: usize = 200;
@@ -52,7 +52,7 @@ pub fn page(ranking: &Ranking, plan: &Plan, definition: Option<&str>) -> Page {
         format!(
             "paired over blocks of {} s, Holm's correction over all points at level {}",
             plan.block_s,
-            aurt_sweep::LEVEL
+            crate::sweep::LEVEL
         ),
     ));
     let mut document: Value = json!(shown);

@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 
 use aurt_calibration::{Drift, DriftGroup};
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use aurt_report::{
     Axis, Block, Cell, Figure, Layer, Mark, Page, Panel, Plot, Section, Style, Table, Tone, Verdict,
     rendering::number::significant, reports::parts,
 };
 use serde_json::Value;
 
-use crate::tracking::{Alarm, Tracked, TrackedRecording};
+use crate::workbench::tracking::{Alarm, Tracked, TrackedRecording};
 
 /// The page.
 #[must_use]

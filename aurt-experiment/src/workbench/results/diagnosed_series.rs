@@ -7,7 +7,7 @@ use aurt_diagnosis::{JointSeriesRows, RecordingSeries, Verdict};
 use aurt_traits::MeasurementUnit;
 
 use super::series::{SeriesFormat, Written};
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// A recording of a diagnosis: measurement, predictions and residuals before and after what was found, and where it was
 /// found. Rows are those of the diagnosis, filtered and decimated.

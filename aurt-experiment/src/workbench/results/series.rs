@@ -12,7 +12,7 @@ use aurt_calibration::predict;
 use aurt_recording::{JointTopic, mcap, parquet};
 use aurt_traits::MeasurementUnit;
 
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// How series are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,12 @@
 //! The ranking of a sweep on the terminal.
 
+use crate::sweep::{Ranked, Ranking, Rows};
 use aurt_report::rendering::{
     number::percent,
     style::{Emphasis, Style},
     table::Table,
     text::wrapped,
 };
-use aurt_sweep::{Ranked, Ranking, Rows};
 
 /// Points that a terminal shows.
 const MOST: usize = 40;
@@ -34,7 +34,7 @@ pub fn readable(ranking: &Ranking, most: usize) -> (Ranking, Vec<String>) {
 
 /// Ranges of numbers, the first of them where there are many.
 pub fn ranges(numbers: &[usize]) -> String {
-    let all = aurt_sweep::slurm::ranges(numbers);
+    let all = crate::sweep::slurm::ranges(numbers);
     let parts: Vec<&str> = all.split(',').collect();
     if parts.len() <= MOST {
         return all;
@@ -130,7 +130,7 @@ fn table(
 
 #[cfg(test)]
 mod tests {
-    use aurt_sweep::{Failed, JointRank};
+    use crate::sweep::{Failed, JointRank};
 
     use super::*;
 

@@ -8,7 +8,7 @@ use super::{
     search::{Row, Status, shape},
     trials::Trials,
 };
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// What whole diagnoses say of an effect on a joint, in the shape of the first draw.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -13,7 +13,7 @@ use super::{
     ladder::{HALF_STEP, LEVELS, Limit, smallest},
     trials::{Route, Trials},
 };
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// Shares of lost rows that stand for the strengths.
 const LOST_PER_STRENGTH: f64 = 0.01;

@@ -13,7 +13,7 @@ use super::{
     probe::Probe,
     trials::{Route, Trials},
 };
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// Draws of each effect on each joint: a shape, and noise.
 pub const DRAWS: usize = 5;

@@ -1,13 +1,13 @@
+use crate::{Experiment, experiment::RecordingSource};
 use aurt_calibration::CalibrationOptions;
 use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, investigate, write_verdict};
-use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_plugins::Registry;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{Added, Injection, Presence, Split, applied};
 use aurt_traits::RobotModel;
 
 use super::claims::Claims;
-use crate::{diagnosing::selection, experiments::calibration_options, failure::Failure, injected};
+use crate::workbench::{diagnosing::selection, experiments::calibration_options, failure::Failure, injected};
 
 /// The experiment and recordings that effects are added to.
 #[derive(Debug)]

@@ -10,7 +10,7 @@ use aurt_plugins::Registry;
 use aurt_simulation::inject::{Added, Kind};
 
 use super::{Subject, claims::Claims};
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// How an effect is diagnosed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

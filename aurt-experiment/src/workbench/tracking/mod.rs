@@ -8,6 +8,7 @@ use std::{
     sync::Arc,
 };
 
+use crate::Experiment;
 use aurt::{
     CalibratedModel, Progress,
     data::{Loaded, Purpose, Source},
@@ -16,7 +17,6 @@ use aurt_calibration::{
     Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
     DriftWindow, LeftOut, NamedRecording, accumulate, drift_windows,
 };
-use aurt_experiment::Experiment;
 use aurt_plugins::Registry;
 use aurt_rbd::INERTIAL_PARAMETERS;
 use aurt_recording::{BranchMotion, FORMATS, RecordedAs, Recording, is_recording_folder};
@@ -25,7 +25,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use self::{follower::Follower, running::Running};
-use crate::{
+use crate::workbench::{
     experiments::{check_robot_of, source},
     failure::Failure,
 };
@@ -361,7 +361,8 @@ fn with_load(calibrated: &CalibratedModel, registry: &Registry) -> Result<RobotM
         return Ok(model.clone());
     }
     let load = json!({ "model": "payload", "parameters": ["m", "mX", "mY", "mZ"] });
-    let load: Box<dyn ArmTerm> = registry.build_from_json(&load).map_err(aurt_model::Error::Build)?;
+    let load: Box<dyn ArmTerm> =
+        registry.build_from_json(&load).map_err(aurt_plugins::model::Error::Build)?;
     let terms = model.arm_terms().iter().cloned().chain([load]).collect();
     RobotModel::new(model.rigid_body().clone(), model.base().clone(), model.stacks().to_vec(), terms)
         .map_err(Into::into)

@@ -10,7 +10,7 @@ use aurt_calibration::{Baseline, CalibrationError, Cut, DriftReference, drift_wi
 use aurt_recording::{PreprocessReport, Recording, RecordingError, read_running};
 
 use super::{Alarm, Follower, prepared_of};
-use crate::failure::Failure;
+use crate::workbench::failure::Failure;
 
 /// Rows that are read at a time.
 const ROWS: usize = 256;

@@ -2,7 +2,7 @@ use aurt_traits::{BaseParameters, Parameter, RigidBodyRegressor};
 use serde_json::{Map, Value, json};
 
 use super::json::At;
-use crate::error::Error;
+use crate::model::error::Error;
 
 /// A base parameter as people read it.
 #[derive(Debug, Clone, PartialEq)]

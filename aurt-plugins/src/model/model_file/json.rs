@@ -2,11 +2,11 @@
 
 use std::{collections::HashMap, path::Path};
 
-use aurt_output::write_file;
+use aurt_files::output::write_file;
 use serde_json::{Map, Value, value::RawValue};
 
 use super::SCHEMA;
-use crate::{
+use crate::model::{
     error::Error,
     place::{Step, in_words},
 };

@@ -2,7 +2,7 @@
 //!
 //! Every file is an object with `schema` (the version, [`SCHEMA`]) and `kind`. Friction models are saved under
 //! their names with their keys, as in an experiment; those of dynamic libraries too, and the file then says under
-//! `plugins` which libraries it needs. Reading therefore goes through a [`Registry`](aurt_plugins::Registry), never directly
+//! `plugins` which libraries it needs. Reading therefore goes through a [`Registry`](crate::Registry), never directly
 //! through serde.
 
 mod base_parameters;

@@ -8,7 +8,7 @@ use super::{
     RIGID_BODY_DYNAMICS, SCHEMA, base_parameters,
     json::{At, read_json, write_json},
 };
-use crate::{error::Error, rigid_bodies::RigidBodyDynamics};
+use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
 
 /// Rigid bodies as the value of a file of kind `rigid_body_dynamics`.
 ///

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use aurt_plugins::{BuildError, Registry, SlotModel};
+use crate::{BuildError, Registry, SlotModel};
 use aurt_traits::{
     ArmTerm, CoulombModel, HysteresisModel, JointStack, ModelError, RobotModel, Slot, ViscousBasis,
 };
@@ -12,7 +12,7 @@ use super::{
     json::{At, read_json, write_json},
     rigid_body,
 };
-use crate::{error::Error, rigid_bodies::RigidBodyDynamics};
+use crate::model::{error::Error, rigid_bodies::RigidBodyDynamics};
 
 /// A robot model as the value of a file of kind `robot_dynamics`.
 ///

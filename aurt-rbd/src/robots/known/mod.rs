@@ -4,10 +4,10 @@ mod arms;
 
 use std::f64::consts::FRAC_PI_2;
 
-use aurt_rbd::{Joint, Placement};
+use crate::{Joint, Placement};
 
-use crate::pose::{Pose, along};
-use crate::{DescribedRobot, JointFriction, JointLimits, Part};
+use crate::robots::pose::{Pose, along};
+use crate::robots::{DescribedRobot, JointFriction, JointLimits, Part};
 
 pub use arms::KNOWN_ROBOTS;
 

@@ -3,9 +3,9 @@
 use roxmltree::Node;
 
 use super::classes::Classes;
-use crate::RobotError;
-use crate::element::{Element, Source};
-use crate::tree::TreeJoint;
+use crate::robots::RobotError;
+use crate::robots::element::{Element, Source};
+use crate::robots::tree::TreeJoint;
 
 /// Gravity of files that state none, m/s².
 const GRAVITY: &str = "0 0 -9.81";

@@ -6,8 +6,8 @@ use roxmltree::Node;
 
 use super::ROOT;
 use super::classes::Classes;
-use crate::element::{Element, Source, document};
-use crate::{RobotError, RobotErrors};
+use crate::robots::element::{Element, Source, document};
+use crate::robots::{RobotError, RobotErrors};
 
 /// An actuator that follows a position: torque = clip(gain (command(t − delay) − q) − braking q̇ + bias).
 #[derive(Debug, Clone, PartialEq)]

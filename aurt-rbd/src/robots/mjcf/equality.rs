@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::element::{Element, Source};
-use crate::tree::{Mimic, Tie, Tree};
-use crate::{RobotError, mjcf::WORLD};
+use crate::robots::element::{Element, Source};
+use crate::robots::tree::{Mimic, Tie, Tree};
+use crate::robots::{RobotError, mjcf::WORLD};
 
 /// Reads the constraints of a file into the joints of its tree; `references` are the coordinates `ref` of joints that have one.
 ///

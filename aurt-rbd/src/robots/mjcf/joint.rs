@@ -4,10 +4,10 @@ use nalgebra::{Rotation3, Vector3};
 use roxmltree::Node;
 
 use super::classes::Classes;
-use crate::element::Element;
-use crate::pose::Pose;
-use crate::tree::{Freedom, Spring};
-use crate::{JointFriction, JointLimits, RobotError};
+use crate::robots::element::Element;
+use crate::robots::pose::Pose;
+use crate::robots::tree::{Freedom, Spring};
+use crate::robots::{JointFriction, JointLimits, RobotError};
 
 /// A joint of a body.
 pub(super) struct ReadJoint {

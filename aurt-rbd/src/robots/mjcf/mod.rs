@@ -16,11 +16,11 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
-use crate::body::Body;
-use crate::element::{Element, Source};
-use crate::pose::Pose;
-use crate::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
-use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+use crate::robots::body::Body;
+use crate::robots::element::{Element, Source};
+use crate::robots::pose::Pose;
+use crate::robots::tree::{BodyPlace, Freedom, Spring, Tree, TreeJoint, TreeLink};
+use crate::robots::{JointFriction, JointLimits, RobotError, RobotErrors};
 pub use actuators::{PositionActuator, position_actuators};
 use classes::Classes;
 use joint::{ReadJoint, Reading};

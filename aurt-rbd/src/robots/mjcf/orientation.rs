@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-use crate::RobotError;
-use crate::element::Element;
-use crate::pose::Pose;
+use crate::robots::RobotError;
+use crate::robots::element::Element;
+use crate::robots::pose::Pose;
 
 /// The attributes of an element, its class's among them.
 type Of<'f, 'x> = dyn Fn(&str) -> Option<&'x str> + 'f;

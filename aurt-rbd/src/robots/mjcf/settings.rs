@@ -3,8 +3,8 @@
 use roxmltree::Node;
 
 use super::orientation::Angles;
-use crate::RobotError;
-use crate::element::{Element, Source};
+use crate::robots::RobotError;
+use crate::robots::element::{Element, Source};
 
 /// What makes a file readable that is not so as it stands. Without `saveinertial` MuJoCo does not write masses of shapes.
 pub(super) const WRITE_OUT: &str = "let MuJoCo write the file out: put `saveinertial=\"true\"` into its <compiler> \

@@ -7,10 +7,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::classes::Classes;
 use super::orientation::z_onto;
 use super::settings::{Settings, WRITE_OUT};
-use crate::RobotError;
-use crate::body::Body;
-use crate::element::Element;
-use crate::pose::Pose;
+use crate::robots::RobotError;
+use crate::robots::body::Body;
+use crate::robots::element::Element;
+use crate::robots::pose::Pose;
 
 /// Density of a shape that states neither mass nor density, kg/m³.
 const DENSITY_KG_M3: f64 = 1000.0;

@@ -4,15 +4,15 @@ use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::Path;
 
-use aurt_rbd::Placement;
+use crate::Placement;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Node;
 
-use crate::body::Body;
-use crate::element::{Element, Source};
-use crate::pose::Pose;
-use crate::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
-use crate::{JointFriction, JointLimits, RobotError, RobotErrors};
+use crate::robots::body::Body;
+use crate::robots::element::{Element, Source};
+use crate::robots::pose::Pose;
+use crate::robots::tree::{BodyPlace, Freedom, Mimic, Spring, Tree, TreeJoint, TreeLink};
+use crate::robots::{JointFriction, JointLimits, RobotError, RobotErrors};
 
 /// The outermost element.
 pub(crate) const ROOT: &str = "robot";

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::process::Command;
 
 #[expect(dead_code, reason = "the example's main function is not called")]
-#[path = "../../examples/chains.rs"]
+#[path = "../../../examples/chains.rs"]
 mod chains;
 
-/// What the comparing `script` prints of a file in `tests/reference`; nothing without the Python `module`.
+/// What the comparing `script` prints of a file in `reference`; nothing without the Python `module`.
 pub fn compared(module: &str, script: &str, file: &str) -> Option<String> {
     let Some(python) = std::env::var_os("AURT_PYTHON") else {
         println!("skipped: AURT_PYTHON names no Python with {module}");
@@ -19,12 +19,12 @@ pub fn compared(module: &str, script: &str, file: &str) -> Option<String> {
         return None;
     }
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let file = here.join("tests/reference").join(file);
+    let file = here.join("tests/descriptions/reference").join(file);
     let folder = tempfile::tempdir().unwrap();
     let found = chains::chains(&file, folder.path(), 0).unwrap();
     std::fs::write(folder.path().join("chains.json"), found.to_string()).unwrap();
     let run = Command::new(&python)
-        .arg(here.join("../../laboratory/mujoco").join(script))
+        .arg(here.join("../aurt-lab/mujoco").join(script))
         .arg("--written")
         .arg(folder.path())
         .arg(&file)

@@ -7,7 +7,7 @@ mod rows;
 use aurt::{Asked, Explanation};
 use aurt_calibration::Calibration;
 use aurt_diagnosis::{Answer, QuestionedRecording, RecordingSeries, Role, Share, Verdict as Found};
-use aurt_output::pretty;
+use aurt_files::output::pretty;
 use aurt_traits::{MeasurementUnit, RobotModel};
 use serde_json::Value;
 
