@@ -1,7 +1,7 @@
 //! Writes torques, accelerations, mass matrices and regressors of every serial chain of robot description files, and of all
 //! joints at once where a file has several chains, for comparison with other programs:
 //!
-//! `cargo run --release -p aurt-robots --example chains -- FOLDER FILE…`
+//! `cargo run --release -p aurt-rbd --example chains -- FOLDER FILE…`
 //!
 //! For each file one line of JSON goes to the standard output, with the chains' joints, the inertial parameters and the
 //! number of base parameters; `FOLDER/K.f64` holds the numbers of chain K: for each state q, q̇, q̈, τ, and the

@@ -2,11 +2,11 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use aurt_experiment::doctor::checkup::{Checkup as Checked, Given, Known, Question, check as checked};
 use aurt_experiment::Experiment;
+use aurt_experiment::doctor::checkup::{Checkup as Checked, Given, Known, Question, check as checked};
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
 use aurt_report::{Page, rendering::style::Style};
-use aurt_experiment::workbench::failure::Failure;
 use pyo3::prelude::*;
 use serde_json::Value;
 

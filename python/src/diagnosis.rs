@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use aurt::{CalibratedModel, Diagnoser, Explanation, Settings, traits::RobotModel};
 use aurt_experiment::Experiment;
-use aurt_plugins::Registry;
-use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
 use aurt_experiment::workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
 use aurt_experiment::workbench::failure::Failure;
+use aurt_plugins::Registry;
+use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

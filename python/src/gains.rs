@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use aurt_calibration::KnownLoad;
 use aurt_experiment::Experiment;
-use aurt_plugins::Registry;
 use aurt_experiment::workbench::gains::{Question, drive_gains};
+use aurt_plugins::Registry;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

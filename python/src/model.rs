@@ -7,9 +7,9 @@ use aurt::{
     traits::{ArmTerm, Invariant, RobotModel},
 };
 use aurt_experiment::Experiment;
+use aurt_experiment::workbench::experiments::fit_experiment;
 use aurt_plugins::Registry;
 use aurt_report::reports::calibration;
-use aurt_experiment::workbench::experiments::fit_experiment;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyBytes};
 use serde_json::json;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use aurt_report::Page;
 use aurt_experiment::workbench::output::OutputFile;
+use aurt_report::Page;
 use pyo3::prelude::*;
 
 use crate::error::raised;

@@ -6,9 +6,9 @@ use aurt::{
     Friction,
     traits::{RegressorTile, RobotModel},
 };
+use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::{Registry, SlotModel};
 use aurt_rbd::robots::Part;
-use aurt_experiment::workbench::failure::Failure;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 use serde_json::{Map, Value, json};

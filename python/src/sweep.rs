@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use aurt::Progress;
-use aurt_plugins::Registry;
-use aurt_report::rendering::style::Style;
 use aurt_experiment::sweep::{Event, Folder, Plan, Ranking, Rows, Sweep};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_experiment::workbench::{results::sweep_table, sweeping::ExperimentLoader};
+use aurt_plugins::Registry;
+use aurt_report::rendering::style::Style;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
-use aurt_plugins::Registry;
-use aurt_recording::RecordedAs;
-use aurt_report::Page;
 use aurt_experiment::workbench::{
     failure::Failure,
     reports::track as words,
     tracking::{self, Followed, SHORTEST_WINDOW_S, TrackOptions, recordings_of},
 };
+use aurt_plugins::Registry;
+use aurt_recording::RecordedAs;
+use aurt_report::Page;
 use pyo3::{exceptions::PyTypeError, prelude::*};
 use serde_json::{Value, json};
 

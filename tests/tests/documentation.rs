@@ -27,6 +27,7 @@ fn pages() -> Vec<PathBuf> {
         "examples/5-servo",
         "examples/plugin-c",
         "examples/plugin-rust",
+        "aurt-calibration/src/drives",
         "aurt-lab/mujoco",
     ] {
         let entries = fs::read_dir(root.join(folder)).into_iter().flatten();

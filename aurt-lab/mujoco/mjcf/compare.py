@@ -1,9 +1,9 @@
 """Serial chains of MJCF files, and all joints at once: torques, joints and limits against MuJoCo's inverse dynamics of the same file.
 
     pip install mujoco==4.0.0
-    cargo build --release -p aurt-robots --example chains
+    cargo build --release -p aurt-rbd --example chains
     python aurt-lab/mujoco/mjcf/compare.py target/release/examples/chains FILE...
-    python aurt-lab/mujoco/mjcf/compare.py --reference arm.json arm.xml TIP   # torques that the tests of aurt-robots keep
+    python aurt-lab/mujoco/mjcf/compare.py --reference arm.json arm.xml TIP   # torques that the tests of aurt-rbd keep
 
 Prints one row per file: chains read, joints, the largest difference of a torque over 100 random states of all chains (of each state
 relative to its largest torque). Ours is that of the rigid bodies with the file's armature and damping; MuJoCo's is that of mj_inverse without

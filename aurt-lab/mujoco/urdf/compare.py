@@ -2,7 +2,7 @@
 parameters against Pinocchio.
 
     pip install pin==4.1.0 example-robot-data==6.0.0
-    cargo build --release -p aurt-robots --example chains
+    cargo build --release -p aurt-rbd --example chains
     python aurt-lab/mujoco/urdf/compare.py target/release/examples/chains            # all files of example-robot-data
     python aurt-lab/mujoco/urdf/compare.py target/release/examples/chains arm.urdf   # or those that are named
 
@@ -214,7 +214,7 @@ def written(program, file, folder):
 
 
 def main():
-    # `--written FOLDER FILE`: what the program has written about the file already, as the test of aurt-robots does.
+    # `--written FOLDER FILE`: what the program has written about the file already, as the test of aurt-rbd does.
     program, *files = sys.argv[2:] if sys.argv[1] == "--written" else sys.argv[1:]
     files = [pathlib.Path(f) for f in files] or robot_files()
     failures, total, refusals = 0, collections.Counter(), collections.Counter()

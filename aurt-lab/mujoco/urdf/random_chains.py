@@ -1,7 +1,7 @@
 """Random serial chains against Pinocchio: quantiles of the differences of torque, mass matrix and regressor.
 
     pip install pin==4.1.0
-    cargo build --release -p aurt-robots --example chains
+    cargo build --release -p aurt-rbd --example chains
     python aurt-lab/mujoco/urdf/random_chains.py target/release/examples/chains [--chains 1000] [--seed 1]
 
 Each chain is a URDF file of 1 to 9 joints: axes, placements, masses, centres of mass and inertias (of bodies that can

@@ -350,7 +350,7 @@ fn rounded_angles_and_missing_inertia_are_noted() {
 
 #[test]
 fn files_that_are_no_text_or_too_large_are_refused() {
-    let folder = std::env::temp_dir().join(format!("aurt-robots-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("aurt-rbd-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("robot.urdf");
     std::fs::write(&path, b"<robot name=\"\xff\"/>").unwrap();

@@ -1,5 +1,5 @@
-//! Imports run one way: between houses, between the crates of ARCHITECTURE.md's table, between the rooms of the diagnosis, and
-//! between the files of every crate. Folders stay small enough to be read.
+//! Imports run one way: up the table of crates in ARCHITECTURE.md, up the tables of rooms of the large crates, and between the
+//! files of every crate. Folders stay small enough to be read.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 mod files;
@@ -17,8 +17,19 @@ use files::{Modules, sources};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// The houses, from what anyone may use to what nobody may.
-const HOUSES: [&str; 3] = ["library", "application", "laboratory"];
+/// Crates whose rooms stand in an order, that of the table of their `lib.rs`.
+const ORDERED: [&str; 2] = ["aurt-diagnosis", "aurt-experiment"];
+
+/// Rooms on top of their crate: nothing else in it imports from them.
+const TOP_ROOMS: [(&str, &str); 4] = [
+    ("aurt-rbd", "robots"),
+    ("aurt-friction", "drives"),
+    ("aurt-plugins", "model"),
+    ("aurt-calibration", "drives"),
+];
+
+/// The only crates that simulated robots may know: they share nothing with what is fitted to their recordings.
+const KNOWN_TO_SIMULATION: [&str; 4] = ["aurt-files", "aurt-traits", "aurt-rbd", "aurt-recording"];
 
 /// Most source files of a folder.
 const MOST_FILES: usize = 20;
@@ -36,19 +47,13 @@ fn is_ours(name: &str) -> bool {
     name == "aurt" || name.starts_with("aurt-")
 }
 
-/// The crates of each row's last column; `None` where it says `all`.
-fn allowed() -> BTreeMap<String, Option<BTreeSet<String>>> {
+/// The crates of the page's table, in its order.
+fn order() -> Vec<String> {
     let page = std::fs::read_to_string(Path::new(ROOT).join("ARCHITECTURE.md")).unwrap();
-    let names = |cell: &str| -> BTreeSet<String> {
-        cell.split('`').skip(1).step_by(2).filter(|n| is_ours(n)).map(str::to_owned).collect()
-    };
     page.lines()
-        .filter(|line| line.starts_with("| `aurt"))
-        .map(|line| {
-            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-            let may_import = (cells[3] != "all").then(|| names(cells[3]));
-            (names(cells[1]).pop_first().unwrap(), may_import)
-        })
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+        .filter(|name| is_ours(name))
+        .map(str::to_owned)
         .collect()
 }
 
@@ -89,27 +94,36 @@ fn crates() -> BTreeMap<String, Crate> {
 }
 
 #[test]
-fn crates_import_what_the_architecture_page_allows() {
-    let (allowed, crates) = (allowed(), crates());
-    assert!(crates.len() >= 8, "{:?}", crates.keys());
-    for (name, Crate { imports, .. }) in &crates {
-        let Some(row) = allowed.get(name) else {
+fn crates_import_only_from_crates_above_them() {
+    let (order, crates) = (order(), crates());
+    let place = |name: &str| order.iter().position(|o| o == name);
+    for (name, Crate { folder, imports }) in &crates {
+        let Some(own) = place(name) else {
             // Plugins of users, which the examples stand for, may import the vocabulary alone.
             let vocabulary = BTreeSet::from(["aurt-traits".to_owned()]);
             assert!(imports.is_subset(&vocabulary), "{name} is not on the page and imports {imports:?}");
             continue;
         };
-        let Some(may) = row else { continue };
-        let beyond: Vec<_> = imports.difference(may).collect();
-        assert!(beyond.is_empty(), "{name} imports {beyond:?}, which ARCHITECTURE.md does not allow");
+        let below: Vec<_> = imports.iter().filter(|i| place(i).is_none_or(|other| other >= own)).collect();
+        assert!(below.is_empty(), "{name} imports {below:?}, which ARCHITECTURE.md does not list above it");
+        let expected = if name == "aurt-tests" { "tests" } else { name };
+        assert_eq!(folder, Path::new(expected), "a crate is a folder at the top, named as the crate is");
     }
-    let missing: Vec<_> = allowed.keys().filter(|name| !crates.contains_key(*name)).collect();
+    let missing: Vec<_> = order.iter().filter(|name| !crates.contains_key(*name)).collect();
     assert!(missing.is_empty(), "ARCHITECTURE.md lists {missing:?}, which do not exist");
+    assert_eq!(order.len(), order.iter().collect::<BTreeSet<_>>().len(), "a crate stands twice: {order:?}");
 }
 
-/// The rooms of the diagnosis in the order in which the table of its `lib.rs` lists them.
-fn rooms() -> Vec<String> {
-    let lib = std::fs::read_to_string(Path::new(ROOT).join("aurt-diagnosis/src/lib.rs")).unwrap();
+#[test]
+fn simulated_robots_share_nothing_with_what_is_fitted() {
+    let imports = &crates()["aurt-simulation"].imports;
+    let beyond: Vec<_> = imports.iter().filter(|i| !KNOWN_TO_SIMULATION.contains(&i.as_str())).collect();
+    assert!(beyond.is_empty(), "aurt-simulation imports {beyond:?}");
+}
+
+/// The rooms of a crate in the order in which the table of its `lib.rs` lists them.
+fn rooms(name: &str) -> Vec<String> {
+    let lib = std::fs::read_to_string(Path::new(ROOT).join(name).join("src/lib.rs")).unwrap();
     lib.lines()
         .filter_map(|line| {
             line.strip_prefix("//! | [`")?
@@ -121,29 +135,32 @@ fn rooms() -> Vec<String> {
 }
 
 #[test]
-fn rooms_of_the_diagnosis_import_only_from_rooms_before_them() {
-    let rooms = rooms();
-    assert!(rooms.len() >= 10, "{rooms:?}");
-    let place = |room: &str| rooms.iter().position(|r| r == room);
-    let modules = Modules::read(&Path::new(ROOT).join("aurt-diagnosis/src"));
-    let later = |file: &str, from: &str| {
-        let room = file.split('/').next().unwrap_or_default();
-        place(room).is_some_and(|own| place(from).is_some_and(|other| other > own))
-    };
-    let back: Vec<_> =
-        modules.folders_imported().into_iter().filter(|(file, from)| later(file, from)).collect();
-    assert!(back.is_empty(), "files that import from a later room: {back:#?}");
+fn rooms_import_only_from_rooms_above_them() {
+    for name in ORDERED {
+        let rooms = rooms(name);
+        assert!(rooms.len() >= 4, "{name}: {rooms:?}");
+        let place = |room: &str| rooms.iter().position(|r| r == room);
+        let later = |file: &str, from: &str| {
+            let room = file.split('/').next().unwrap_or_default();
+            place(room).is_some_and(|own| place(from).is_some_and(|other| other > own))
+        };
+        let modules = Modules::read(&Path::new(ROOT).join(name).join("src"));
+        let back: Vec<_> =
+            modules.folders_imported().into_iter().filter(|(file, from)| later(file, from)).collect();
+        assert!(back.is_empty(), "{name}: files that import from a later room: {back:#?}");
+    }
 }
 
 #[test]
-fn houses_import_only_from_houses_before_them() {
-    let crates = crates();
-    let house =
-        |name: &str| HOUSES.iter().position(|h| crates.get(name).is_some_and(|c| c.folder.starts_with(h)));
-    for (name, own) in &crates {
-        let Some(place) = house(name) else { continue };
-        let later: Vec<_> = own.imports.iter().filter(|i| house(i).is_some_and(|h| h > place)).collect();
-        assert!(later.is_empty(), "{name} is of the {} and imports {later:?}", HOUSES[place]);
+fn nothing_in_a_crate_imports_from_a_room_on_top_of_it() {
+    for (name, room) in TOP_ROOMS {
+        let src = Path::new(ROOT).join(name).join("src");
+        assert!(src.join(room).is_dir(), "{name} has no room {room}");
+        let imported = Modules::read(&src).folders_imported().into_iter();
+        let files: Vec<_> = imported
+            .filter(|(file, from)| from == room && file != "lib" && !file.starts_with(room))
+            .collect();
+        assert!(files.is_empty(), "{name}: files that import from {room}: {files:#?}");
     }
 }
 
