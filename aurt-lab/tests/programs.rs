@@ -28,14 +28,17 @@ pub fn aurt() -> &'static Path {
     &AURT
 }
 
-/// Whether the program is there and younger than every source of the library and the application.
+/// Whether the program is there and younger than every source of the crates, this one aside.
 fn is_fresh(program: &Path) -> bool {
     let written = |path: &Path| path.metadata().and_then(|m| m.modified()).ok();
     let Some(built) = written(program) else { return false };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let below = |folder: PathBuf| read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let crates = ["library", "application"].into_iter().flat_map(|house| below(root.join(house)));
-    let mut places: Vec<PathBuf> = crates.map(|folder| folder.join("src")).collect();
+    let is_linked = |folder: &PathBuf| {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("aurt") && name != "aurt-lab"
+    };
+    let mut places: Vec<PathBuf> = below(root).filter(is_linked).map(|folder| folder.join("src")).collect();
     while let Some(place) = places.pop() {
         if place.is_dir() {
             places.extend(below(place));
