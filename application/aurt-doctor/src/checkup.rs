@@ -5,6 +5,7 @@ use std::{path::Path, sync::Arc};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    duplicates::SampleRegister,
     fitting::Assigned,
 };
 use aurt_experiment::Experiment;
@@ -110,6 +111,7 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
         joints = joints.or_else(|| Some(loaded.recording.robot_joints()));
         assigned.push(Assigned { loaded, role });
     }
+    SampleRegister::check(assigned.iter().map(|a| (&a.loaded, a.role.name())))?;
     let of_experiment = match robot {
         Known::Experiment(experiment) => Some(experiment.preprocess.f_dyn_hz),
         _ => None,

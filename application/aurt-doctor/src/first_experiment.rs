@@ -177,6 +177,7 @@ fn of(described: &DescribedRobot) -> RobotJoints {
         count: described.joints(),
         names: described.joint_names.clone(),
         branches: described.branches.clone(),
+        sliding: described.sliding(),
     }
 }
 

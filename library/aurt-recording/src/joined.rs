@@ -36,7 +36,11 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     for (place, other) in options.recorded.joined.iter().enumerate() {
         let still_missing = options.needs_measurement && whole.measurement.is_none() && place + 1 == last;
         let part = ReadOptions {
-            joints: Some(RobotJoints { names: whole.joints.names().to_vec(), ..whole.joints().into() }),
+            joints: Some(RobotJoints {
+                names: whole.joints.names().to_vec(),
+                sliding: (0..whole.joints()).map(|joint| options.slides(joint)).collect(),
+                ..whole.joints().into()
+            }),
             columns: other.columns.clone(),
             unit: other.unit.or(options.unit),
             recorded: alone(&other.recorded),

@@ -100,7 +100,7 @@ pub use preprocess::{
 };
 pub use read_options::ReadOptions;
 pub use reading::{read_recording, read_running};
-pub use recorded_as::{AngleUnit, CurrentUnit, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};

@@ -148,7 +148,7 @@ impl Loaded {
     /// [`Error::Recording`] if the file can no longer be read.
     pub fn stamps_s(&self) -> Result<Vec<f64>, Error> {
         let (kept, report) = (&self.recording.time_s, &self.recording.report);
-        if report.dropped.is_empty() {
+        if report.absent.is_empty() {
             return Ok(kept.clone());
         }
         if report.line_is_row {
@@ -171,12 +171,17 @@ impl Loaded {
     }
 }
 
-/// The stamp of every row, given the lines of all rows and the stamps of those that were kept.
+/// The stamp of every row, given the lines of all rows and the stamps of those that were kept. A row that is there more than
+/// once has that of the one before.
 fn with_dropped(rows: &[usize], kept: &[f64], report: &ReadReport) -> Vec<f64> {
     let mut stamps = Vec::with_capacity(rows.len());
     let mut next = 0_usize;
     for line in rows {
-        if report.dropped.iter().any(|d| d.line == *line) {
+        let is_absent = u32::try_from(*line).is_ok_and(|line| report.absent.binary_search(&line).is_ok());
+        let repeats = report.repeated_rows > 0 && report.dropped.iter().all(|d| d.line != *line);
+        if is_absent && repeats && next > 0 {
+            stamps.push(kept[next - 1]);
+        } else if is_absent {
             let (before, after) = (kept.get(next.wrapping_sub(1)), kept.get(next));
             let middle = before.zip(after).map(|(a, b)| 0.5 * (a + b));
             stamps.push(middle.or(before.copied()).or(after.copied()).unwrap_or(f64::NAN));
