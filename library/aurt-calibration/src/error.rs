@@ -66,13 +66,15 @@ pub enum CalibrationError {
     /// Noise of the positions cannot be told from the motion.
     #[error(
         "position noise makes up {percent:.0} % of the power of joint {joint}'s accelerations, and the rest determines no \
-         parameters; use a lower f_dyn, or use `estimator = \"wls\"`"
+         parameters; {remedy}, or use `estimator = \"wls\"`"
     )]
     NoisyPositions {
         /// The noisiest joint.
         joint: usize,
         /// Its share of noise.
         percent: f64,
+        /// What lowers it.
+        remedy: String,
     },
     /// Too little to hold something out.
     #[error(

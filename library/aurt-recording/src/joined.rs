@@ -324,21 +324,12 @@ fn refuse_other_unit(whole: &Recording, part: &Recording, periods: [f64; 2]) -> 
                     whole,
                     part,
                     format!("{} lasts {factor:e} times as long", recording.file.display()),
-                    &format!("its stamps seem to be in {0}: write time = \"{0}\"", key(unit)),
+                    &format!("its stamps seem to be in {0}: write time = \"{0}\"", unit.key()),
                 ));
             }
         }
     }
     Ok(())
-}
-
-const fn key(unit: TimeUnit) -> &'static str {
-    match unit {
-        TimeUnit::Second => "s",
-        TimeUnit::Millisecond => "ms",
-        TimeUnit::Microsecond => "us",
-        TimeUnit::Nanosecond => "ns",
-    }
 }
 
 /// Files without common time: two clocks, or two moments.

@@ -47,6 +47,7 @@
 mod arrays;
 #[cfg(feature = "mcap")]
 mod bag;
+mod bandwidth;
 mod branches;
 mod csv;
 mod error;
@@ -73,6 +74,7 @@ mod recording;
 mod robot_joints;
 mod selection;
 mod spread;
+mod stamps;
 #[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
@@ -98,6 +100,7 @@ pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
+pub use bandwidth::suitable_f_dyn_hz;
 pub use read_options::ReadOptions;
 pub use reading::{read_recording, read_running};
 pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
@@ -105,6 +108,7 @@ pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
+pub use stamps::StampUnit;
 #[cfg(feature = "parquet")]
 pub use written::parquet;
 #[cfg(feature = "mcap")]

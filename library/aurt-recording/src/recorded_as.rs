@@ -29,6 +29,29 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// All of them, the longest first.
+    pub const ALL: [Self; 4] = [Self::Second, Self::Millisecond, Self::Microsecond, Self::Nanosecond];
+
+    /// How experiments write it.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Microsecond => "us",
+            unit => unit.symbol(),
+        }
+    }
+
+    /// Its length in s.
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        match self {
+            Self::Second => 1.0,
+            Self::Millisecond => 1e-3,
+            Self::Microsecond => 1e-6,
+            Self::Nanosecond => 1e-9,
+        }
+    }
+
     /// How it is written.
     #[must_use]
     pub const fn symbol(self) -> &'static str {

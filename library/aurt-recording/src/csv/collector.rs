@@ -53,6 +53,8 @@ pub(super) struct Collector<'a> {
     turns: Vec<Turns>,
     branches: Vec<BranchTrack>,
     irregularities: Vec<String>,
+    /// What was done about others.
+    remarks: Vec<String>,
     /// Whether rows that lack a number are left out on request.
     drops: bool,
     /// Rows that were left out on request.
@@ -99,6 +101,7 @@ pub(super) struct Collected {
     /// Lines of all rows that are not among the series.
     pub(super) absent: Vec<u32>,
     pub(super) irregularities: Vec<String>,
+    pub(super) remarks: Vec<String>,
     /// Joints beside the chain that move.
     pub(super) branches: Vec<BranchMotion>,
     /// What was taken off the stamps, in s.
@@ -134,6 +137,7 @@ impl<'a> Collector<'a> {
             turns: vec![Turns::default(); selected.position.len()],
             branches: selected.branches.iter().map(|(joint, _)| BranchTrack::new(joint.clone())).collect(),
             irregularities: Vec::new(),
+            remarks: Vec::new(),
             drops: options.recorded.drops_rows(),
             rows_without_numbers: 0,
             refused: None,
@@ -234,7 +238,7 @@ impl<'a> Collector<'a> {
             return 0.0;
         };
         let (first, line) = (late.rows[0].0[0], late.rows[0].1);
-        self.irregularities.push(format!(
+        self.remarks.push(format!(
             "the clock was set back from {before:.3} s to {first:.3} s in line {line}: the recording is split there, and later \
              stamps are {moved_s:.3} s later"
         ));
@@ -328,16 +332,18 @@ impl<'a> Collector<'a> {
             .collect();
         let origin_s = self.first_second.unwrap_or(0.0);
         let branches = self.branches.into_iter().filter_map(BranchTrack::motion).collect();
-        let Self { dropped_rows, rows_without_numbers, repeated_rows, irregularities, set_back_s, .. } = self;
         self.absent.sort_unstable();
+        let Self { dropped_rows, rows_without_numbers, repeated_rows, .. } = self;
+        let Self { absent, irregularities, remarks, set_back_s, .. } = self;
         Ok(Collected {
             series,
             dropped,
             dropped_rows,
             rows_without_numbers,
             repeated_rows,
-            absent: self.absent,
+            absent,
             irregularities,
+            remarks,
             origin_s,
             set_back_s,
             branches,
@@ -420,11 +426,13 @@ impl<'a> Collector<'a> {
         let (time, values) = series.split_at_mut(1);
         for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
             let joint = plausibility::JointPosition { joint, slides: sliding[joint], tells_jumps };
-            let remark = joint.unwrap(&time[0], position, &lines, turns);
-            self.irregularities.extend(remark);
+            let [unwrapped, jumped] = joint.unwrap(&time[0], position, &lines, turns);
+            self.remarks.extend(unwrapped);
+            self.irregularities.extend(jumped);
         }
         // Of many pieces every one may have the same to say.
         self.irregularities.truncate(IRREGULARITIES);
+        self.remarks.truncate(IRREGULARITIES);
         series
     }
 

@@ -113,14 +113,14 @@ pub(super) struct JointPosition {
 }
 
 impl JointPosition {
-    /// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or stay.
+    /// Removes jumps by whole turns from a joint's positions; the sentences say where jumps were removed, and where some stay.
     pub(super) fn unwrap(
         self,
         time: &[f64],
         position: &mut [f64],
         lines: &[u32],
         state: &mut Turns,
-    ) -> Option<String> {
+    ) -> [Option<String>; 2] {
         let Self { joint, slides, tells_jumps } = self;
         let mut turns = 0;
         let mut first_turn = None;
@@ -150,10 +150,7 @@ impl JointPosition {
                 "the position of joint {joint} jumps by {step:.3} {unit} in line {line}, faster than joints {moves}"
             )
         });
-        match (turned, jumped) {
-            (Some(turned), Some(jumped)) => Some(format!("{turned}; {jumped}")),
-            (turned, jumped) => turned.or(jumped),
-        }
+        [turned, jumped]
     }
 }
 

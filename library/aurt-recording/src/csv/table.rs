@@ -159,7 +159,7 @@ pub(super) fn report(
         rows_without_numbers: collected.rows_without_numbers,
         repeated_rows: collected.repeated_rows,
         absent: collected.absent,
-        remarks: selected.remarks.clone(),
+        remarks: selected.remarks.iter().cloned().chain(collected.remarks).collect(),
         irregularities: selected.unread.iter().cloned().chain(collected.irregularities).collect(),
         origin_s: collected.origin_s,
         set_back_s: collected.set_back_s,
