@@ -86,7 +86,9 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     for source in &known.recordings {
         let one = look(source, &arm.joints)?;
         guesses.extend(one.inspected.loaded.warnings().map(|w| format!("warning: {w}")));
-        guesses.extend(one.inspected.stamps.map(|stamps| format!("{}: {stamps}, as was done here", source.label)));
+        guesses.extend(
+            one.inspected.stamps.map(|stamps| format!("{}: {stamps}, as was done here", source.label)),
+        );
         if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
             guesses.push(format!(
                 "{} holds the samples of {} and is left out",
@@ -335,7 +337,8 @@ fn entries(looked: &[Looked], roles: &[Role], role: Role, path: &Path) -> String
         let columns = loaded.recording.report.columns.join("; ");
         let window =
             window.map_or_else(String::new, |[from, to]| format!(", window_s = [{from:.1}, {to:.1}]"));
-        let time = one.inspected.stamps.map_or_else(String::new, |s| format!(", time = \"{}\"", s.unit.key()));
+        let time =
+            one.inspected.stamps.map_or_else(String::new, |s| format!(", time = \"{}\"", s.unit.key()));
         let entry = if unit.is_empty() && window.is_empty() && time.is_empty() {
             file
         } else {

@@ -205,7 +205,8 @@ fn is_copy(a: &Source, b: &Source) -> bool {
     let length = |source: &Source| std::fs::metadata(&source.file).ok().map(|m| m.len());
     let reads_alike = a.recorded == b.recorded && a.columns == b.columns;
     let same_place = place(a).is_some() && place(a) == place(b);
-    let same_bytes = || length(a) == length(b) && hash_of_file(&a.file).is_some_and(|h| Some(h) == hash_of_file(&b.file));
+    let same_bytes =
+        || length(a) == length(b) && hash_of_file(&a.file).is_some_and(|h| Some(h) == hash_of_file(&b.file));
     reads_alike && (same_place || same_bytes())
 }
 

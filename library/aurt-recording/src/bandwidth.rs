@@ -129,8 +129,7 @@ mod tests {
                     own + 0.5 * rate_hz * (noise[k + 2] - noise[k])
                 })
                 .collect();
-            let psd =
-                |f: f64| sigma * sigma / (0.5 * rate_hz) * velocity_gain(f, rate_hz).powi(2);
+            let psd = |f: f64| sigma * sigma / (0.5 * rate_hz) * velocity_gain(f, rate_hz).powi(2);
             let found = bandwidth_hz(&velocity, rate_hz, psd).unwrap();
             assert!((0.55..0.9).contains(&found), "{samples} {sigma}: {found}");
         }

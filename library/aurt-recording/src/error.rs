@@ -468,7 +468,8 @@ fn meant(lacking: &str, recorded: &[String]) -> String {
 }
 
 /// The way to read a file some of whose rows lack a number.
-pub(crate) const LEAVE_OUT: &str = "write drop = \"nan\" in [recordings] to leave such rows out, or correct them";
+pub(crate) const LEAVE_OUT: &str =
+    "write drop = \"nan\" in [recordings] to leave such rows out, or correct them";
 
 /// How many rows beside the first have the same problem.
 fn others(rows: usize) -> String {

@@ -54,6 +54,7 @@ mod error;
 mod foreign;
 mod format;
 mod formats;
+mod interpolated;
 mod joined;
 #[cfg(feature = "lerobot")]
 mod lerobot;
@@ -80,6 +81,7 @@ mod written;
 
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
+pub use bandwidth::suitable_f_dyn_hz;
 pub use branches::BranchMotion;
 pub use csv::{Csv, families::is_time_name};
 pub use error::RecordingError;
@@ -100,7 +102,6 @@ pub use preprocess::{
     ClockReport, DecimatedTile, Decimation, DroppedSegment, PreprocessOptions, PreprocessReport,
     Preprocessed, Section, Segment, SegmentReport, ZeroPhase, ZeroPhaseBank, preprocess,
 };
-pub use bandwidth::suitable_f_dyn_hz;
 pub use read_options::ReadOptions;
 pub use reading::{read_recording, read_running};
 pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};

@@ -49,7 +49,11 @@ impl fmt::Display for StampUnit {
             number(self.speed / factor),
         )?;
         if let Some(ratio) = self.velocity_ratio {
-            write!(f, ", and the logged velocities are {} times the derivatives of the positions", number(ratio))?;
+            write!(
+                f,
+                ", and the logged velocities are {} times the derivatives of the positions",
+                number(ratio)
+            )?;
         }
         write!(f, "; write `time = \"{}\"` in `[recordings]`", self.unit.key())
     }
@@ -72,8 +76,10 @@ impl Recording {
         let agrees = velocity_ratio.is_some_and(|ratio| (0.5..2.0).contains(&ratio));
         let candidate = |unit: &TimeUnit| {
             let factor = unit.seconds() / read_in.seconds();
-            let by_velocity = velocity_ratio.is_some_and(|ratio| (ratio * factor - 1.0).abs() < VELOCITY_TOLERANCE);
-            let by_motion = !is_logged(rate_hz) && is_logged(rate_hz / factor) && speed / factor < IMPOSSIBLE_SPEED;
+            let by_velocity =
+                velocity_ratio.is_some_and(|ratio| (ratio * factor - 1.0).abs() < VELOCITY_TOLERANCE);
+            let by_motion =
+                !is_logged(rate_hz) && is_logged(rate_hz / factor) && speed / factor < IMPOSSIBLE_SPEED;
             *unit != read_in && !agrees && (by_velocity || by_motion)
         };
         let unit = TimeUnit::ALL.into_iter().find(candidate)?;

@@ -171,6 +171,13 @@ impl Loaded {
     }
 }
 
+/// A recording without rows that are interpolated between others, where what is left still is fast enough for its f_dyn.
+fn without_interpolated_rows(recording: &Recording, options: &PreprocessOptions) -> Option<Recording> {
+    let coarse = recording.every(recording.interpolation_stride()?);
+    let rate_hz = (coarse.samples() - 1) as f64 / coarse.duration_s();
+    (10.0 * options.f_dyn_hz < rate_hz).then_some(coarse)
+}
+
 /// The stamp of every row, given the lines of all rows and the stamps of those that were kept. A row that is there more than
 /// once has that of the one before.
 fn with_dropped(rows: &[usize], kept: &[f64], report: &ReadReport) -> Vec<f64> {
@@ -268,12 +275,15 @@ impl Pipeline<'_> {
         let options = self.options(loaded.recording.unit, purpose);
         let window = loaded.source.window_s.filter(|_| purpose != Purpose::Prediction);
         let part = window.map(|window| loaded.recording.window(window)).transpose()?;
-        let recording: &Recording = part.as_ref().unwrap_or(&loaded.recording);
+        let whole: &Recording = part.as_ref().unwrap_or(&loaded.recording);
+        let coarse = without_interpolated_rows(whole, &options).filter(|_| repair);
+        let recording = coarse.as_ref().unwrap_or(whole);
         let repaired = repair.then(|| without_unusable_rows(recording)).flatten();
         let mut data = preprocess(repaired.as_ref().unwrap_or(recording), &options)?;
         if repair {
             data.report.unusable = Some(recording.samples() - data.report.samples);
-            data.report.samples = recording.samples();
+            data.report.interpolated = coarse.as_ref().map(|coarse| whole.samples() - coarse.samples());
+            data.report.samples = whole.samples();
         }
         Ok(NamedRecording { name: loaded.source.label.clone(), data })
     }

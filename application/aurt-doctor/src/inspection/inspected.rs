@@ -35,7 +35,9 @@ impl Reading {
     pub fn of<E>(source: Source, read: impl Fn(Source) -> Result<Loaded, E>) -> Result<Self, E> {
         let loaded = read(source.clone())?;
         let read_in = source.recorded.time.unwrap_or(TimeUnit::Second);
-        let Some(stamps) = loaded.recording.stamp_unit(read_in) else { return Ok(Self { loaded, stamps: None }) };
+        let Some(stamps) = loaded.recording.stamp_unit(read_in) else {
+            return Ok(Self { loaded, stamps: None });
+        };
         let recorded = RecordedAs { time: Some(stamps.unit), ..source.recorded };
         // A unit that the names of columns contradict is none.
         match read(Source { recorded, ..source }) {
@@ -92,7 +94,8 @@ impl Inspected {
     /// What should be heeded of the file and its sensors, in sentences.
     pub fn faults(&self) -> Vec<String> {
         let name = self.loaded.source.file.file_name().unwrap_or_default().to_string_lossy();
-        let mut findings: Vec<String> = self.stamps.iter().map(|stamps| format!("{name}: {stamps}")).collect();
+        let mut findings: Vec<String> =
+            self.stamps.iter().map(|stamps| format!("{name}: {stamps}")).collect();
         let faults = RecordingFaults::find(&name, &self.loaded.recording).faults;
         findings.extend(faults.into_iter().map(|f| f.sentence));
         findings.extend(oddities(&name, &self.loaded.recording));

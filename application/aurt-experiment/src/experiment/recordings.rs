@@ -94,12 +94,7 @@ fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &General)
     items.iter().filter_map(|item| source(section, key, item, general)).collect()
 }
 
-fn source(
-    section: &Section<'_, '_>,
-    key: &str,
-    node: &Node,
-    general: &General,
-) -> Option<RecordingSource> {
+fn source(section: &Section<'_, '_>, key: &str, node: &Node, general: &General) -> Option<RecordingSource> {
     match &node.kind {
         NodeKind::String(written) => Some(RecordingSource {
             file: section.recording_of(key, node)?,

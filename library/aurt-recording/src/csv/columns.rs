@@ -160,7 +160,8 @@ impl Search<'_> {
         }
         // Counts and gears of each joint of the chain say nothing of a joint beside it.
         let branches = self.branches(&all);
-        let sliding: Vec<bool> = branches.iter().map(|(joint, _)| self.options.branch_slides(joint)).collect();
+        let sliding: Vec<bool> =
+            branches.iter().map(|(joint, _)| self.options.branch_slides(joint)).collect();
         let has_lists = [&recorded.counts_per_revolution, &recorded.gear_ratio]
             .iter()
             .any(|list| list.as_ref().is_some_and(|list| list.len() > 1));

@@ -216,8 +216,15 @@ impl Reader<'_> {
                 let remedy = remedy_for(&text).to_owned();
                 let name = header.names.get(column).cloned();
                 let counts = is_no_number(&text);
-                let error =
-                    RecordingError::Cell { path, line: number, column: column + 1, name, text, rows: 1, remedy };
+                let error = RecordingError::Cell {
+                    path,
+                    line: number,
+                    column: column + 1,
+                    name,
+                    text,
+                    rows: 1,
+                    remedy,
+                };
                 // How many rows there are of the kind says what to do about them.
                 if counts { collector.refuse(error) } else { Err(error) }
             }

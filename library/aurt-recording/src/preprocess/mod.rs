@@ -106,6 +106,7 @@ pub fn preprocess(
         file: recording.file.clone(),
         samples: recording.samples(),
         unusable: None,
+        interpolated: None,
         rate_hz: clock.rate_hz,
         resampled: clock.resample,
         max_gap_s: clock.max_gap_s,
