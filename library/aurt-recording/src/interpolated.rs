@@ -99,6 +99,7 @@ mod tests {
         let coarse: Vec<[f64; 2]> =
             (0..400).map(|k| f64::from(k) * 0.01).map(|t| [t.sin(), t.cos() + 0.05 * noise()]).collect();
         let unit = 10.0_f64.powi(decimals);
+        let coarse: Vec<[f64; 2]> = coarse.iter().map(|row| row.map(|v| (v * unit).round() / unit)).collect();
         let at = |k: usize, of: usize| {
             let (row, share) = (k / factor, (k % factor) as f64 / factor as f64);
             let next = coarse[(row + 1).min(399)][of];
