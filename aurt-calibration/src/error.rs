@@ -63,28 +63,18 @@ pub enum CalibrationError {
          shows the unconstrained estimate"
     )]
     Inconsistent,
-    /// A recording that a model was fitted to cannot judge it.
-    #[error(
-        "{} holds the same samples as {}, on which the model is calibrated, so it is not held-out data. Hold out \
-         another recording, or give both a `window_s` that do not overlap",
-        validation.display(), calibration.display()
-    )]
-    Repeated {
-        /// The one that is to judge.
-        validation: PathBuf,
-        /// The one that was fitted.
-        calibration: PathBuf,
-    },
     /// Noise of the positions cannot be told from the motion.
     #[error(
         "position noise makes up {percent:.0} % of the power of joint {joint}'s accelerations, and the rest determines no \
-         parameters; use a lower f_dyn, or use `estimator = \"wls\"`"
+         parameters; {remedy}, or use `estimator = \"wls\"`"
     )]
     NoisyPositions {
         /// The noisiest joint.
         joint: usize,
         /// Its share of noise.
         percent: f64,
+        /// What lowers it.
+        remedy: String,
     },
     /// Too little to hold something out.
     #[error(

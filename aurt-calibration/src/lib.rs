@@ -41,7 +41,7 @@ pub use consistent::{
 };
 pub use dense::{add_gram, products_of_columns};
 pub use error::CalibrationError;
-pub use errors_in_positions::{Hausman, JointPositionNoise, ParameterBias, PositionBias};
+pub use errors_in_positions::{FittedBandwidth, Hausman, JointPositionNoise, ParameterBias, PositionBias};
 pub use essential::{EssentialReport, EssentialStep};
 pub use excitation::{badly_excited, hardly_excited};
 pub use gains::{Decided, Gain, Gains, GainsError, GainsOf, KnownLoad, decidable_gains, estimate_gains};

@@ -6,9 +6,10 @@ use std::{fs, path::Path};
 
 use aurt_experiment::{
     Error, Experiment,
-    experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, Rest},
+    experiment::{ColumnName, Estimator, JointColumns, LoadTorqueChoice, RecordingSource, Rest},
 };
 use aurt_plugins::Registry;
+use aurt_recording::{AngleUnit, CurrentUnit, DroppedRows, TimeUnit};
 use aurt_traits::MeasurementUnit;
 use tempfile::TempDir;
 
@@ -181,7 +182,7 @@ e.toml:12:24: there is no hysteresis model `square`; `square` is a model for `co
 e.toml:13:33: model `absolute`, key `level`: unknown key `level`, it has no keys; a working example: ABSOLUTE
 e.toml:15:25: `calibration` names the file missing.csv, which does not exist; relative paths start at the experiment's folder
 e.toml:16:40: `unit` cannot be "mA"; known values: `A`, `Nm`
-e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `file`, `gear_ratio`, `joined`, `joint_names`, `rate_hz`, `take`, `time`, `topic`, `unit`, `window_s`
+e.toml:16:46: a recording of `validation` has no key `windw_s`; did you mean `window_s`? known keys: `angle`, `columns`, `counts_per_revolution`, `current`, `drop`, `file`, `gear_ratio`, `joined`, `joint_names`, `rate_hz`, `take`, `time`, `topic`, `unit`, `window_s`
 e.toml:18:12: `f_dyn_hz` must be above zero, is -1
 e.toml:20:13: `estimator` expects a string, found an integer
 e.toml:21:2: the experiment has no key `plot`; known keys: `arm_terms`, `calibration`, `diagnosis`, `drive`, `instrument`, `joint_dynamics`, `plugins`, `preprocess`, `recordings`, `robot`, `schema`, `sweep`"#;
@@ -398,4 +399,31 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
             assert!(all.contains(part), "{part}\n---\n{all}");
         }
     }
+}
+
+/// What is said of all recordings holds for each that does not say otherwise, and what is said of a recording's quantities holds
+/// in all of its files; stamps and columns are a file's own.
+#[test]
+fn keys_of_recordings_hold_below_unless_said_otherwise() {
+    let recordings = "[recordings]\ncolumns = { time = 0, position = [1, 2] }\ndrop = \"nan\"\ncurrent = \"A\"\ntime = \"s\"\n\
+                      calibration = [\"a.csv\", { file = \"b.csv\", joined = [\"c.csv\", { file = \"a.csv\", current = \"A\" }], \
+                      current = \"mA\", angle = \"deg\", time = \"ms\", columns = { time = 3, position = [4, 5] } }]\n";
+    let text = format!("schema = 1\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0, 0, -9.81]\n{recordings}");
+    let e = read(folder().path(), &text).unwrap();
+    let [plain, own] = &e.recordings.calibration[..] else { panic!("{:?}", e.recordings) };
+    let first = |source: &RecordingSource| match &source.columns.as_ref().unwrap().position {
+        JointColumns::Range { first, .. } => *first,
+        JointColumns::Names(_) => panic!("{source:?}"),
+    };
+    assert_eq!((first(plain), first(own)), (1, 4));
+    assert!([plain, own].iter().all(|s| s.recorded.drop == Some(DroppedRows::NotANumber)));
+    let joined = |k: usize| {
+        let r = &own.recorded.joined[k].recorded;
+        (r.current, r.angle, r.time)
+    };
+    let (degree, second) = (Some(AngleUnit::Degree), Some(TimeUnit::Second));
+    assert_eq!(joined(0), (Some(CurrentUnit::Milliampere), degree, second));
+    assert_eq!(joined(1), (Some(CurrentUnit::Ampere), degree, second));
+    let wrong = text.replace("drop = \"nan\"", "drop = \"empty\"");
+    assert!(read(folder().path(), &wrong).unwrap_err().contains("`drop`"));
 }

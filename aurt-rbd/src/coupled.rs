@@ -2,7 +2,7 @@ use aurt_traits::{Branch, Motion, MotionView, Parameter, RegressorTile, RigidBod
 use serde::{Deserialize, Serialize};
 
 use crate::chain::{check_branches, check_joint_names};
-use crate::{INERTIAL_PARAMETERS, Joint, RbdError, SerialChain};
+use crate::{INERTIAL_PARAMETERS, Joint, JointKind, RbdError, SerialChain};
 
 /// Samples that are evaluated at once, so that the columns of all joints stay in a cache.
 const AT_ONCE: usize = 256;
@@ -26,6 +26,20 @@ impl Coupling {
     #[must_use]
     pub const fn own(coordinate: usize) -> Self {
         Self { coordinate, multiplier: 1.0, offset: 0.0 }
+    }
+
+    /// Whether a coordinate is a length: the joint slides that is the coordinate's own, or the first that follows it. Without
+    /// couplings each joint is a coordinate.
+    #[must_use]
+    pub fn slides(coordinate: usize, joints: &[Joint], couplings: &[Self]) -> bool {
+        let follows = |k: &usize| couplings[*k].coordinate == coordinate;
+        let own = (0..couplings.len()).find(|k| couplings[*k] == Self::own(coordinate));
+        let joint = if couplings.is_empty() {
+            Some(coordinate)
+        } else {
+            own.or_else(|| (0..couplings.len()).find(follows))
+        };
+        joint.and_then(|k| joints.get(k)).is_some_and(|joint| joint.kind == JointKind::Prismatic)
     }
 }
 
@@ -188,6 +202,10 @@ impl RigidBodyRegressor for CoupledChain {
 
     fn joint_names(&self) -> &[String] {
         &self.joint_names
+    }
+
+    fn slides(&self, joint: usize) -> bool {
+        Coupling::slides(joint, self.chain.joints(), &self.couplings)
     }
 
     fn branches(&self) -> &[Branch] {

@@ -1,7 +1,7 @@
 use aurt_traits::{Branch, Dispatch, Motion, MotionView, Parameter, RegressorTile, RigidBodyRegressor};
 
 use crate::kernel;
-use crate::{INERTIAL_PARAMETERS, SerialChain};
+use crate::{INERTIAL_PARAMETERS, JointKind, SerialChain};
 
 /// Names and units of a link's ten standard parameters, in their order.
 pub(crate) const NAMES: [(&str, &str); INERTIAL_PARAMETERS] = [
@@ -25,6 +25,10 @@ impl RigidBodyRegressor for SerialChain {
 
     fn joint_names(&self) -> &[String] {
         Self::joint_names(self)
+    }
+
+    fn slides(&self, joint: usize) -> bool {
+        Self::joints(self).get(joint).is_some_and(|joint| joint.kind == JointKind::Prismatic)
     }
 
     fn branches(&self) -> &[Branch] {

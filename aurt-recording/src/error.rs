@@ -134,9 +134,10 @@ pub enum RecordingError {
     },
     /// A cell that is not a finite number.
     #[error(
-        "{path}, line {line}, column {column}{name}: `{text}` is not a finite number; {remedy}",
+        "{path}, line {line}, column {column}{name}: `{text}` is not a finite number{others}; {remedy}",
         path = path.display(),
-        name = name.as_ref().map(|n| format!(" ({n})")).unwrap_or_default()
+        name = name.as_ref().map(|n| format!(" ({n})")).unwrap_or_default(),
+        others = others(*rows)
     )]
     Cell {
         /// The file.
@@ -149,13 +150,17 @@ pub enum RecordingError {
         name: Option<String>,
         /// The cell, shortened.
         text: String,
+        /// Rows that have such a cell, this one included.
+        rows: usize,
         /// What to do.
         remedy: String,
     },
     /// A number that is not finite, in a file that is no text.
     #[error(
-        "{path}, row {row}: {name} is {value}; delete the row, or select another column",
-        path = path.display()
+        "{path}, row {row}: {name} is {value}{others}; {leave_out}, or select another column",
+        path = path.display(),
+        others = others(*rows),
+        leave_out = LEAVE_OUT
     )]
     Value {
         /// The file.
@@ -166,6 +171,8 @@ pub enum RecordingError {
         name: String,
         /// The number.
         value: f64,
+        /// Rows that have such a number, this one included.
+        rows: usize,
     },
     /// Two files that do not belong together.
     #[error("{path} with {other}: {reason}; {remedy}", path = path.display(), other = other.display())]
@@ -458,4 +465,17 @@ fn meant(lacking: &str, recorded: &[String]) -> String {
     let meant = similar.filter(|(similarity, _)| (0.75..1.0).contains(similarity));
     let meant = meant.max_by(|a, b| a.0.total_cmp(&b.0));
     meant.map(|(_, name)| format!("did you mean `{name}`? ")).unwrap_or_default()
+}
+
+/// The way to read a file some of whose rows lack a number.
+pub(crate) const LEAVE_OUT: &str =
+    "write drop = \"nan\" in [recordings] to leave such rows out, or correct them";
+
+/// How many rows beside the first have the same problem.
+fn others(rows: usize) -> String {
+    match rows.saturating_sub(1) {
+        0 => String::new(),
+        1 => ", and 1 more row has such a cell".to_owned(),
+        n => format!(", and {n} more rows have such cells"),
+    }
 }

@@ -36,7 +36,11 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Recording, Reco
     for (place, other) in options.recorded.joined.iter().enumerate() {
         let still_missing = options.needs_measurement && whole.measurement.is_none() && place + 1 == last;
         let part = ReadOptions {
-            joints: Some(RobotJoints { names: whole.joints.names().to_vec(), ..whole.joints().into() }),
+            joints: Some(RobotJoints {
+                names: whole.joints.names().to_vec(),
+                sliding: (0..whole.joints()).map(|joint| options.slides(joint)).collect(),
+                ..whole.joints().into()
+            }),
             columns: other.columns.clone(),
             unit: other.unit.or(options.unit),
             recorded: alone(&other.recorded),
@@ -320,21 +324,12 @@ fn refuse_other_unit(whole: &Recording, part: &Recording, periods: [f64; 2]) -> 
                     whole,
                     part,
                     format!("{} lasts {factor:e} times as long", recording.file.display()),
-                    &format!("its stamps seem to be in {0}: write time = \"{0}\"", key(unit)),
+                    &format!("its stamps seem to be in {0}: write time = \"{0}\"", unit.key()),
                 ));
             }
         }
     }
     Ok(())
-}
-
-const fn key(unit: TimeUnit) -> &'static str {
-    match unit {
-        TimeUnit::Second => "s",
-        TimeUnit::Millisecond => "ms",
-        TimeUnit::Microsecond => "us",
-        TimeUnit::Nanosecond => "ns",
-    }
 }
 
 /// Files without common time: two clocks, or two moments.

@@ -347,6 +347,11 @@ fn after(before: &Recording, mut next: Recording) -> Recording {
     report.dropped.iter_mut().for_each(|row| row.line += of_all.rows);
     report.dropped.splice(0..0, of_all.dropped.iter().cloned());
     report.dropped_rows += of_all.dropped_rows;
+    report.rows_without_numbers += of_all.rows_without_numbers;
+    report.repeated_rows += of_all.repeated_rows;
+    let rows = u32::try_from(of_all.rows).unwrap_or(u32::MAX);
+    report.absent.iter_mut().for_each(|row| *row = row.saturating_add(rows));
+    report.absent.splice(0..0, of_all.absent.iter().copied());
     report.rows += of_all.rows;
     report.remarks.retain(|remark| !of_all.remarks.contains(remark));
     report.remarks.splice(0..0, of_all.remarks.iter().cloned());

@@ -47,12 +47,14 @@
 mod arrays;
 #[cfg(feature = "mcap")]
 mod bag;
+mod bandwidth;
 mod branches;
 mod csv;
 mod error;
 mod foreign;
 mod format;
 mod formats;
+mod interpolated;
 mod joined;
 #[cfg(feature = "lerobot")]
 mod lerobot;
@@ -73,11 +75,13 @@ mod recording;
 mod robot_joints;
 mod selection;
 mod spread;
+mod stamps;
 #[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
+pub use bandwidth::suitable_f_dyn_hz;
 pub use branches::BranchMotion;
 pub use csv::{Csv, families::is_time_name};
 pub use error::RecordingError;
@@ -100,11 +104,12 @@ pub use preprocess::{
 };
 pub use read_options::ReadOptions;
 pub use reading::{read_recording, read_running};
-pub use recorded_as::{AngleUnit, CurrentUnit, JoinedFile, Quantity, RecordedAs, TimeUnit};
+pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
 pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
+pub use stamps::StampUnit;
 #[cfg(feature = "parquet")]
 pub use written::parquet;
 #[cfg(feature = "mcap")]

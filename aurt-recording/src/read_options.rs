@@ -91,6 +91,17 @@ impl ReadOptions {
         branches.map(|branch| BranchTrack::new(branch.joint.clone())).collect()
     }
 
+    /// Whether a joint of the robot slides.
+    pub(crate) fn slides(&self, joint: usize) -> bool {
+        self.joints.as_ref().is_some_and(|robot| robot.slides(joint))
+    }
+
+    /// Whether a joint beside the robot's chain slides.
+    pub(crate) fn branch_slides(&self, joint: &str) -> bool {
+        let mut branches = self.joints.iter().flat_map(|robot| &robot.branches);
+        branches.any(|branch| branch.joint == joint && branch.slides)
+    }
+
     /// The number of the robot's joints, where it is known.
     pub(crate) fn joint_count(&self) -> Option<usize> {
         self.joints.as_ref().map(|robot| robot.count)

@@ -29,6 +29,29 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// All of them, the longest first.
+    pub const ALL: [Self; 4] = [Self::Second, Self::Millisecond, Self::Microsecond, Self::Nanosecond];
+
+    /// How experiments write it.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Microsecond => "us",
+            unit => unit.symbol(),
+        }
+    }
+
+    /// Its length in s.
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        match self {
+            Self::Second => 1.0,
+            Self::Millisecond => 1e-3,
+            Self::Microsecond => 1e-6,
+            Self::Nanosecond => 1e-9,
+        }
+    }
+
     /// How it is written.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
@@ -61,11 +84,18 @@ pub enum Quantity {
     Measurement,
 }
 
+/// Rows that are left out on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DroppedRows {
+    /// Those that lack a number that is needed: an empty cell, NaN, an infinite number.
+    NotANumber,
+}
+
 /// What a file does not tell of itself: units, sampling rate, encoders, gears, and what to read of a bag.
 /// Whatever is `None` is as usual: rad, s, A, joint side.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RecordedAs {
-    /// Unit of positions; velocities are in this unit per second.
+    /// Unit of the positions of joints that turn; velocities are in this unit per second. Joints that slide are in m.
     pub angle: Option<AngleUnit>,
     /// Unit of the time stamps.
     pub time: Option<TimeUnit>,
@@ -82,6 +112,8 @@ pub struct RecordedAs {
     pub topic: Option<String>,
     /// The robot's joints by name, in the robot's order; for formats that name joints.
     pub joint_names: Option<Vec<String>>,
+    /// Rows that are left out; `None`: a row that lacks a number is an error.
+    pub drop: Option<DroppedRows>,
     /// What is taken of the file; `None`: all that it has.
     pub take: Option<Vec<Quantity>>,
     /// Files that hold other quantities of the same motion.
@@ -122,9 +154,28 @@ impl RecordedAs {
             gear_ratio: self.gear_ratio.or_else(|| general.gear_ratio.clone()),
             topic: self.topic.or_else(|| general.topic.clone()),
             joint_names: self.joint_names.or_else(|| general.joint_names.clone()),
+            drop: self.drop.or(general.drop),
             take: self.take,
             joined: self.joined,
         }
+    }
+
+    /// What it says of quantities, which may lie in several files: nothing of a file's own stamps, topic and columns.
+    #[must_use]
+    pub fn of_quantities(&self) -> Self {
+        Self {
+            angle: self.angle,
+            current: self.current,
+            counts_per_revolution: self.counts_per_revolution.clone(),
+            gear_ratio: self.gear_ratio.clone(),
+            joint_names: self.joint_names.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether rows that lack a number are left out.
+    pub(crate) fn drops_rows(&self) -> bool {
+        self.drop == Some(DroppedRows::NotANumber)
     }
 
     /// Whether a quantity is to be taken of the file.
@@ -167,11 +218,12 @@ impl RecordedAs {
         }
     }
 
-    /// The factor of each joint's positions and velocities.
+    /// The factor of each joint's positions and velocities. The unit of angles is none of a joint that slides.
     ///
     /// # Errors
     /// [`RecordingError::Count`] if a list has neither one number nor one for each joint.
-    pub(crate) fn angle_factors(&self, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+    pub(crate) fn position_factors(&self, sliding: &[bool]) -> Result<Vec<Factor>, RecordingError> {
+        let joints = sliding.len();
         let of_joint = |what: &str, list: &Option<Vec<f64>>| match list.as_deref() {
             None => Ok(vec![1.0; joints]),
             Some([one]) => Ok(vec![*one; joints]),
@@ -184,11 +236,15 @@ impl RecordedAs {
         };
         let counts = of_joint("counts_per_revolution", &self.counts_per_revolution)?;
         let gears = of_joint("gear_ratio", &self.gear_ratio)?;
-        let [up, down] = match (&self.counts_per_revolution, self.angle) {
+        let of_unit = |slides: bool| match (&self.counts_per_revolution, self.angle) {
             (Some(_), _) => [TAU, 1.0],
-            (None, Some(AngleUnit::Degree)) => [PI, 180.0],
+            (None, Some(AngleUnit::Degree)) if !slides => [PI, 180.0],
             (None, _) => [1.0, 1.0],
         };
-        Ok(counts.iter().zip(&gears).map(|(counts, gear)| [up, down * counts * gear]).collect())
+        let factor = |((counts, gear), slides): ((&f64, &f64), &bool)| {
+            let [up, down] = of_unit(*slides);
+            [up, down * counts * gear]
+        };
+        Ok(counts.iter().zip(&gears).zip(sliding).map(factor).collect())
     }
 }

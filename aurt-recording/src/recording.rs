@@ -67,6 +67,15 @@ pub struct ReadReport {
     pub dropped: Vec<DroppedRow>,
     /// Number of rows that were left out.
     pub dropped_rows: usize,
+    /// Rows that were left out since they lack a number, as was asked for.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rows_without_numbers: usize,
+    /// Rows that the file has more than once, stamp and numbers alike; each counts once.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub repeated_rows: usize,
+    /// Lines of all rows of the file that are not in the recording, in their order.
+    #[serde(skip)]
+    pub absent: Vec<u32>,
     /// Choices made, as sentences.
     pub remarks: Vec<String>,
     /// Irregularities found, as sentences.
@@ -87,6 +96,11 @@ pub struct ReadReport {
     /// Seconds that the reader took off all stamps, so that they keep their nanoseconds.
     #[serde(skip)]
     pub origin_s: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+const fn is_zero(rows: &usize) -> bool {
+    *rows == 0
 }
 
 /// A row that was left out.
@@ -129,6 +143,16 @@ impl ReadReport {
                 self.dropped_rows,
                 lines.join(", ")
             ));
+        }
+        if self.rows_without_numbers > 0 {
+            let share = 100.0 * self.rows_without_numbers as f64 / self.rows.max(1) as f64;
+            notes.push(format!(
+                "left out {} rows ({share:.2} %) with empty or NaN cells, as drop = \"nan\" says",
+                self.rows_without_numbers
+            ));
+        }
+        if self.repeated_rows > 0 {
+            notes.push(format!("{} rows are written more than once; each counts once", self.repeated_rows));
         }
         notes.extend(self.remarks.iter().chain(&self.irregularities).cloned());
         notes.extend(self.warnings());

@@ -22,6 +22,8 @@ pub struct RobotJoints {
     pub names: Vec<String>,
     /// The joints beside the chain, whose motion recordings may show.
     pub branches: Vec<Branch>,
+    /// Whether each of them slides, so that its positions are lengths in m; empty where all turn.
+    pub sliding: Vec<bool>,
 }
 
 /// A recording whose series are those of a robot's joints, in the robot's order: what commands work with, so that none of
@@ -63,7 +65,14 @@ impl RobotJoints {
     #[must_use]
     pub fn of(body: &dyn aurt_traits::RigidBodyRegressor) -> Self {
         let (names, branches) = (body.joint_names().to_vec(), body.branches().to_vec());
-        Self { count: body.joints(), names, branches }
+        let sliding = (0..body.joints()).map(|joint| body.slides(joint)).collect();
+        Self { count: body.joints(), names, branches, sliding }
+    }
+
+    /// Whether a joint slides: its positions are in m.
+    #[must_use]
+    pub fn slides(&self, joint: usize) -> bool {
+        self.sliding.get(joint).is_some_and(|slides| *slides)
     }
 
     /// The names to look for in a file for which the user stated `stated`: those, unless they are the robot's own in another

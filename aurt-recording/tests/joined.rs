@@ -5,8 +5,8 @@
 use std::path::{Path, PathBuf};
 
 use aurt_recording::{
-    JoinedFile, LongRecording, Quantity, ReadOptions, RecordedAs, Recording, RecordingError, TimeUnit,
-    read_recording,
+    AngleUnit, CurrentUnit, JoinedFile, LongRecording, Quantity, ReadOptions, RecordedAs, Recording,
+    RecordingError, TimeUnit, read_recording,
 };
 
 const JOINTS: usize = 2;
@@ -88,7 +88,7 @@ fn a_recording_split_in_two_is_the_same_bit_for_bit() {
     let two = read_recording(&q, &with(&i, |_| ())).unwrap();
     assert!(numbers(&one) == numbers(&two), "{}", remarks(&two));
     assert_eq!(one.unit, two.unit);
-    assert!(remarks(&two).contains("joined by equal stamps: 400 rows"), "{}", remarks(&two));
+    assert!(remarks(&two).contains("joined by equal stamps: 399 rows"), "{}", remarks(&two));
 }
 
 #[test]
@@ -249,4 +249,29 @@ fn formats_mix_and_clocks_since_1970_agree() {
     options.recorded.take = Some(vec![Quantity::Position]);
     let joined = read_recording(&folder.join("moments.parquet"), &options).unwrap();
     assert!(joined.position_rad == moments.position_rad && joined.measurement == text.measurement);
+}
+
+/// What is said of angles, gears and currents concerns the columns that are such, in whichever file they lie.
+#[test]
+fn units_are_those_of_the_quantity() {
+    let folder = tempfile::tempdir().unwrap();
+    let times = stamps(0.0, 100.0, 300);
+    let whole = write(folder.path(), "a.csv", &times, &seconds, &[("q", &position), ("current", &current)]);
+    let q = write(folder.path(), "q.csv", &times, &seconds, &[("q", &position)]);
+    let i = write(folder.path(), "i.csv", &times, &seconds, &[("current", &current)]);
+    let recorded = RecordedAs {
+        angle: Some(AngleUnit::Degree),
+        gear_ratio: Some(vec![100.0, -80.0]),
+        current: Some(CurrentUnit::Milliampere),
+        ..RecordedAs::default()
+    };
+    let one =
+        ReadOptions { joints: Some(JOINTS.into()), recorded: recorded.clone(), ..ReadOptions::default() };
+    let one = read_recording(&whole, &one).unwrap();
+    let mut two = with(&i, |joined| joined.recorded = recorded.of_quantities());
+    two.recorded = RecordedAs { joined: two.recorded.joined, ..recorded };
+    assert!(numbers(&one) == numbers(&read_recording(&q, &two).unwrap()));
+    let measured = &one.measurement.as_ref().unwrap()[1][50];
+    assert!((measured - 1e-3 * current(1, 0.5)).abs() < 1e-9, "{measured}");
+    assert!((one.position_rad[1][50] + position(1, 0.5).to_radians() / 80.0).abs() < 1e-9);
 }

@@ -21,6 +21,11 @@ pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
         &[]
     }
 
+    /// Whether a joint slides: its position is a length in m. By default all turn.
+    fn slides(&self, _joint: usize) -> bool {
+        false
+    }
+
     /// The joints beside the chain, whose motion the regressor does not know.
     fn branches(&self) -> &[Branch] {
         &[]

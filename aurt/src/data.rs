@@ -148,7 +148,7 @@ impl Loaded {
     /// [`Error::Recording`] if the file can no longer be read.
     pub fn stamps_s(&self) -> Result<Vec<f64>, Error> {
         let (kept, report) = (&self.recording.time_s, &self.recording.report);
-        if report.dropped.is_empty() {
+        if report.absent.is_empty() {
             return Ok(kept.clone());
         }
         if report.line_is_row {
@@ -171,12 +171,24 @@ impl Loaded {
     }
 }
 
-/// The stamp of every row, given the lines of all rows and the stamps of those that were kept.
+/// A recording without rows that are interpolated between others, where what is left still is fast enough for its f_dyn.
+fn without_interpolated_rows(recording: &Recording, options: &PreprocessOptions) -> Option<Recording> {
+    let coarse = recording.every(recording.interpolation_stride()?);
+    let rate_hz = (coarse.samples() - 1) as f64 / coarse.duration_s();
+    (10.0 * options.f_dyn_hz < rate_hz).then_some(coarse)
+}
+
+/// The stamp of every row, given the lines of all rows and the stamps of those that were kept. A row that is there more than
+/// once has that of the one before.
 fn with_dropped(rows: &[usize], kept: &[f64], report: &ReadReport) -> Vec<f64> {
     let mut stamps = Vec::with_capacity(rows.len());
     let mut next = 0_usize;
     for line in rows {
-        if report.dropped.iter().any(|d| d.line == *line) {
+        let is_absent = u32::try_from(*line).is_ok_and(|line| report.absent.binary_search(&line).is_ok());
+        let repeats = report.repeated_rows > 0 && report.dropped.iter().all(|d| d.line != *line);
+        if is_absent && repeats && next > 0 {
+            stamps.push(kept[next - 1]);
+        } else if is_absent {
             let (before, after) = (kept.get(next.wrapping_sub(1)), kept.get(next));
             let middle = before.zip(after).map(|(a, b)| 0.5 * (a + b));
             stamps.push(middle.or(before.copied()).or(after.copied()).unwrap_or(f64::NAN));
@@ -263,12 +275,15 @@ impl Pipeline<'_> {
         let options = self.options(loaded.recording.unit, purpose);
         let window = loaded.source.window_s.filter(|_| purpose != Purpose::Prediction);
         let part = window.map(|window| loaded.recording.window(window)).transpose()?;
-        let recording: &Recording = part.as_ref().unwrap_or(&loaded.recording);
+        let whole: &Recording = part.as_ref().unwrap_or(&loaded.recording);
+        let coarse = without_interpolated_rows(whole, &options).filter(|_| repair);
+        let recording = coarse.as_ref().unwrap_or(whole);
         let repaired = repair.then(|| without_unusable_rows(recording)).flatten();
         let mut data = preprocess(repaired.as_ref().unwrap_or(recording), &options)?;
         if repair {
             data.report.unusable = Some(recording.samples() - data.report.samples);
-            data.report.samples = recording.samples();
+            data.report.interpolated = coarse.as_ref().map(|coarse| whole.samples() - coarse.samples());
+            data.report.samples = whole.samples();
         }
         Ok(NamedRecording { name: loaded.source.label.clone(), data })
     }

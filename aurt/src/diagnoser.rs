@@ -17,6 +17,7 @@ use crate::{
     calibrated_file::CalibratedModel,
     calibrating::Settings,
     data::{Instrument, Loaded, Pipeline, Source},
+    duplicates::SampleRegister,
     effects::{Effect, Named},
     error::Error,
     fitting::{Assigned, Detail, Job},
@@ -207,6 +208,9 @@ impl Diagnoser {
         let pipeline = Pipeline { joints: self.joints(), preprocessing, instrument };
         let loaded: Vec<Loaded> =
             self.parts.iter().map(|part| part.loaded(&pipeline.joints)).collect::<Result<_, _>>()?;
+        SampleRegister::check(
+            loaded.iter().zip(&self.parts).map(|(loaded, part)| (loaded, part.role.name())),
+        )?;
         let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
         if let Some(given) = self.given.as_ref().map(|given| given.unit).filter(|given| *given != unit) {
             return Err(Error::GivenUnit { given, recorded: unit }.into());

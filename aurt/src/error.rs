@@ -11,6 +11,15 @@ use aurt_rbd::{MdhErrors, RbdError};
 use aurt_recording::RecordingError;
 use aurt_traits::{MeasurementUnit, ModelError};
 
+/// What samples that are used twice would do.
+fn consequence(role: &str, other: &str) -> &'static str {
+    if role == other {
+        ": each sample counts once, or deviations come out too small"
+    } else {
+        ", so it is not held-out data: a model is not judged by samples that it was made from"
+    }
+}
+
 /// Why something failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -59,6 +68,22 @@ pub enum Error {
         other: PathBuf,
         /// Its unit.
         other_unit: MeasurementUnit,
+    },
+    /// One recording holds samples of another.
+    #[error(
+        "{} ({role}) holds the same samples as {} ({other_role}){}; name another recording, or give both a `window_s` that do not \
+         overlap",
+        recording.display(), other.display(), consequence(role, other_role)
+    )]
+    Repeated {
+        /// The one that came second.
+        recording: PathBuf,
+        /// What it is for.
+        role: &'static str,
+        /// The one that has its samples, too.
+        other: PathBuf,
+        /// What that is for.
+        other_role: &'static str,
     },
     /// A given model and the recordings have different units.
     #[error(

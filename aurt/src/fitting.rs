@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::{
     calibrated_file::CalibratedModel,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    duplicates::SampleRegister,
     error::Error,
     origins::Origins,
     predictions::{PredictionNames, to_csv},
@@ -145,7 +146,7 @@ impl Job {
                 return Err(CalibrationError::NoMeasurement { file }.into());
             }
         }
-        refuse_repeated(recordings)?;
+        SampleRegister::check(recordings.iter().map(|r| (&r.loaded, r.role.name())))?;
         let unit = pipeline.common_unit(recordings.iter().map(|r| &r.loaded))?.unwrap_or_default();
         let prepared = in_parallel(recordings.iter().collect(), |Assigned { loaded, role }| {
             progress.step(format!("preprocessing {}", loaded.source.label));
@@ -243,34 +244,6 @@ fn in_parallel<T: Send, R: Send>(
 ) -> Result<Vec<R>, Error> {
     let done: Vec<Result<R, Error>> = all.into_par_iter().map(one).collect();
     done.into_iter().collect()
-}
-
-/// Refuses a validation recording whose samples, whatever the file is called, are those of a calibration recording.
-fn refuse_repeated(recordings: &[Assigned]) -> Result<(), Error> {
-    let of = |role: Role| recordings.iter().filter(move |r| r.role == role).map(|r| &r.loaded);
-    for validation in of(Role::Validation) {
-        if let Some(calibration) = of(Role::Calibration).find(|c| share_samples(c, validation)) {
-            return Err(CalibrationError::Repeated {
-                validation: validation.source.file.clone(),
-                calibration: calibration.source.file.clone(),
-            }
-            .into());
-        }
-    }
-    Ok(())
-}
-
-/// Whether two recordings have the same contents and their windows overlap.
-fn share_samples(a: &Loaded, b: &Loaded) -> bool {
-    let (x, y) = (&a.recording, &b.recording);
-    let overlap = match (a.source.window_s, b.source.window_s) {
-        (Some([from, to]), Some([other_from, other_to])) => from < other_to && other_from < to,
-        _ => true,
-    };
-    overlap
-        && x.time_s.len() == y.time_s.len()
-        && x.position_rad == y.position_rad
-        && x.measurement == y.measurement
 }
 
 impl Job {

@@ -119,6 +119,7 @@ mod calibrated_file;
 mod calibrating;
 pub mod data;
 mod diagnoser;
+pub mod duplicates;
 pub mod effects;
 mod equation_of_motion;
 mod error;

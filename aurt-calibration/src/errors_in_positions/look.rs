@@ -1,4 +1,4 @@
-use aurt_recording::{PositionNoise, ZeroPhase};
+use aurt_recording::{PositionNoise, ZeroPhase, suitable_f_dyn_hz};
 use aurt_traits::RobotModel;
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use super::{
     hausman::{Hausman, Tested},
     noise::{acceleration_share, noisier},
     normal::Normal,
-    report::{JointPositionNoise, Looked},
+    report::{FittedBandwidth, JointPositionNoise, Looked},
     shift::Shift,
 };
 use crate::{
@@ -74,12 +74,29 @@ pub(crate) fn look(
                 .enumerate()
                 .max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
             let (joint, share) = worst.map_or((0, 0.0), |(j, n)| (j, n.acceleration_share));
-            CalibrationError::NoisyPositions { joint, percent: 100.0 * share }
+            let remedy = FittedBandwidth::remedy(bandwidth(rows.recordings));
+            CalibrationError::NoisyPositions { joint, percent: 100.0 * share, remedy }
         })?)
     } else {
         None
     };
-    Ok(Looked { joints, draws, shift, hausman, corrected })
+    let f_dyn = if draws > 0 { bandwidth(rows.recordings) } else { None };
+    Ok(Looked { joints, f_dyn, draws, shift, hausman, corrected })
+}
+
+/// The f_dyn of recordings, and that which suits their motion: the fastest motion and the slowest clock decide.
+fn bandwidth(recordings: &[&NamedRecording]) -> Option<FittedBandwidth> {
+    let of_joints = |recording: &&NamedRecording| {
+        let joints = recording.data.position_noise.iter().enumerate();
+        joints.filter_map(|(joint, noise)| recording.data.bandwidth_hz(joint, noise)).fold(0.0, f64::max)
+    };
+    let reports = || recordings.iter().map(|recording| &recording.data.report);
+    let top_hz = recordings.iter().map(of_joints).fold(0.0, f64::max);
+    let slowest_hz = reports().map(|report| report.rate_hz).fold(f64::INFINITY, f64::min);
+    let suitable_hz = suitable_f_dyn_hz(top_hz, slowest_hz)?;
+    // The parallel filter cuts at twice f_dyn.
+    let f_dyn_hz = reports().next()?.parallel_cutoff_hz / 2.0;
+    Some(FittedBandwidth { f_dyn_hz, suitable_hz })
 }
 
 /// Whether instruments agree, where the recordings are long enough for their filter.

@@ -26,4 +26,4 @@ pub(crate) use report::Looked;
 pub(crate) use shift::Shift;
 
 pub use hausman::Hausman;
-pub use report::{JointPositionNoise, ParameterBias, PositionBias};
+pub use report::{FittedBandwidth, JointPositionNoise, ParameterBias, PositionBias};

@@ -13,6 +13,9 @@ const NOTABLE: f64 = 0.5;
 pub struct PositionBias {
     /// The joints.
     pub joints: Vec<JointPositionNoise>,
+    /// f_dyn of the fit, and the lowest that suits the motion; absent where nothing moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub f_dyn: Option<FittedBandwidth>,
     /// Draws of the noise; none where it is negligible.
     pub draws: u64,
     /// The coefficients that the recordings determine; none where noise is negligible.
@@ -20,6 +23,30 @@ pub struct PositionBias {
     /// Whether instruments find other coefficients; absent where noise is negligible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hausman: Option<Hausman>,
+}
+
+/// The f_dyn of a fit beside that which suits the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FittedBandwidth {
+    /// Of the fit, Hz.
+    pub f_dyn_hz: f64,
+    /// The lowest round one with room above the motion, Hz.
+    pub suitable_hz: f64,
+}
+
+impl FittedBandwidth {
+    /// What lowers the noise of the positions against the motion, as an order; without it nothing moves.
+    pub(crate) fn remedy(of: Option<Self>) -> String {
+        match of {
+            Some(Self { f_dyn_hz, suitable_hz }) if suitable_hz < f_dyn_hz => {
+                format!("use f_dyn_hz = {suitable_hz}, which suits the motion")
+            }
+            Some(Self { f_dyn_hz, .. }) => format!(
+                "use a finer encoder, or record faster motions; f_dyn_hz = {f_dyn_hz:.3} suits this motion, and a lower one would cut it"
+            ),
+            None => "use a finer encoder, or record faster motions".into(),
+        }
+    }
 }
 
 /// The noise of a joint's position, of its noisiest recording.
@@ -54,6 +81,7 @@ pub struct ParameterBias {
 /// What noise of the positions does to an estimate.
 pub(crate) struct Looked {
     pub joints: Vec<JointPositionNoise>,
+    pub f_dyn: Option<FittedBandwidth>,
     pub draws: u64,
     /// What the noise does to least squares when it is added once more.
     pub shift: Shift,
@@ -74,6 +102,7 @@ impl PositionBias {
         let determined = shifted.enumerate().filter(|(k, _)| deviations(*k) > 0.0);
         Self {
             joints: looked.joints.clone(),
+            f_dyn: looked.f_dyn,
             draws: looked.draws,
             parameters: determined.map(told).collect(),
             hausman: looked.hausman.clone(),
@@ -97,8 +126,9 @@ impl PositionBias {
         noise.is_overwhelming().then(|| {
             format!(
                 "position noise makes up {:.0} % of the power of joint {joint}'s accelerations, too much for its effect on the \
-                 estimates to be determined or corrected; use a lower f_dyn",
-                100.0 * noise.acceleration_share
+                 estimates to be determined or corrected; {}",
+                100.0 * noise.acceleration_share,
+                FittedBandwidth::remedy(self.f_dyn)
             )
         })
     }
@@ -129,8 +159,8 @@ impl PositionBias {
             };
             let test = if differs && !is_beyond { "; instrumental variables confirm it" } else { "" };
             warnings.push(format!(
-                "position noise biases {which}{test}; use a lower f_dyn, `aurt check` suggests a value (`aurt explain \
-                 position_bias`)"
+                "position noise biases {which}{test}; {} (`aurt explain position_bias`)",
+                FittedBandwidth::remedy(self.f_dyn)
             ));
         }
         if is_beyond {

@@ -146,7 +146,7 @@ impl ShapeReport {
         if !shifted.is_empty() {
             warnings.push(format!(
                 "position noise may have shifted shape parameters by more than all other errors together (included in \
-                 their intervals): {shifted}; use a lower f_dyn, a finer encoder, or motions with less time near rest \
+                 their intervals): {shifted}; use the f_dyn_hz that `aurt check` names if it is lower, a finer encoder, or motions with less time near rest \
                  (`aurt explain position_bias`)"
             ));
         }

@@ -234,7 +234,6 @@ fn simulation(error: &SimulationError) -> Vec<Problem> {
 fn missing(path: &Path) -> Problem {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let shown = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let mut known: Vec<String> = std::fs::read_dir(folder)
         .into_iter()
         .flatten()
@@ -249,7 +248,7 @@ fn missing(path: &Path) -> Problem {
     };
     let help = if !folder.is_dir() {
         format!("there is no folder {} either; check the path{what}", folder.display())
-    } else if let Some(meant) = suggestion::likely(&name, known.iter().map(String::as_str)) {
+    } else if let Some(meant) = meant(path, &known) {
         format!(
             "did you mean {}?",
             folder.join(meant).strip_prefix(".").unwrap_or(Path::new(meant)).display()
@@ -265,6 +264,14 @@ fn missing(path: &Path) -> Problem {
         help: Some(help),
         ..Problem::plain(format!("{}: there is no such file in {}", path.display(), shown.display()))
     }
+}
+
+/// The file of the same extension whose name is close: what all of them end in makes none closer.
+fn meant<'k>(path: &Path, known: &'k [String]) -> Option<&'k str> {
+    let stem = |path: &Path| path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let stems: Vec<String> = known.iter().map(|name| stem(Path::new(name))).collect();
+    let likely = suggestion::likely(&stem(path), stems.iter().map(String::as_str))?;
+    known.iter().zip(&stems).find(|(_, s)| *s == likely).map(|(name, _)| name.as_str())
 }
 
 /// Files that are listed in the place of one that is not there.

@@ -17,6 +17,18 @@ pub enum Role {
     Validation,
 }
 
+impl Role {
+    /// The role as experiments spell it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Calibration => "calibration",
+            Self::Target => "target",
+            Self::Validation => "validation",
+        }
+    }
+}
+
 /// The filtered, decimated rows of one recording, joint by joint, over all columns of a robot model.
 #[derive(Debug, Clone)]
 pub struct RecordingRows {

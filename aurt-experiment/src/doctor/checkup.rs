@@ -7,6 +7,7 @@ use crate::workbench::{experiments, failure::Failure};
 use aurt::{
     Role,
     data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source},
+    duplicates::SampleRegister,
     fitting::Assigned,
 };
 use aurt_plugins::Registry;
@@ -25,7 +26,7 @@ use serde_json::{Value, json};
 
 use crate::doctor::{
     inspection::{
-        inspected::{Inspected, rest},
+        inspected::{Inspected, Reading, rest},
         joints::suitable_f_dyn_hz,
         judged::{Judged, plain_friction},
     },
@@ -97,19 +98,24 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
         Known::Experiment(experiment) => Some(experiment.robot.rigid_body().map_err(Failure::from)?),
     };
     let mut joints = rigid_body.as_ref().map(|body| RobotJoints::of(&**body));
-    let mut assigned = Vec::new();
+    let (mut assigned, mut stamps) = (Vec::new(), Vec::new());
     for (given, role) in sources(robot).chain(recordings.into_iter().map(|r| (r, Role::Calibration))) {
-        let loaded = match given {
-            Given::File(source) => Loaded::read(*source, joints.as_ref(), Purpose::Prediction)?,
+        let reading = match given {
+            Given::File(source) => {
+                Reading::of(*source, |source| Loaded::read(source, joints.as_ref(), Purpose::Prediction))?
+            }
             Given::Recording(recording) => {
                 let own =
                     || RobotJoints { names: recording.joints.names().to_vec(), ..recording.joints().into() };
-                Loaded::of(&recording, &joints.clone().unwrap_or_else(own))?
+                // Arrays are in s: whoever made them knows.
+                Reading { loaded: Loaded::of(&recording, &joints.clone().unwrap_or_else(own))?, stamps: None }
             }
         };
-        joints = joints.or_else(|| Some(loaded.recording.robot_joints()));
-        assigned.push(Assigned { loaded, role });
+        joints = joints.or_else(|| Some(reading.loaded.recording.robot_joints()));
+        assigned.push(Assigned { loaded: reading.loaded, role });
+        stamps.push(reading.stamps);
     }
+    SampleRegister::check(assigned.iter().map(|a| (&a.loaded, a.role.name())))?;
     let of_experiment = match robot {
         Known::Experiment(experiment) => Some(experiment.preprocess.f_dyn_hz),
         _ => None,
@@ -131,8 +137,10 @@ pub fn check(question: Question<'_>) -> Result<Checkup, Failure> {
         Known::Experiment(experiment) => Some(Subject::of_experiment(experiment, assigned.clone())?),
     };
     let roles: Vec<Role> = assigned.iter().map(|a| a.role).collect();
-    let inspected: Vec<Inspected> =
-        assigned.into_iter().map(|a| Inspected::new(a.loaded, &preprocessing)).collect::<Result<_, _>>()?;
+    let readings = assigned.into_iter().zip(stamps);
+    let inspected: Vec<Inspected> = readings
+        .map(|(a, stamps)| Inspected::new(Reading { loaded: a.loaded, stamps }, &preprocessing))
+        .collect::<Result<_, _>>()?;
     let excitation = Excitation { registry, rigid_body, unit, preprocessing: &preprocessing };
     let together = if inspected.len() > 1 {
         let fitted = inspected.iter().zip(&roles).filter(|(_, r)| **r == Role::Calibration);
@@ -169,6 +177,12 @@ impl Checkup {
     pub fn has_findings(&self) -> bool {
         let setup = self.examination.as_ref();
         !self.of_recordings().is_empty() || setup.is_some_and(|e| e.is_serious() || e.hardly().is_some())
+    }
+
+    /// Whether stamps were read in another unit than the experiment says.
+    #[must_use]
+    pub fn has_other_stamps(&self) -> bool {
+        self.alone.iter().any(|seen| seen.one.stamps.is_some())
     }
 
     /// What should be heeded, in sentences.

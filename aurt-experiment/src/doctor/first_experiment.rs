@@ -17,7 +17,10 @@ use aurt_traits::MeasurementUnit;
 use toml_edit::Value;
 
 use crate::doctor::{
-    inspection::{inspected::Inspected, joints::suitable_f_dyn_hz},
+    inspection::{
+        inspected::{Inspected, Reading},
+        joints::suitable_f_dyn_hz,
+    },
     mistakes::{self, Examination, Subject, median_period_s},
 };
 
@@ -83,6 +86,9 @@ pub fn draft(known: &Known, path: &Path, registry: &mut Registry) -> Result<Draf
     for source in &known.recordings {
         let one = look(source, &arm.joints)?;
         guesses.extend(one.inspected.loaded.warnings().map(|w| format!("warning: {w}")));
+        guesses.extend(
+            one.inspected.stamps.map(|stamps| format!("{}: {stamps}, as was done here", source.label)),
+        );
         if let Some(twin) = looked.iter().find(|l| same(&l.inspected, &one.inspected)) {
             guesses.push(format!(
                 "{} holds the samples of {} and is left out",
@@ -181,6 +187,7 @@ fn of(described: &DescribedRobot) -> RobotJoints {
         count: described.joints(),
         names: described.joint_names.clone(),
         branches: described.branches.clone(),
+        sliding: described.sliding(),
     }
 }
 
@@ -217,22 +224,22 @@ fn bag_keys(known: &Known, arm: &Arm, looked: &[Looked], guesses: &mut Vec<Strin
 fn look(source: &Source, joints: &RobotJoints) -> Result<Looked, Failure> {
     let read = |unit| {
         let source = Source { unit, ..source.clone() };
-        Loaded::read(source, Some(joints), Purpose::Calibration)
+        Reading::of(source, |source| Loaded::read(source, Some(joints), Purpose::Calibration))
     };
-    let (loaded, unit_was_guessed) = match read(source.unit) {
-        Ok(loaded) => (loaded, false),
+    let (reading, unit_was_guessed) = match read(source.unit) {
+        Ok(reading) => (reading, false),
         Err(error) if source.unit.is_none() => match read(Some(MeasurementUnit::Ampere)) {
-            Ok(loaded) => (loaded, true),
+            Ok(reading) => (reading, true),
             Err(_) => return Err(error.into()),
         },
         Err(error) => return Err(error.into()),
     };
-    let rate_hz = 1.0 / median_period_s(&loaded.recording.time_s);
+    let rate_hz = 1.0 / median_period_s(&reading.loaded.recording.time_s);
     let preprocessing = Preprocessing {
         trim_rest: false,
         ..Preprocessing::new(HIGHEST_F_DYN_HZ.min(F_DYN_SHARE_OF_RATE * rate_hz))
     };
-    Ok(Looked { inspected: Inspected::new(loaded, &preprocessing)?, unit_was_guessed })
+    Ok(Looked { inspected: Inspected::new(reading, &preprocessing)?, unit_was_guessed })
 }
 
 fn same(a: &Inspected, b: &Inspected) -> bool {
@@ -334,10 +341,12 @@ fn entries(looked: &[Looked], roles: &[Role], role: Role, path: &Path) -> String
         let columns = loaded.recording.report.columns.join("; ");
         let window =
             window.map_or_else(String::new, |[from, to]| format!(", window_s = [{from:.1}, {to:.1}]"));
-        let entry = if unit.is_empty() && window.is_empty() {
+        let time =
+            one.inspected.stamps.map_or_else(String::new, |s| format!(", time = \"{}\"", s.unit.key()));
+        let entry = if unit.is_empty() && window.is_empty() && time.is_empty() {
             file
         } else {
-            format!("{{ file = {file}{unit}{window} }}")
+            format!("{{ file = {file}{unit}{time}{window} }}")
         };
         entries.push_str(&format!("    # {columns}\n{guess}    {entry},\n"));
     }

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use aurt_rbd::robots::DescribedRobot;
-use aurt_rbd::{MdhTable, RbdError, RobotDescription, SerialChain};
+use aurt_rbd::{JointKind, MdhTable, RbdError, RobotDescription, SerialChain};
 use aurt_traits::{Branch, RigidBodyRegressor};
 
 /// Where the geometry of an experiment's robot is from.
@@ -51,6 +51,17 @@ impl Geometry {
         match self {
             Self::Mdh { .. } => &[],
             Self::Urdf { robot, .. } | Self::Known(robot) => &robot.joint_names,
+        }
+    }
+
+    /// Whether each joint slides: its positions are in m.
+    #[must_use]
+    pub fn sliding(&self) -> Vec<bool> {
+        match self {
+            Self::Mdh { table, .. } => {
+                table.rows.iter().map(|row| row.kind == JointKind::Prismatic).collect()
+            }
+            Self::Urdf { robot, .. } | Self::Known(robot) => robot.sliding(),
         }
     }
 

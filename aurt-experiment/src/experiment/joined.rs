@@ -43,9 +43,15 @@ pub(super) fn take(table: &mut Section<'_, '_>, has_positions: bool) -> Option<V
     Some(quantities)
 }
 
-/// `joined`: files with other quantities of the same motion, each a name or a table.
-pub(super) fn read(table: &mut Section<'_, '_>, general: &RecordedAs) -> Vec<JoinedFile> {
+/// `joined`: files with other quantities of the same motion, each a name or a table. What the table of the `recording` says
+/// of quantities holds in them too, wherever a quantity lies.
+pub(super) fn read(
+    table: &mut Section<'_, '_>,
+    recording: &RecordedAs,
+    general: &RecordedAs,
+) -> Vec<JoinedFile> {
     let Some(node) = table.take("joined") else { return Vec::new() };
+    let general = &recording.of_quantities().or(general);
     let items = match &node.kind {
         NodeKind::Array(items) => items.as_slice(),
         _ => std::slice::from_ref(node),

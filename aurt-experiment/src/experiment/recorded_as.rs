@@ -1,5 +1,5 @@
 use aurt_plugins::{Node, NodeKind};
-use aurt_recording::{AngleUnit, CurrentUnit, RecordedAs, TimeUnit};
+use aurt_recording::{AngleUnit, CurrentUnit, DroppedRows, RecordedAs, TimeUnit};
 use aurt_traits::MeasurementUnit;
 
 use super::{joint_count::JointCheck, section::Section};
@@ -15,6 +15,7 @@ const TIME: [(&str, TimeUnit); 4] = [
     ("us", TimeUnit::Microsecond),
     ("ns", TimeUnit::Nanosecond),
 ];
+const DROP: [(&str, DroppedRows); 1] = [("nan", DroppedRows::NotANumber)];
 const CURRENT: [(&str, CurrentUnit); 2] = [("A", CurrentUnit::Ampere), ("mA", CurrentUnit::Milliampere)];
 
 /// The keys that say how a file was recorded: in `[recordings]` for all files, in the table of a file for that one.
@@ -35,6 +36,7 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
         );
     }
     let topic = section.take("topic").and_then(|node| section.text_of("topic", node).map(str::to_owned));
+    let drop = section.choice("drop", &DROP);
     let joint_names = section.take("joint_names").and_then(|node| joint_names(section, node));
     RecordedAs {
         angle,
@@ -45,6 +47,7 @@ pub(super) fn read(section: &mut Section<'_, '_>) -> RecordedAs {
         gear_ratio,
         topic,
         joint_names,
+        drop,
         take: None,
         joined: Vec::new(),
     }

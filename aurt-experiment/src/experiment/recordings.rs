@@ -38,7 +38,7 @@ pub struct RecordingSource {
     /// `columns`: where to find what, for files without the usual column names.
     pub columns: Option<RecordingColumns>,
     /// What the file does not tell of itself: `angle`, `time`, `current`, `rate_hz`, `counts_per_revolution`,
-    /// `gear_ratio`, `topic`, `joint_names`, `take`, `joined`.
+    /// `gear_ratio`, `topic`, `joint_names`, `drop`, `take`, `joined`.
     pub recorded: RecordedAs,
 }
 
@@ -52,7 +52,9 @@ impl RecordingSource {
 
 impl Recordings {
     pub(super) fn read(mut section: Section<'_, '_>) -> Self {
-        let general = recorded_as::read(&mut section);
+        let recorded = recorded_as::read(&mut section);
+        let has_clock = recorded.rate_hz.is_none();
+        let general = General { columns: columns_key(&mut section, has_clock).unwrap_or_default(), recorded };
         let node = section.require("calibration", "calibration = [\"recording.csv\"]");
         let calibration = node.map(|n| sources(&section, "calibration", n, &general)).unwrap_or_default();
         if let Some(node) = node
@@ -69,8 +71,22 @@ impl Recordings {
     }
 }
 
+/// What holds for all recordings that do not say otherwise.
+struct General {
+    recorded: RecordedAs,
+    columns: Option<RecordingColumns>,
+}
+
+/// The key `columns`, which may be missing; nothing if it is wrong.
+fn columns_key(table: &mut Section<'_, '_>, has_clock: bool) -> Option<Option<RecordingColumns>> {
+    match table.take("columns") {
+        None => Some(None),
+        Some(node) => columns(Section::new(table.reader, node, "`columns`")?, has_clock).map(Some),
+    }
+}
+
 /// One recording or a list of them.
-fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &RecordedAs) -> Vec<RecordingSource> {
+fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &General) -> Vec<RecordingSource> {
     let items = match &node.kind {
         NodeKind::Array(items) => items.as_slice(),
         _ => std::slice::from_ref(node),
@@ -78,20 +94,15 @@ fn sources(section: &Section<'_, '_>, key: &str, node: &Node, general: &Recorded
     items.iter().filter_map(|item| source(section, key, item, general)).collect()
 }
 
-fn source(
-    section: &Section<'_, '_>,
-    key: &str,
-    node: &Node,
-    general: &RecordedAs,
-) -> Option<RecordingSource> {
+fn source(section: &Section<'_, '_>, key: &str, node: &Node, general: &General) -> Option<RecordingSource> {
     match &node.kind {
         NodeKind::String(written) => Some(RecordingSource {
             file: section.recording_of(key, node)?,
             written: written.clone(),
             window_s: None,
             unit: None,
-            columns: None,
-            recorded: general.clone(),
+            columns: general.columns.clone(),
+            recorded: general.recorded.clone(),
         }),
         NodeKind::Table(_) => described(section.reader, key, node, general),
         _ => {
@@ -105,7 +116,7 @@ fn source(
     }
 }
 
-fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> Option<RecordingSource> {
+fn described(reader: &Reader, key: &str, node: &Node, general: &General) -> Option<RecordingSource> {
     let mut table = Section::new(reader, node, format!("a recording of `{key}`"))?;
     let file_node = table.require("file", "file = \"recording.csv\"");
     let file = file_node.and_then(|n| table.recording_of("file", n));
@@ -118,18 +129,12 @@ fn described(reader: &Reader, key: &str, node: &Node, general: &RecordedAs) -> O
         Some(window)
     });
     let unit = table.choice("unit", &UNITS);
-    let mut recorded = recorded_as::read(&mut table).or(general);
+    let mut recorded = recorded_as::read(&mut table).or(&general.recorded);
     recorded.take = joined::take(&mut table, true);
-    recorded.joined = joined::read(&mut table, general);
-    let columns_node = table.take("columns");
-    let has_clock = recorded.rate_hz.is_none();
-    let columns = columns_node
-        .and_then(|n| Section::new(reader, n, "`columns`"))
-        .and_then(|section| columns(section, has_clock));
+    recorded.joined = joined::read(&mut table, &recorded, &general.recorded);
+    let columns = columns_key(&mut table, recorded.rate_hz.is_none());
     table.finish();
     let written = file_node.and_then(Node::as_str)?.to_owned();
-    if columns_node.is_some() && columns.is_none() {
-        return None;
-    }
+    let columns = columns?.or_else(|| general.columns.clone());
     Some(RecordingSource { file: file?, written, window_s, unit, columns, recorded })
 }

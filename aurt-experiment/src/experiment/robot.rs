@@ -54,6 +54,7 @@ impl Robot {
             count: self.joints(),
             names: self.joint_names.clone(),
             branches: self.geometry.branches().to_vec(),
+            sliding: self.geometry.sliding(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Gains of the drives from an experiment: ratios from unloaded motion, the common factor from a load of known mass.
 
 use crate::Experiment;
-use aurt::{Progress, data::Purpose};
+use aurt::{Progress, data::Purpose, duplicates::SampleRegister};
 use aurt_calibration::{Decided, Gain, Gains, GainsOf, KnownLoad, with_deviation};
 use aurt_report::rendering::table::Table;
 use aurt_traits::MeasurementUnit;
@@ -51,6 +51,7 @@ pub fn drive_gains(
     let job = experiments::job(experiment)?;
     let assigned =
         job.read(experiment.recordings.calibration.iter().map(experiments::source), [], progress)?;
+    SampleRegister::check(assigned.iter().map(|a| (&a.loaded, a.role.name())))?;
     let pipeline = job.pipeline();
     pipeline.common_unit(assigned.iter().map(|a| &a.loaded))?;
     let recordings = assigned

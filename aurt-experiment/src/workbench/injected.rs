@@ -4,7 +4,10 @@ use crate::{
     Experiment,
     experiment::{Geometry, RecordingSource},
 };
-use aurt::data::{Pipeline, Purpose};
+use aurt::{
+    data::{Pipeline, Purpose},
+    duplicates::SampleRegister,
+};
 use aurt_files::escaped;
 use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
@@ -50,6 +53,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
         .iter()
         .map(|s| pipeline.read(source(s), Purpose::Validation))
         .collect::<Result<Vec<_>, _>>()?;
+    SampleRegister::check(loaded.iter().map(|loaded| (loaded, "recordings")))?;
     let unit = pipeline.common_unit(&loaded)?.unwrap_or_default();
     let mut recordings = Vec::new();
     for loaded in &loaded {

@@ -1,19 +1,15 @@
 //! Calibration on recordings that are read in stretches, in memory that does not grow with their length.
 
-use std::{
-    fmt,
-    path::{Path, PathBuf},
-    str::FromStr,
-};
+use std::{fmt, path::Path, str::FromStr};
 
 use crate::Experiment;
 use aurt::{
     CalibratedModel, Progress, RecordingResult, Role,
     data::Source,
     fitting::{Job, Outcome},
-    origins::Origins,
+    origins::{Origins, hash_of_file},
 };
-use aurt_calibration::{CalibrationError, Comparison, calibrate_long, shapes_of, validate_long};
+use aurt_calibration::{Comparison, calibrate_long, shapes_of, validate_long};
 use aurt_recording::{LongPrepared, LongRecording, RecordingError};
 use aurt_traits::MeasurementUnit;
 
@@ -203,7 +199,18 @@ pub fn fit_in_stretches(
     Ok(Outcome { calibrated, recordings, predictions: Vec::new() })
 }
 
-/// Refuses what stretches cannot do, and a held-out recording that is fitted to as well.
+/// Whether two files have the same bytes; what is read in stretches is not held to be compared row by row.
+fn is_copy(a: &Source, b: &Source) -> bool {
+    let place = |source: &Source| std::fs::canonicalize(&source.file).ok();
+    let length = |source: &Source| std::fs::metadata(&source.file).ok().map(|m| m.len());
+    let reads_alike = a.recorded == b.recorded && a.columns == b.columns;
+    let same_place = place(a).is_some() && place(a) == place(b);
+    let same_bytes =
+        || length(a) == length(b) && hash_of_file(&a.file).is_some_and(|h| Some(h) == hash_of_file(&b.file));
+    reads_alike && (same_place || same_bytes())
+}
+
+/// Refuses what stretches cannot do, and recordings that are listed twice.
 fn refuse_what_needs_all(job: &Job, assigned: &[(Source, Role)], because: TooLarge) -> Result<(), Failure> {
     let searched = shapes_of(&job.model);
     if job.options.fit_shapes && !searched.is_empty() {
@@ -223,13 +230,15 @@ fn refuse_what_needs_all(job: &Job, assigned: &[(Source, Role)], because: TooLar
         let reason = "arm terms act in some recordings alone";
         return Err(because.refusal(None, reason, "leave out their `recordings`"));
     }
-    let of = |role: Role| assigned.iter().filter(move |(_, r)| *r == role).map(|(source, _)| &source.file);
-    let place = |file: &Path| std::fs::canonicalize(file).ok();
-    for validation in of(Role::Validation) {
-        let same = |c: &&PathBuf| place(c).is_some_and(|c| place(validation) == Some(c));
-        if let Some(calibration) = of(Role::Calibration).find(same) {
-            let (validation, calibration) = (validation.clone(), calibration.clone());
-            return Err(CalibrationError::Repeated { validation, calibration }.into());
+    for (k, (source, role)) in assigned.iter().enumerate() {
+        if let Some((other, other_role)) = assigned[..k].iter().find(|(other, _)| is_copy(other, source)) {
+            return Err(aurt::Error::Repeated {
+                recording: source.file.clone(),
+                role: role.name(),
+                other: other.file.clone(),
+                other_role: other_role.name(),
+            }
+            .into());
         }
     }
     Ok(())

@@ -5,6 +5,7 @@ use crate::{Experiment, experiment::RecordingSource};
 use aurt::{
     Error, Role,
     data::{Loaded, Pipeline, Purpose},
+    duplicates::SampleRegister,
     fitting::judged_rows,
 };
 use aurt_calibration::{CalibrationOptions, Deviations, ShapeOptions};
@@ -51,6 +52,9 @@ fn load(experiment: &Experiment, validate: Validate) -> Result<Data, Error> {
         Validate::HeldOut => each(&experiment.recordings.validation, Purpose::Validation)?,
         Validate::LeaveOneOut => Vec::new(),
     };
+    let role = |role: Role| move |loaded| (loaded, role.name());
+    let roles = calibration.iter().map(role(Role::Calibration));
+    SampleRegister::check(roles.chain(held_out.iter().map(role(Role::Validation))))?;
     let judged = match validate {
         Validate::HeldOut => &held_out,
         Validate::LeaveOneOut => &calibration,

@@ -53,6 +53,19 @@ pub(super) struct Collector<'a> {
     turns: Vec<Turns>,
     branches: Vec<BranchTrack>,
     irregularities: Vec<String>,
+    /// What was done about others.
+    remarks: Vec<String>,
+    /// Whether rows that lack a number are left out on request.
+    drops: bool,
+    /// Rows that were left out on request.
+    rows_without_numbers: usize,
+    /// Why the file is refused once all of its rows are counted.
+    refused: Option<RecordingError>,
+    refused_rows: usize,
+    /// Rows that are there already.
+    repeated_rows: usize,
+    /// Lines of all rows that are not held.
+    absent: Vec<u32>,
 }
 
 /// A row that was left out.
@@ -72,13 +85,23 @@ enum Reason {
     NoNumber,
 }
 
+/// A line's number as it is kept.
+fn shown(line: usize) -> u32 {
+    u32::try_from(line).unwrap_or(u32::MAX)
+}
+
 /// What a file held.
 pub(super) struct Collected {
     /// Time, positions, velocities, measurements, as far as they were selected.
     pub(super) series: Vec<Vec<f64>>,
     pub(super) dropped: Vec<DroppedRow>,
     pub(super) dropped_rows: usize,
+    pub(super) rows_without_numbers: usize,
+    pub(super) repeated_rows: usize,
+    /// Lines of all rows that are not among the series.
+    pub(super) absent: Vec<u32>,
     pub(super) irregularities: Vec<String>,
+    pub(super) remarks: Vec<String>,
     /// Joints beside the chain that move.
     pub(super) branches: Vec<BranchMotion>,
     /// What was taken off the stamps, in s.
@@ -114,6 +137,13 @@ impl<'a> Collector<'a> {
             turns: vec![Turns::default(); selected.position.len()],
             branches: selected.branches.iter().map(|(joint, _)| BranchTrack::new(joint.clone())).collect(),
             irregularities: Vec::new(),
+            remarks: Vec::new(),
+            drops: options.recorded.drops_rows(),
+            rows_without_numbers: 0,
+            refused: None,
+            refused_rows: 0,
+            repeated_rows: 0,
+            absent: Vec::new(),
         }
     }
 
@@ -162,6 +192,10 @@ impl<'a> Collector<'a> {
     fn place(&mut self, row: &mut [f64], line: usize) {
         let stamp = row[0];
         let time = &self.series[0];
+        let last = time.len().checked_sub(1);
+        if last.is_some_and(|last| self.is_row(last, row)) {
+            return self.repeat(line);
+        }
         if let Some(before) = time.last().copied().filter(|last| stamp < *last) {
             // One of the two stamps is wrong: the earlier one if it lies ahead of a series that goes on.
             let one_ahead = self.follows && time.len() >= 2 && stamp >= time[time.len() - 2];
@@ -194,12 +228,17 @@ impl<'a> Collector<'a> {
         let before = self.series[0].last().copied().unwrap_or_default();
         let Some(moved_s) = late.set_back_s(&self.series, next) else {
             for (row, line) in late.rows {
-                self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before });
+                let at = self.series[0].partition_point(|t| *t < row[0]);
+                if self.is_row(at, &row) {
+                    self.repeat(line);
+                } else {
+                    self.drop_row(line, 0, Reason::TimeBack { stamp: row[0], before });
+                }
             }
             return 0.0;
         };
         let (first, line) = (late.rows[0].0[0], late.rows[0].1);
-        self.irregularities.push(format!(
+        self.remarks.push(format!(
             "the clock was set back from {before:.3} s to {first:.3} s in line {line}: the recording is split there, and later \
              stamps are {moved_s:.3} s later"
         ));
@@ -214,20 +253,53 @@ impl<'a> Collector<'a> {
 
     fn keep(&mut self, row: &[f64], line: usize) {
         let (row, beside) = row.split_at(row.len() - self.branches.len());
-        let [up, down] = self.selected.branch_factor;
-        for (track, value) in self.branches.iter_mut().zip(beside) {
+        let scaled = beside.iter().zip(&self.selected.branch_factors);
+        for (track, (value, [up, down])) in self.branches.iter_mut().zip(scaled) {
             track.add(row[0], *value * up / down);
         }
         for (series, value) in self.series.iter_mut().zip(row) {
             series.push(*value);
         }
-        self.lines.push(u32::try_from(line).unwrap_or(u32::MAX));
+        self.lines.push(shown(line));
         self.follows = true;
+    }
+
+    /// Whether the row held at a place is this one, stamp and numbers alike. Stamps that follow from the rate tell rows apart.
+    fn is_row(&self, at: usize, row: &[f64]) -> bool {
+        self.selected.time.is_some()
+            && self.series.iter().zip(row).all(|(series, value)| series.get(at) == Some(value))
+    }
+
+    /// Counts a row that is there already.
+    fn repeat(&mut self, line: usize) {
+        self.repeated_rows += 1;
+        self.absent.push(shown(line));
+    }
+
+    /// Refuses the file because of a row, once all such rows are counted; a machine that runs on has no end.
+    pub(super) fn refuse(&mut self, error: RecordingError) -> Result<(), RecordingError> {
+        self.rows += 1;
+        self.refused_rows += 1;
+        self.refused.get_or_insert(error);
+        if self.late.is_some() { Ok(()) } else { self.refusal() }
+    }
+
+    /// The refusal with the number of rows that are its reason.
+    fn refusal(&mut self) -> Result<(), RecordingError> {
+        let Some(mut error) = self.refused.take() else { return Ok(()) };
+        if let RecordingError::Cell { rows, .. } | RecordingError::Value { rows, .. } = &mut error {
+            *rows = self.refused_rows;
+        }
+        Err(error)
     }
 
     /// Counts a row whose cell in a column of the file is no finite number.
     pub(super) fn skip(&mut self, line: usize, column: usize) {
         self.rows += 1;
+        if self.drops {
+            self.rows_without_numbers += 1;
+            return self.absent.push(shown(line));
+        }
         let place = self.columns.iter().position(|c| *c == column).unwrap_or(0);
         self.drop_row(line, place, Reason::NoNumber);
     }
@@ -235,6 +307,7 @@ impl<'a> Collector<'a> {
     fn drop_row(&mut self, line: usize, place: usize, reason: Reason) {
         self.follows = false;
         self.dropped_rows += 1;
+        self.absent.push(shown(line));
         if self.dropped.len() < KEPT_DETAILS {
             self.dropped.push(Dropped { line, place, reason });
         }
@@ -247,6 +320,7 @@ impl<'a> Collector<'a> {
         header: &Header,
         max_share: f64,
     ) -> Result<Collected, RecordingError> {
+        self.refusal()?;
         self.settle(None);
         let series = self.piece(true);
         self.judge(path, header, max_share, [0; 2])?;
@@ -258,8 +332,22 @@ impl<'a> Collector<'a> {
             .collect();
         let origin_s = self.first_second.unwrap_or(0.0);
         let branches = self.branches.into_iter().filter_map(BranchTrack::motion).collect();
-        let Self { dropped_rows, irregularities, set_back_s, .. } = self;
-        Ok(Collected { series, dropped, dropped_rows, irregularities, origin_s, set_back_s, branches })
+        self.absent.sort_unstable();
+        let Self { dropped_rows, rows_without_numbers, repeated_rows, .. } = self;
+        let Self { absent, irregularities, remarks, set_back_s, .. } = self;
+        Ok(Collected {
+            series,
+            dropped,
+            dropped_rows,
+            rows_without_numbers,
+            repeated_rows,
+            absent,
+            irregularities,
+            remarks,
+            origin_s,
+            set_back_s,
+            branches,
+        })
     }
 
     /// An error if too many of the latest rows were left out; nothing is said of fewer than ten thousand.
@@ -331,16 +419,20 @@ impl<'a> Collector<'a> {
             self.series.iter_mut().map(|s| s.drain(..ready).collect()).collect()
         };
         // In another unit every motion is a jump: that would hide the reason.
-        let degrees = plausibility::remark_on_degrees(&series[1..=joints]);
+        let sliding = &self.selected.sliding;
+        let degrees = plausibility::remark_on_degrees(&series[1..=joints], sliding);
         let tells_jumps = degrees.is_none();
         self.irregularities.extend(degrees);
         let (time, values) = series.split_at_mut(1);
         for ((joint, position), turns) in values.iter_mut().enumerate().take(joints).zip(&mut self.turns) {
-            let remark = plausibility::unwrap(joint, tells_jumps, &time[0], position, &lines, turns);
-            self.irregularities.extend(remark);
+            let joint = plausibility::JointPosition { joint, slides: sliding[joint], tells_jumps };
+            let [unwrapped, jumped] = joint.unwrap(&time[0], position, &lines, turns);
+            self.remarks.extend(unwrapped);
+            self.irregularities.extend(jumped);
         }
         // Of many pieces every one may have the same to say.
         self.irregularities.truncate(IRREGULARITIES);
+        self.remarks.truncate(IRREGULARITIES);
         series
     }
 

@@ -24,8 +24,10 @@ pub(super) struct Selected {
     pub(super) nanoseconds: Option<usize>,
     /// Columns of positions of joints beside the chain, after all others in a row.
     pub(super) branches: Vec<(String, usize)>,
-    /// What those numbers are scaled with.
-    pub(super) branch_factor: Factor,
+    /// What each of those is scaled with.
+    pub(super) branch_factors: Vec<Factor>,
+    /// Whether each joint slides: its positions are no angles.
+    pub(super) sliding: Vec<bool>,
     /// Which joints the columns belong to.
     pub(super) joints: RecordedJoints,
     /// Choices that a person should know.
@@ -47,17 +49,16 @@ impl Selected {
     }
 }
 
-/// What the numbers of a row are scaled with.
-fn factors(selected: &Selected, recorded: &RecordedAs, joints: usize) -> Result<Vec<Factor>, RecordingError> {
+/// What the numbers of a row are scaled with, column by column of what is read.
+fn factors(selected: &Selected, recorded: &RecordedAs) -> Result<Vec<Factor>, RecordingError> {
     let time = if selected.time.is_some() { recorded.time_factor() } else { [1.0, 1.0] };
-    let angles = recorded.angle_factors(joints)?;
+    let of_joints = recorded.position_factors(&selected.sliding)?;
     let measured =
         if selected.unit == MeasurementUnit::Ampere { recorded.current_factor() } else { [1.0, 1.0] };
-    let mut factors = vec![time];
-    factors.extend(&angles);
-    factors.extend(selected.velocity.iter().flat_map(|_| &angles));
-    factors.extend(selected.measurement.iter().flatten().map(|_| measured));
-    Ok(factors)
+    let families = [Some(&selected.position), selected.velocity.as_ref()];
+    let motions = families.into_iter().flatten().flat_map(|columns| columns.iter().zip(&of_joints));
+    let measurements = selected.measurement.iter().flatten().map(|_| measured);
+    Ok(std::iter::once(time).chain(motions.map(|(_, factor)| *factor)).chain(measurements).collect())
 }
 
 impl Search<'_> {
@@ -124,7 +125,8 @@ impl Search<'_> {
             rate_hz: recorded.rate_hz,
             nanoseconds: time.and_then(|clock| clock.nanoseconds),
             branches: Vec::new(),
-            branch_factor: [1.0, 1.0],
+            branch_factors: Vec::new(),
+            sliding: (0..joints).map(|joint| self.options.slides(joint)).collect(),
             joints: self.options.joints_read(&[]),
             remarks,
             unread,
@@ -143,7 +145,7 @@ impl Search<'_> {
             }
         }
         self.check_units(&selected, &recorded)?;
-        selected.factors = factors(&selected, &recorded, joints)?;
+        selected.factors = factors(&selected, &recorded)?;
         let mut all = selected.all();
         all.sort_unstable();
         if let Some(twice) = all.windows(2).find(|w| w[0] == w[1]) {
@@ -157,9 +159,15 @@ impl Search<'_> {
             ));
         }
         // Counts and gears of each joint of the chain say nothing of a joint beside it.
-        if let Ok([factor]) = recorded.angle_factors(1).as_deref() {
-            selected.branch_factor = *factor;
-            selected.branches = self.branches(&all);
+        let branches = self.branches(&all);
+        let sliding: Vec<bool> =
+            branches.iter().map(|(joint, _)| self.options.branch_slides(joint)).collect();
+        let has_lists = [&recorded.counts_per_revolution, &recorded.gear_ratio]
+            .iter()
+            .any(|list| list.as_ref().is_some_and(|list| list.len() > 1));
+        if !has_lists {
+            selected.branch_factors = recorded.position_factors(&sliding)?;
+            selected.branches = branches;
         }
         Ok(selected)
     }
@@ -213,7 +221,12 @@ impl Search<'_> {
             ("measurements", selected.measurement.as_deref().unwrap_or(&[]), measurement),
         ];
         for (what, columns, units) in quantities {
-            for name in columns.iter().filter_map(|c| self.header.names.get(*c)) {
+            for (joint, name) in
+                columns.iter().enumerate().filter_map(|(j, c)| Some((j, self.header.names.get(*c)?)))
+            {
+                // What slides is in lengths and forces.
+                let slides = what != "time stamps" && selected.sliding.get(joint) == Some(&true);
+                let units = if slides { &families::SLIDING_UNITS[..] } else { units };
                 let unit = families::NameParts::of(name).unit;
                 if let Some(unit) = unit.filter(|u| !units.contains(&u.as_str())) {
                     return Err(self.wrong(

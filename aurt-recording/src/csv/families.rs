@@ -234,6 +234,8 @@ pub(super) const TIME_UNITS: [&str; 3] = ["s", "sec", "seconds"];
 pub(super) const POSITION_UNITS: [&str; 2] = ["rad", "radians"];
 /// Ways to write the unit of velocity.
 pub(super) const VELOCITY_UNITS: [&str; 4] = ["rad/s", "rad/sec", "rad s^-1", "rad*s^-1"];
+/// Units of the positions, velocities and measurements of joints that slide.
+pub(super) const SLIDING_UNITS: [&str; 6] = ["m", "m/s", "n", "a", "amp", "ampere"];
 /// Ways to write the unit of torque.
 pub(super) const TORQUE_UNITS: [&str; 5] = ["nm", "n m", "n*m", "n·m", "n.m"];
 /// Ways to write the unit of current.

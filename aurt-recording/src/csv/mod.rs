@@ -25,7 +25,7 @@ use crate::csv::lines::{Line, Lines};
 use crate::csv::rows::{RowParser, RowProblem};
 use crate::csv::search::Search;
 use crate::csv::table::{recording, report};
-use crate::error::RecordingError;
+use crate::error::{LEAVE_OUT, RecordingError};
 use crate::format::BEGINNING_BYTES;
 use crate::format::unreadable;
 use crate::format::{RecordingFormat, RecordingInput, Visit};
@@ -204,7 +204,8 @@ impl Reader<'_> {
             RowProblem::Cell { column } => {
                 let cell = parser.cells(line.bytes).nth(column).unwrap_or_default();
                 let text: String = String::from_utf8_lossy(cell).chars().take(40).collect();
-                if self.options.is_running && line.terminated && is_no_number(&text) {
+                let skips = self.options.recorded.drops_rows() || self.options.is_running && line.terminated;
+                if skips && is_no_number(&text) {
                     collector.skip(number, column);
                     return Ok(());
                 }
@@ -214,7 +215,18 @@ impl Reader<'_> {
                 }
                 let remedy = remedy_for(&text).to_owned();
                 let name = header.names.get(column).cloned();
-                Err(RecordingError::Cell { path, line: number, column: column + 1, name, text, remedy })
+                let counts = is_no_number(&text);
+                let error = RecordingError::Cell {
+                    path,
+                    line: number,
+                    column: column + 1,
+                    name,
+                    text,
+                    rows: 1,
+                    remedy,
+                };
+                // How many rows there are of the kind says what to do about them.
+                if counts { collector.refuse(error) } else { Err(error) }
             }
         }
     }
@@ -236,10 +248,8 @@ fn is_no_number(text: &str) -> bool {
 
 /// What to do about a cell that is no number.
 fn remedy_for(text: &str) -> &'static str {
-    if text.is_empty() {
-        "the cell is empty: fill it in or delete the row"
-    } else if is_no_number(text) {
-        "delete the row, or cut the recording with a window before it"
+    if is_no_number(text) {
+        LEAVE_OUT
     } else if text.contains(',') {
         "numbers need a decimal point, or decimal commas throughout and semicolons between cells"
     } else if text.contains('.') && text.starts_with(|c: char| c.is_ascii_digit() || c == '-') {

@@ -102,54 +102,64 @@ pub(super) struct Turns {
     before: Option<[f64; 2]>,
 }
 
-/// Removes jumps by whole turns from a joint's positions; the remark says where jumps were removed or, with `tells_jumps`,
-/// stay.
-pub(super) fn unwrap(
-    joint: usize,
-    tells_jumps: bool,
-    time: &[f64],
-    position: &mut [f64],
-    lines: &[u32],
-    state: &mut Turns,
-) -> Option<String> {
-    let mut turns = 0;
-    let mut first_turn = None;
-    let mut other = None;
-    for k in 0..position.len() {
-        let here = position[k];
-        let [stamp, before] = state.before.unwrap_or([time[k], here]);
-        let step = here - before;
-        if step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k] - stamp) {
-            if is_turn(step) {
-                state.offset -= TAU * (step / TAU).round();
-                turns += 1;
-                first_turn = first_turn.or(Some(lines[k]));
-            } else {
-                other = other.or(Some((lines[k], step)));
+/// A joint whose positions are looked at.
+#[derive(Clone, Copy)]
+pub(super) struct JointPosition {
+    pub(super) joint: usize,
+    /// Whether it slides: lengths have no whole turns.
+    pub(super) slides: bool,
+    /// Whether jumps that stay are told.
+    pub(super) tells_jumps: bool,
+}
+
+impl JointPosition {
+    /// Removes jumps by whole turns from a joint's positions; the sentences say where jumps were removed, and where some stay.
+    pub(super) fn unwrap(
+        self,
+        time: &[f64],
+        position: &mut [f64],
+        lines: &[u32],
+        state: &mut Turns,
+    ) -> [Option<String>; 2] {
+        let Self { joint, slides, tells_jumps } = self;
+        let mut turns = 0;
+        let mut first_turn = None;
+        let mut other = None;
+        for k in 0..position.len() {
+            let here = position[k];
+            let [stamp, before] = state.before.unwrap_or([time[k], here]);
+            let step = here - before;
+            if step.abs() > JUMP_RAD && step.abs() > IMPOSSIBLE_RAD_S * (time[k] - stamp) {
+                if !slides && is_turn(step) {
+                    state.offset -= TAU * (step / TAU).round();
+                    turns += 1;
+                    first_turn = first_turn.or(Some(lines[k]));
+                } else {
+                    other = other.or(Some((lines[k], step)));
+                }
             }
+            state.before = Some([time[k], here]);
+            position[k] = here + state.offset;
         }
-        state.before = Some([time[k], here]);
-        position[k] = here + state.offset;
-    }
-    let turned = first_turn.map(|line| {
-        format!("the position of joint {joint} jumps by whole turns {turns} times (first in line {line}); it was unwrapped")
-    });
-    let jumped = other.filter(|_| tells_jumps).map(|(line, step)| {
-        format!(
-            "the position of joint {joint} jumps by {step:.3} rad in line {line}, faster than joints turn"
-        )
-    });
-    match (turned, jumped) {
-        (Some(turned), Some(jumped)) => Some(format!("{turned}; {jumped}")),
-        (turned, jumped) => turned.or(jumped),
+        let turned = first_turn.map(|line| {
+            format!("the position of joint {joint} jumps by whole turns {turns} times (first in line {line}); it was unwrapped")
+        });
+        let jumped = other.filter(|_| tells_jumps).map(|(line, step)| {
+            let (unit, moves) = if slides { ("m", "slide") } else { ("rad", "turn") };
+            format!(
+                "the position of joint {joint} jumps by {step:.3} {unit} in line {line}, faster than joints {moves}"
+            )
+        });
+        [turned, jumped]
     }
 }
 
-/// A remark if positions look like degrees: no arm turns that many times.
-pub(super) fn remark_on_degrees(position_rad: &[Vec<f64>]) -> Option<String> {
+/// A remark if positions of joints that turn look like degrees: no arm turns that many times.
+pub(super) fn remark_on_degrees(position_rad: &[Vec<f64>], sliding: &[bool]) -> Option<String> {
     const TURNS_RAD: f64 = 30.0;
     let largest = |q: &Vec<f64>| q.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let (joint, angle) = position_rad.iter().map(largest).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let turning = position_rad.iter().map(largest).enumerate().filter(|(joint, _)| !sliding[*joint]);
+    let (joint, angle) = turning.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (angle > TURNS_RAD).then(|| {
         format!("positions reach {angle:.1} on joint {joint}: they are taken as rad; were they degrees (angle = \"deg\")?")
     })

@@ -93,16 +93,18 @@ impl<'a> Table<'a> {
         let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(ROOM_ROWS));
         while next(&mut row[first..])? {
             let needed = row.len() - self.selected.branches.len();
-            if let Some(place) = row[first..needed].iter().position(|v| !v.is_finite()) {
-                return Err(RecordingError::Value {
+            let number = collector.rows() + 1;
+            match row[first..needed].iter().position(|v| !v.is_finite()) {
+                None => collector.add(&mut row, number),
+                Some(place) if self.options.recorded.drops_rows() => collector.skip(number, wanted[place]),
+                Some(place) => collector.refuse(RecordingError::Value {
                     path: self.path.to_owned(),
-                    row: collector.rows() + 1,
+                    row: number,
                     name: self.header.name(wanted[place]),
                     value: row[first + place],
-                });
+                    rows: 1,
+                })?,
             }
-            let number = collector.rows() + 1;
-            collector.add(&mut row, number);
             // Not every format says beforehand how many rows there are.
             if collector.held().is_multiple_of(ROOM_ROWS) {
                 self.make_room(collector.held() as u64, piece_rows)?;
@@ -154,7 +156,10 @@ pub(super) fn report(
         columns,
         dropped: collected.dropped,
         dropped_rows: collected.dropped_rows,
-        remarks: selected.remarks.clone(),
+        rows_without_numbers: collected.rows_without_numbers,
+        repeated_rows: collected.repeated_rows,
+        absent: collected.absent,
+        remarks: selected.remarks.iter().cloned().chain(collected.remarks).collect(),
         irregularities: selected.unread.iter().cloned().chain(collected.irregularities).collect(),
         origin_s: collected.origin_s,
         set_back_s: collected.set_back_s,

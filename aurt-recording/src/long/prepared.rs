@@ -102,6 +102,7 @@ impl LongRecording {
             file: self.file.clone(),
             samples: self.samples(),
             unusable: None,
+            interpolated: None,
             clock,
             rate_hz,
             resampled: false,

@@ -36,7 +36,9 @@ use crate::preprocess::clock::Clock;
 use crate::preprocess::refusal::Refusal;
 use crate::preprocess::segment::Plan;
 use crate::preprocess::zero_phase::{CUTOFF_RANGE, FILTER_ORDER};
+use crate::recorded_as::TimeUnit;
 use crate::recording::Recording;
+use crate::stamps::LOGGED_HZ;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;
@@ -104,6 +106,7 @@ pub fn preprocess(
         file: recording.file.clone(),
         samples: recording.samples(),
         unusable: None,
+        interpolated: None,
         rate_hz: clock.rate_hz,
         resampled: clock.resample,
         max_gap_s: clock.max_gap_s,
@@ -209,11 +212,10 @@ pub(crate) fn filter(
             rounded_down(largest_f_dyn_hz)
         )
     };
-    if rate_hz < 5.0 {
-        let unit = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)]
-            .into_iter()
-            .find(|(_, factor)| (5.0..20_000.0).contains(&(rate_hz * factor)))
-            .map_or("ms", |(unit, _)| unit);
+    if rate_hz < LOGGED_HZ[0] {
+        let [low, high] = LOGGED_HZ;
+        let is_logged = |unit: &TimeUnit| (low..high).contains(&(rate_hz / unit.seconds()));
+        let unit = TimeUnit::ALL.into_iter().find(is_logged).unwrap_or(TimeUnit::Millisecond).key();
         remedy.push_str(&format!(
             ". So low a rate also comes from time stamps that are not in seconds: if so, write `time = \"{unit}\"` in \
              `[recordings]`"

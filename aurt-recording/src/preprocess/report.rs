@@ -17,6 +17,9 @@ pub struct PreprocessReport {
     /// Of these, samples whose values are not those of their stamp (held, repeated, leaping away for one row), which were left
     /// out; none where they were not looked for.
     pub unusable: Option<usize>,
+    /// Samples that were left out since they are interpolated between others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolated: Option<usize>,
     /// Its time stamps.
     pub clock: ClockReport,
     /// Rate of the grid in use, in Hz.
@@ -92,6 +95,13 @@ impl PreprocessReport {
         if let Some(unusable) = self.unusable.filter(|n| *n > 0) {
             notes.push(format!(
                 "{unusable} of {} samples repeat older values or leap away for one row and are left out",
+                self.samples
+            ));
+        }
+        if let Some(interpolated) = self.interpolated {
+            notes.push(format!(
+                "{interpolated} of {} samples lie on straight lines between the others, as interpolation makes them, and are left \
+                 out: deviations hold for rows as sensors give them",
                 self.samples
             ));
         }

@@ -1,10 +1,10 @@
 //! One recording, looked at.
 
 use crate::workbench::failure::Failure;
-use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose};
+use aurt::data::{Instrument, Loaded, Pipeline, Preprocessing, Purpose, Source};
 use aurt_calibration::NamedRecording;
 use aurt_diagnosis::RecordingFaults;
-use aurt_recording::{Preprocessed, Segment};
+use aurt_recording::{Preprocessed, RecordedAs, Segment, StampUnit, TimeUnit};
 use aurt_report::rendering::{
     style::{Emphasis, Style},
     text::wrapped,
@@ -18,6 +18,35 @@ use super::{
 };
 use crate::doctor::mistakes::oddities;
 
+/// A recording in the unit that its stamps are in.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// The recording.
+    pub loaded: Loaded,
+    /// That unit, where another was said.
+    pub stamps: Option<StampUnit>,
+}
+
+impl Reading {
+    /// Reads a recording, and reads it again where its stamps show that they are in another unit.
+    ///
+    /// # Errors
+    /// What `read` reports.
+    pub fn of<E>(source: Source, read: impl Fn(Source) -> Result<Loaded, E>) -> Result<Self, E> {
+        let loaded = read(source.clone())?;
+        let read_in = source.recorded.time.unwrap_or(TimeUnit::Second);
+        let Some(stamps) = loaded.recording.stamp_unit(read_in) else {
+            return Ok(Self { loaded, stamps: None });
+        };
+        let recorded = RecordedAs { time: Some(stamps.unit), ..source.recorded };
+        // A unit that the names of columns contradict is none.
+        match read(Source { recorded, ..source }) {
+            Ok(again) => Ok(Self { loaded: again, stamps: Some(stamps) }),
+            Err(_) => Ok(Self { loaded, stamps: None }),
+        }
+    }
+}
+
 /// A recording with what can be said of it by itself.
 pub struct Inspected {
     /// As it was read.
@@ -26,6 +55,8 @@ pub struct Inspected {
     pub prepared: Preprocessed,
     /// Joint by joint.
     pub joints: Vec<JointReport>,
+    /// The unit of its stamps, where that is another than was said; the recording is read in it.
+    pub stamps: Option<StampUnit>,
 }
 
 impl Inspected {
@@ -33,13 +64,14 @@ impl Inspected {
     ///
     /// # Errors
     /// What makes it unfit.
-    pub fn new(loaded: Loaded, preprocessing: &Preprocessing) -> Result<Self, Failure> {
+    pub fn new(reading: Reading, preprocessing: &Preprocessing) -> Result<Self, Failure> {
+        let Reading { loaded, stamps } = reading;
         let instrument = Instrument::default();
         let pipeline =
             Pipeline { joints: loaded.recording.robot_joints(), preprocessing, instrument: &instrument };
         let prepared = pipeline.preprocess(&loaded, Purpose::Validation)?.data;
         let joints = JointReport::of(&loaded.recording, &prepared, preprocessing.rest_velocity_rad_s);
-        Ok(Self { loaded, prepared, joints })
+        Ok(Self { loaded, prepared, joints, stamps })
     }
 
     /// What the user calls it.
@@ -62,21 +94,13 @@ impl Inspected {
     /// What should be heeded of the file and its sensors, in sentences.
     pub fn faults(&self) -> Vec<String> {
         let name = self.loaded.source.file.file_name().unwrap_or_default().to_string_lossy();
-        let mut findings: Vec<String> = RecordingFaults::find(&name, &self.loaded.recording)
-            .faults
-            .into_iter()
-            .map(|f| f.sentence)
-            .collect();
+        let mut findings: Vec<String> =
+            self.stamps.iter().map(|stamps| format!("{name}: {stamps}")).collect();
+        let faults = RecordingFaults::find(&name, &self.loaded.recording).faults;
+        findings.extend(faults.into_iter().map(|f| f.sentence));
         findings.extend(oddities(&name, &self.loaded.recording));
-        let report = &self.loaded.recording.report;
-        if !report.dropped.is_empty() {
-            findings.push(format!("{} corrupt rows were left out", report.dropped.len()));
-        }
-        findings.extend(report.irregularities.iter().cloned());
-        let gaps = self.prepared.report.clock.gaps_s.len();
-        if gaps > 0 {
-            findings.push(format!("{gaps} gaps split the recording"));
-        }
+        // Rows that were left out and gaps that split the recording are cared for: notes say so.
+        findings.extend(self.loaded.recording.report.irregularities.iter().cloned());
         for (joint, scale) in self.prepared.report.velocity_scale.iter().enumerate() {
             if let Some(scale) = scale.filter(|s| (s - 1.0).abs() > 0.05) {
                 findings.push(format!(

@@ -1,11 +1,11 @@
 //! What a recording covers and how its sensors are, joint by joint.
 
-use aurt_recording::{PositionNoise, Preprocessed, Recording, velocity_gain};
+use aurt_recording::{PositionNoise, Preprocessed, Recording};
 use aurt_report::rendering::{number::significant, table::Table};
 use aurt_traits::MeasurementUnit;
 use serde::Serialize;
 
-use super::series::{bandwidth_hz, resolution, reversals, white_noise};
+use super::series::{resolution, reversals, white_noise};
 
 /// One joint of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,11 +60,6 @@ impl JointReport {
         let moving: usize =
             motions().flat_map(|m| m.velocity_rad_s(joint)).filter(|v| v.abs() > rest_velocity_rad_s).count();
         let noise = PositionNoise::of(&recording.time_s, position);
-        let filter = prepared.report.position_filter().ok();
-        let velocity_noise_psd = |f: f64| {
-            let filtered = filter.as_ref().map_or(1.0, |filter| filter.gain(f));
-            noise.psd(f) * (filtered * velocity_gain(f, prepared.report.rate_hz)).powi(2)
-        };
         let longest = prepared.segments.iter().max_by_key(|s| s.motion.samples());
         Self {
             position_rad: range(position),
@@ -72,9 +67,7 @@ impl JointReport {
             max_acceleration_rad_s2: largest(&mut motions().map(|m| m.acceleration_rad_s2(joint))),
             moving_share: moving as f64 / samples.max(1) as f64,
             reversals: motions().map(|m| reversals(m.velocity_rad_s(joint), rest_velocity_rad_s)).sum(),
-            bandwidth_hz: longest.filter(|_| moving > 0).and_then(|s| {
-                bandwidth_hz(s.motion.view().velocity_rad_s(joint), s.rate_hz, velocity_noise_psd)
-            }),
+            bandwidth_hz: if moving > 0 { prepared.bandwidth_hz(joint, &noise) } else { None },
             position_step_rad: resolution(position),
             position_noise_rad: white_noise(position),
             measurement: recording.measurement.as_ref().map(|m| {
@@ -96,18 +89,10 @@ impl JointReport {
     }
 }
 
-/// Values of f_dyn that are offered, Hz.
-const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
-/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
-const ROOM: f64 = 3.0;
-
-/// The f_dyn that suits a recording: the lowest round one with room above the motion whose position filter, at
-/// 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
+/// The f_dyn that suits recordings of such joints.
 pub fn suitable_f_dyn_hz<'j>(joints: impl IntoIterator<Item = &'j JointReport>, rate_hz: f64) -> Option<f64> {
     let top_hz = joints.into_iter().filter_map(|j| j.bandwidth_hz).fold(0.0, f64::max);
-    let possible = |f: &f64| 10.0 * f < rate_hz;
-    let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
-    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)
+    aurt_recording::suitable_f_dyn_hz(top_hz, rate_hz)
 }
 
 fn range(values: &[f64]) -> [f64; 2] {

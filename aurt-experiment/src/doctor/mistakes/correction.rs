@@ -3,6 +3,7 @@
 use crate::Experiment;
 use crate::workbench::failure::Failure;
 use aurt_rbd::MdhRows;
+use aurt_recording::TimeUnit;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table as TomlTable, TableLike, Value};
 
 use super::{
@@ -29,12 +30,31 @@ pub fn corrected(
     let mut document: DocumentMut =
         experiment.source_text.parse().map_err(|e: toml_edit::TomlError| refuse(e.message().to_owned()))?;
     let mut left = Vec::new();
+    corrected_stamps(&mut document, experiment, subject);
     for step in &examination.steps {
         if !correct(&mut document, subject, &step.mistake) {
             left.push(undone(&step.mistake));
         }
     }
     Ok((document.to_string(), left))
+}
+
+/// Writes the units in which stamps were read, where the experiment says others.
+fn corrected_stamps(document: &mut DocumentMut, experiment: &Experiment, subject: &Subject) {
+    let recordings = &experiment.recordings;
+    let stated = recordings.calibration.iter().chain(&recordings.validation).map(|r| r.recorded.time);
+    let read = subject.recordings.iter().map(|r| r.loaded.source.recorded.time);
+    let differs: Vec<(usize, TimeUnit)> =
+        stated.zip(read).enumerate().filter_map(|(k, (a, b))| Some((k, b.filter(|_| a != b)?))).collect();
+    let is_one = differs.windows(2).all(|w| w[0].1 == w[1].1) && differs.len() == subject.recordings.len();
+    match differs.first() {
+        Some((_, unit)) if is_one => {
+            recorded(document, subject, None, "time", |_| unit.key().into());
+        }
+        _ => differs.iter().for_each(|(file, unit)| {
+            recorded(document, subject, Some(*file), "time", |_| unit.key().into());
+        }),
+    }
 }
 
 /// Undoes one mistake if a key can.

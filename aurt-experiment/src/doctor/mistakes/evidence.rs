@@ -50,6 +50,12 @@ impl Evidence {
         deviation.is_finite().then_some(Self { gain, deviation, batches })
     }
 
+    /// The same with the setups exchanged.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { gain: -self.gain, ..self }
+    }
+
     /// For programs.
     pub fn to_json(self) -> Value {
         json!({ "gain": self.gain, "deviation": self.deviation, "batches": self.batches })

@@ -15,6 +15,7 @@ mod correction;
 mod evidence;
 mod explained;
 mod folds;
+mod gravity;
 mod mistake;
 mod search;
 mod setup;
@@ -41,6 +42,7 @@ pub use self::{
     trial::Score,
 };
 use self::{
+    gravity::GravitySign,
     search::{Thorough, search},
     setup::Setup,
     trial::Bench,
@@ -63,6 +65,8 @@ pub struct Examination {
     pub trials: usize,
     compared: Vec<search::Compared>,
     compares_robots: bool,
+    /// Whether the sign of gravity is not to be seen.
+    has_open_gravity: bool,
     files: Vec<String>,
 }
 
@@ -101,9 +105,24 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         loaded_friction: loaded_friction(registry)?,
         presliding_friction: presliding_friction(registry)?,
         compares: false,
+        separate: false,
     };
     let [brief, whole] = [Setup::of(subject, true)?, Setup::of(subject, false)?];
-    let found = search(subject, &bench, [&brief, &whole], thorough);
+    let mut found = search(subject, &bench, [&brief, &whole], thorough);
+    let mut has_open_gravity = false;
+    // What `run` calibrates is not compared with other robots, as other setups are not.
+    let asks =
+        found.steps.is_empty() && !subject.compares_robots() && !matches!(thorough, Thorough::AllJoints);
+    if asks && subject.gravity_m_s2 != [0.0; 3] {
+        match GravitySign::of(&bench, [&brief, &whole]) {
+            Some(GravitySign::Refuted(step)) => {
+                found.after = Some(step.after.clone());
+                found.steps.push(*step);
+            }
+            Some(GravitySign::Open) => has_open_gravity = true,
+            Some(GravitySign::Confirmed) | None => {}
+        }
+    }
     Ok(Examination {
         before: found.before,
         after: found.after,
@@ -111,6 +130,7 @@ fn examined(subject: &Subject, registry: &Registry, thorough: Thorough) -> Resul
         trials: found.trials,
         compared: found.compared,
         compares_robots: subject.compares_robots(),
+        has_open_gravity,
         files: subject.recordings.iter().map(|r| r.loaded.source.label.clone()).collect(),
     })
 }
@@ -131,6 +151,15 @@ impl Examination {
     #[must_use]
     pub fn cures(&self) -> Vec<String> {
         self.steps.iter().map(|s| wording::undone(&s.mistake)).collect()
+    }
+
+    /// What the recordings leave open of the setup, in sentences.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let of_gravity = "these currents do not tell the sign of gravity: the other way round it explains them as well; state \
+                          `torque_constants_nm_per_a`, record motions that accelerate more, or make sure that the base stands as \
+                          `gravity_m_s2` says";
+        self.has_open_gravity.then(|| of_gravity.to_owned()).into_iter().collect()
     }
 
     /// A line for people on how well robot and recordings fit.
@@ -159,6 +188,7 @@ impl Examination {
         if sentences.is_empty() {
             text.push_str(&wrapped(&self.hardly().unwrap_or_else(|| self.nothing().into())));
         }
+        text.extend(self.remarks().iter().map(|remark| wrapped(remark)));
         text
     }
 
@@ -171,6 +201,7 @@ impl Examination {
             "after": self.after.as_ref().map(score),
             "trials": self.trials,
             "doubt": self.hardly(),
+            "remarks": self.remarks(),
             "compared": self.compared.iter().map(|c| json!({
                 "change": wording::undone(&c.mistake),
                 "across": c.across.to_json(),

@@ -35,12 +35,15 @@ pub struct Bench {
     pub presliding_friction: JointStack,
     /// Whether robots are compared: with a load from a first fit.
     pub compares: bool,
+    /// Whether each joint is fitted by itself, with coefficients of its own for the bodies that it shares with others.
+    pub separate: bool,
 }
 
 /// What was fitted.
 pub struct Fit {
     model: Arc<RobotModel>,
-    coefficients: Vec<f64>,
+    /// Those of all joints, or of each.
+    coefficients: Vec<Vec<f64>>,
     load: LoadTorque,
     fed: Vec<bool>,
 }
@@ -109,6 +112,11 @@ impl Bench {
         Self { compares: true, friction: self.loaded_friction.clone(), ..self.clone() }
     }
 
+    /// The bench on which each joint is fitted by itself, as currents ask for whose torque constants are unknown.
+    pub fn separate(&self) -> Self {
+        Self { separate: true, ..self.clone() }
+    }
+
     /// The bench on which a delay is none of friction.
     pub fn presliding(&self) -> Self {
         Self { friction: self.presliding_friction.clone(), ..self.clone() }
@@ -133,6 +141,21 @@ impl Bench {
         let mut system = self.system(&model, fitted.iter().zip(slow()), &load)?;
         let weights: Vec<f64> =
             measured(&system).iter().map(|y| if *y > 0.0 { 1.0 / y } else { 0.0 }).collect();
+        if self.separate {
+            let of_joint = |joint: usize| {
+                let own = weights.iter().enumerate().map(|(j, w)| if j == joint { *w } else { 0.0 });
+                let own: Vec<f64> = own.collect();
+                // What a joint without a measurement would be fitted to is nothing.
+                if own[joint] > 0.0 {
+                    solved(&system, &own)
+                } else {
+                    Some(vec![0.0; model.parameters().len()])
+                }
+            };
+            let coefficients = (0..weights.len()).map(of_joint).collect::<Option<Vec<_>>>()?;
+            let fed = fed(&model, &coefficients, &fitted, &measured(&system));
+            return Some(Fit { model, coefficients, load, fed });
+        }
         let mut coefficients = solved(&system, &weights)?;
         if self.compares {
             // The bodies of the first fit are the load of the second.
@@ -140,6 +163,7 @@ impl Bench {
             system = self.system(&model, fitted.iter().zip(slow()), &load)?;
             coefficients = solved(&system, &weights)?;
         }
+        let coefficients = vec![coefficients];
         let fed = fed(&model, &coefficients, &fitted, &measured(&system));
         Some(Fit { model, coefficients, load, fed })
     }
@@ -155,7 +179,12 @@ impl Bench {
             for (joint, moves) in moving.iter_mut().enumerate() {
                 *moves |= share_moving(&prepared, joint, part.slow_rad_s) > LEAST_MOVING;
             }
-            parts.push(self.judged(model, &prepared, part.slow_rad_s, load, coefficients)?);
+            let judged = |of: &Vec<f64>| self.judged(model, &prepared, part.slow_rad_s, load, of);
+            let each = coefficients.iter().map(judged).collect::<Option<Vec<_>>>()?;
+            // Rows of a joint are predicted with its own coefficients, where it has some.
+            let own =
+                |joint: usize| each.get(joint).or(each.first()).and_then(|rows| rows.get(joint)).cloned();
+            parts.push((0..joints).map(own).collect::<Option<Vec<_>>>()?);
         }
         let sum = |joint: usize, of: usize| -> f64 {
             parts.iter().flat_map(|p| &p[joint]).flatten().map(|row: &[f64; 2]| row[of].powi(2)).sum()
@@ -279,7 +308,7 @@ fn total(joints: &[Option<f64>], fed: &[bool]) -> f64 {
 /// Whether the friction of each joint gives power instead of taking it.
 fn fed(
     model: &RobotModel,
-    coefficients: &[f64],
+    coefficients: &[Vec<f64>],
     recordings: &[NamedRecording],
     measured: &[f64],
 ) -> Vec<bool> {
@@ -287,7 +316,8 @@ fn fed(
     (0..model.joints())
         .map(|joint| {
             let columns = model.group(ColumnGroup::JointDynamics(joint));
-            let [coulomb, viscous] = coefficients[columns] else { return false };
+            let own = coefficients.get(joint).or(coefficients.first()).and_then(|own| own.get(columns));
+            let Some([coulomb, viscous]) = own else { return false };
             let speeds = || {
                 let motions = recordings.iter().flat_map(|r| &r.data.segments).map(|s| s.motion.view());
                 motions.flat_map(move |m| m.velocity_rad_s(joint).to_vec())

@@ -4,14 +4,15 @@ use std::{fmt::Write, path::Path};
 
 use crate::Experiment;
 use aurt::{
-    Progress,
+    Progress, Role,
     data::{Loaded, Purpose, Source},
+    duplicates::{SampleRegister, UsedSeries},
 };
 use aurt_calibration::drives::{
     DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error,
 };
 use aurt_files::output::pretty;
-use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
+use aurt_rbd::{INERTIAL_PARAMETERS, JointKind, RobotDescription};
 use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
 use aurt_traits::{Command, MeasurementUnit};
 use serde::{Deserialize, Serialize};
@@ -68,7 +69,13 @@ impl CalibratedDrive {
     /// The joints that recordings of it have.
     #[must_use]
     pub fn robot_joints(&self) -> RobotJoints {
-        RobotJoints { count: self.arm.joints.len(), names: self.joint_names.clone(), branches: Vec::new() }
+        let joints = self.arm.chain.joints();
+        RobotJoints {
+            count: self.arm.joints.len(),
+            names: self.joint_names.clone(),
+            branches: Vec::new(),
+            sliding: joints.iter().map(|joint| joint.kind == JointKind::Prismatic).collect(),
+        }
     }
 
     /// The positions of a rollout over a recording of commands, as a table with a row for each row of it, and what to note.
@@ -169,10 +176,19 @@ fn read_all(
     let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
     let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
     let mut recordings = Vec::new();
+    let mut samples = SampleRegister::default();
     for (recording, held_out) in listed {
         progress.step(format!("reading {}", recording.written));
         let read = read(source(recording), &joints, arm)?;
         notes.extend(read.notes.iter().map(|note| format!("{}: {note}", read.label)));
+        let role = if held_out { Role::Validation } else { Role::Calibration };
+        samples.add(&UsedSeries {
+            label: &read.label,
+            role: role.name(),
+            position: &read.recording.position_rad,
+            measured: &read.recording.command,
+            rows: 0..read.recording.time_s.len(),
+        })?;
         recordings.push(Read { held_out, ..read });
     }
     Ok(recordings)
@@ -236,7 +252,8 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
     let mut recording = cut(&loaded.recording, loaded.source.window_s)
         .ok_or_else(|| Failure::unfit(&loaded.source.file, "the recording holds no command", REMEDY))?;
     if in_degrees {
-        recording.command.iter_mut().flatten().for_each(|c| *c = c.to_radians());
+        let turning = recording.command.iter_mut().enumerate().filter(|(joint, _)| !joints.slides(*joint));
+        turning.flat_map(|(_, command)| command).for_each(|c| *c = c.to_radians());
     }
     recording
         .check(joints.count, 0)

@@ -12,6 +12,7 @@ use crate::Experiment;
 use aurt::{
     CalibratedModel, Progress,
     data::{Loaded, Purpose, Source},
+    duplicates::{SampleRegister, UsedSeries},
 };
 use aurt_calibration::{
     Baseline, CalibrationError, Cut, Drift, DriftEstimate, DriftGroup, DriftParameter, DriftReference,
@@ -183,9 +184,11 @@ pub fn track(
     }
     let mut base: Option<Vec<BranchMotion>> = None;
     let mut ended_s = f64::NEG_INFINITY;
+    let mut samples = SampleRegister::default();
     for source in sources {
         progress.step(format!("the unchanged machine: {}", source.label));
         let loaded = calibrated.pipeline().read(source, Purpose::Calibration)?;
+        samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "the unchanged machine"))?;
         let [first_s, last_s] = span_s(&loaded);
         notes.extend(loaded.warnings());
         base.get_or_insert_with(|| loaded.recording.report.branches.clone());
@@ -245,6 +248,7 @@ pub fn track(
                 calibrated.pipeline().read(source, Purpose::Calibration)?
             }
         };
+        samples.add(&UsedSeries::of(&loaded.source, &loaded.recording, "followed"))?;
         follower.notes.extend(loaded.warnings());
         let recording = prepared_of(calibrated, &loaded)?;
         let left_out = contaminated(&loaded);

@@ -1,0 +1,137 @@
+//! The frequencies of a motion, and the f_dyn that suits it.
+
+use crate::noise::{PositionNoise, velocity_gain};
+use crate::preprocess::Preprocessed;
+
+/// Values of f_dyn that are offered, Hz.
+const F_DYN_HZ: [f64; 13] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
+/// f_dyn over the frequency below which the motion lies: friction turns smooth motion into harmonics of it.
+const ROOM: f64 = 3.0;
+
+/// The f_dyn that suits motions below `top_hz`, recorded at `rate_hz`: the lowest round one with room above them whose position
+/// filter, at 5 f_dyn, still lies below half the sampling rate. `None` if nothing moves.
+#[must_use]
+pub fn suitable_f_dyn_hz(top_hz: f64, rate_hz: f64) -> Option<f64> {
+    let possible = |f: &f64| 10.0 * f < rate_hz;
+    let wanted = F_DYN_HZ.into_iter().filter(possible).find(|f| *f >= ROOM * top_hz);
+    wanted.or_else(|| F_DYN_HZ.into_iter().rfind(possible)).filter(|_| top_hz > 0.0)
+}
+
+impl Preprocessed {
+    /// The frequency below which 99.9 % of the power of a joint's velocity lies, in Hz, in the longest stretch without gaps; `None`
+    /// if nothing exceeds the noise of its positions.
+    #[must_use]
+    pub fn bandwidth_hz(&self, joint: usize, noise: &PositionNoise) -> Option<f64> {
+        let filter = self.report.position_filter().ok();
+        let velocity_noise_psd = |f: f64| {
+            let filtered = filter.as_ref().map_or(1.0, |filter| filter.gain(f));
+            noise.psd(f) * (filtered * velocity_gain(f, self.report.rate_hz)).powi(2)
+        };
+        let longest = self.segments.iter().max_by_key(|s| s.motion.samples())?;
+        bandwidth_hz(longest.motion.view().velocity_rad_s(joint), longest.rate_hz, velocity_noise_psd)
+    }
+}
+
+/// The frequency below which 99.9 % of the power of a uniformly sampled series lies, in Hz, beside noise whose one-sided
+/// spectrum is `noise_psd`; `None` if nothing exceeds the noise.
+///
+/// Hann's window keeps a series that does not end as it began from having power at all frequencies. A bin of noise of mean N
+/// has more than x N with the probability e^−x: none of n bins has more than 2 N ln n but with the probability 1/n, and those
+/// that have are motion.
+fn bandwidth_hz(values: &[f64], rate_hz: f64, noise_psd: impl Fn(f64) -> f64) -> Option<f64> {
+    const MOST_SAMPLES: usize = 4096;
+    const SHARE: f64 = 0.999;
+    // Means of neighbours: what lies above the lower rate is not motion of an arm.
+    let block = values.len().div_ceil(MOST_SAMPLES).max(1);
+    let series: Vec<f64> =
+        values.chunks_exact(block).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+    let n = series.len();
+    if n < 16 {
+        return None;
+    }
+    let mean = series.iter().sum::<f64>() / n as f64;
+    let turn = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+    let windowed: Vec<f64> =
+        series.iter().enumerate().map(|(k, v)| (v - mean) * (0.5 - 0.5 * turn(k).cos())).collect();
+    let block_rate_hz = rate_hz / block as f64;
+    // Σ w² of Hann's window is 3n/8.
+    let per_psd = 0.5 * block_rate_hz * 0.375 * n as f64;
+    let noise = |frequency_hz: f64| -> f64 {
+        // Means of neighbours fold what lies above half their rate.
+        let aliases = (0..=block / 2).flat_map(|m| {
+            let whole_hz = m as f64 * block_rate_hz;
+            [whole_hz + frequency_hz, whole_hz - frequency_hz]
+        });
+        let passed = |f: f64| {
+            let half = std::f64::consts::PI * f / rate_hz;
+            noise_psd(f) * ((block as f64 * half).sin() / (block as f64 * half.sin())).powi(2)
+        };
+        per_psd * aliases.filter(|f| *f > 0.0 && *f <= 0.5 * rate_hz).map(passed).sum::<f64>()
+    };
+    let reach = 2.0 * (n as f64).ln();
+    let power: Vec<f64> = (1..n / 2)
+        .map(|k| {
+            // Goertzel's recurrence for one bin of the discrete Fourier transform.
+            let (mut before, mut last) = (0.0, 0.0);
+            for v in &windowed {
+                (before, last) = (last, v + 2.0 * turn(k).cos() * last - before);
+            }
+            let power = last * last + before * before - 2.0 * turn(k).cos() * last * before;
+            if power > reach * noise(k as f64 * block_rate_hz / n as f64) { power } else { 0.0 }
+        })
+        .collect();
+    let total: f64 = power.iter().sum();
+    let mut sum = 0.0;
+    let bin = power.iter().position(|p| {
+        sum += p;
+        sum >= SHARE * total
+    })?;
+    (total > 0.0).then(|| (bin + 1) as f64 * block_rate_hz / n as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uniform pseudo-random numbers between −½ and ½, one after the other from fractional parts.
+    fn random(n: usize) -> Vec<f64> {
+        let mut state = 0.5_f64;
+        (0..n)
+            .map(|_| {
+                state = (state * 97.0 + 0.123_456_789).fract();
+                state - 0.5
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_highest_of_several_tones_is_found() {
+        let tone = |f: f64, t: f64| (std::f64::consts::TAU * f * t).sin();
+        let series: Vec<f64> = (0..20_000)
+            .map(|k| f64::from(k) / 500.0)
+            .map(|t| tone(0.4, t) + 0.5 * tone(1.5, t) + 0.002 * tone(40.0, t))
+            .collect();
+        let found = bandwidth_hz(&series, 500.0, |_| 0.0).unwrap();
+        assert!((found - 1.5).abs() < 0.05, "{found}");
+        assert_eq!(bandwidth_hz(&[1.0; 400], 100.0, |_| 0.0), None);
+    }
+
+    /// A motion of 0.6 Hz that does not end as it began, with white noise of its positions as differentiation makes it.
+    #[test]
+    fn neither_noise_nor_the_ends_of_a_recording_are_motion() {
+        let rate_hz = 500.0;
+        let tau = std::f64::consts::TAU;
+        for (samples, sigma) in [(6_150, 0.0), (6_150, 1e-5), (6_150, 1e-3), (70_000, 1e-4)] {
+            let noise: Vec<f64> = random(samples + 2).iter().map(|n| sigma * 12.0_f64.sqrt() * n).collect();
+            let velocity: Vec<f64> = (0..samples)
+                .map(|k| {
+                    let own = 0.5 * tau * 0.6 * (tau * 0.6 * k as f64 / rate_hz).cos();
+                    own + 0.5 * rate_hz * (noise[k + 2] - noise[k])
+                })
+                .collect();
+            let psd = |f: f64| sigma * sigma / (0.5 * rate_hz) * velocity_gain(f, rate_hz).powi(2);
+            let found = bandwidth_hz(&velocity, rate_hz, psd).unwrap();
+            assert!((0.55..0.9).contains(&found), "{samples} {sigma}: {found}");
+        }
+    }
+}
