@@ -220,7 +220,9 @@ mod tests {
             said(&chain(arm, UPRIGHT))
         };
         assert_eq!(changed(2, 1, -0.1).as_deref(), Some("a (m) of joint 2 is -0.6127 and -0.7127"));
-        assert_eq!(changed(5, 2, 0.02).as_deref(), Some("d (m) of joint 5 is 0.11655 and 0.13655"));
+        assert_eq!(changed(4, 2, 0.02).as_deref(), Some("d (m) of joint 4 is 0.11985 and 0.13985"));
+        // Where on its own axis the last frame lies concerns no torque.
+        assert_eq!(changed(5, 2, 0.02), None);
         assert!(changed(3, 0, 0.1).unwrap().starts_with("alpha (rad) of joint 3"));
         // Lengths that are rounded.
         assert_eq!(changed(2, 1, 2e-4), None);
