@@ -13,8 +13,8 @@ use aurt_calibration::{
     calibrate, possible_body,
 };
 use aurt_rbd::{LinkBody, inconsistencies};
-use aurt_traits::MeasurementUnit;
-use known_robot::{F_DYN_HZ, KnownRobot, Noise, measured};
+use aurt_traits::{KnownBodies, MeasurementUnit};
+use known_robot::{F_DYN_HZ, KnownRobot, Noise, links, measured};
 use proptest::prelude::*;
 
 const UNIT: MeasurementUnit = MeasurementUnit::NewtonMetre;
@@ -96,6 +96,46 @@ fn noise_that_makes_least_squares_impossible_does_not_make_the_estimate_so() {
     };
     let plain = fit(&robot, &recordings, Estimator::Wls).unwrap();
     assert!(miss(&found) < miss(&plain), "{} {}", miss(&found), miss(&plain));
+}
+
+/// Masses with a description of the robot as prior, and what is said of them.
+fn described(size: f64, factors: [f64; 6], weight: f64) -> (Vec<f64>, Calibration) {
+    let mut robot = KnownRobot::new(None);
+    let recording = measured(&robot.clean(0, 16.0), "0", 7, Noise::White, size, None);
+    let scaled = |(link, factor): (LinkBody, f64)| link.standard_parameters().map(|v| factor * v);
+    let standard = links().into_iter().zip(factors).flat_map(scaled).collect();
+    robot.model = robot.model.with_known_bodies(KnownBodies { standard, weight });
+    let found = fit(&robot, &[recording], Estimator::Consistent).unwrap();
+    is_machine(&robot, &found);
+    let masses = values(found.consistent.as_ref().unwrap()).into_iter().skip(9).step_by(10).collect();
+    (masses, found)
+}
+
+#[test]
+fn what_the_data_leave_open_stays_at_a_true_description() {
+    let truth = links().map(|link| link.mass_kg);
+    let furthest =
+        |masses: &[f64]| masses.iter().zip(truth).map(|(m, t)| (m / t).ln().abs()).fold(0.0, f64::max).exp();
+    let is_told = |found: &Calibration| found.warnings.iter().any(|w| w.contains("more than a factor of 3"));
+    for size in [1.0, 4.0] {
+        for weight in [0.0, 0.1, 1.0, KnownBodies::USUAL_WEIGHT] {
+            let (masses, found) = described(size, [1.0; 6], weight);
+            let report = found.consistent.as_ref().unwrap();
+            println!(
+                "noise {size}, weight {weight}: {masses:.2?}, χ² {:.1}, {} steps",
+                report.loss, report.steps
+            );
+            assert_eq!(is_told(&found), furthest(&masses) > 3.0, "{masses:?} {:?}", found.warnings);
+            if weight >= KnownBodies::USUAL_WEIGHT {
+                assert!(furthest(&masses) < 1.15, "{masses:?}");
+                assert!(report.loss < 2.0 * report.determined as f64, "{}", report.loss);
+            }
+        }
+    }
+    // A description that is wrong where the data know better does not hold them.
+    let (masses, found) = described(1.0, [1.0, 1.0, 6.0, 1.0, 1.0, 1.0], KnownBodies::USUAL_WEIGHT);
+    println!("{masses:.2?} {:?}", found.warnings);
+    assert!(masses[2] < 1.5 * truth[2] && is_told(&found), "{masses:?} {:?}", found.warnings);
 }
 
 #[test]

@@ -364,6 +364,7 @@ fn geometry_comes_from_a_urdf_or_a_name_as_well() {
     assert_eq!(joints("urdf = \"rail.urdf\""), ["x", "turn", "l", "r"]);
     assert_eq!(joints("urdf = \"rail.urdf\"\ntips = [\"right\", \"arm\"]"), ["x", "turn", "r"]);
     assert_eq!(joints("urdf = \"rail.urdf\"\njoints = [\"l\", \"x\"]"), ["x", "l"]);
+    assert_eq!(joints("urdf = \"rail.urdf\"\ntips = [\"right\", \"left\"]"), ["x", "turn", "r", "l"]);
     let e = read(folder.path(), &of_robot("name = \"UR10e\"")).unwrap();
     assert_eq!((e.joints(), e.robot.geometry.path()), (6, None));
     assert_eq!(e.rigid_body_dynamics().unwrap().base.len(), 36);

@@ -1,6 +1,8 @@
 //! Effects added to recordings: what is added is what the truth says, nowhere else, and nothing leaks.
 
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
+use std::sync::Arc;
+
 use aurt_lab::case::{Case, CaseRequest, CaseType, World};
 use aurt_lab::{Strength, injected::InjectedWorld};
 use aurt_recording::{PreprocessOptions, ReadReport, Recording};
@@ -39,8 +41,8 @@ fn injected() -> InjectedWorld {
         .collect();
     let injection = Injection::new(RealExperiment {
         name: "stand_in".into(),
-        mdh_csv: robot.mdh_csv(),
-        chain: robot.chain().unwrap(),
+        mdh_csv: Some(robot.mdh_csv()),
+        bodies: Arc::new(robot.chain().unwrap()),
         unit: MeasurementUnit::NewtonMetre,
         experiment_toml: "schema = 1\n\n[robot]\nmdh = \"mdh.csv\"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n"
             .into(),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use crate::joint::{Joint, JointFrame, Parent};
 use crate::kernel::{Branching, Place};
 use crate::plausible::{angle_complaint, gravity_complaint};
-use crate::{MdhTable, RbdError};
+use crate::{MOST_JOINTS, MdhTable, RbdError};
 
 /// A tree of N ≥ 1 links on a fixed base, joined by revolute and prismatic joints: a chain, where every joint sits on the
 /// link of the joint before.
@@ -37,11 +37,14 @@ impl SerialChain {
     /// A chain or tree of the given joints, each behind the one that moves its parent link; gravity in the base frame.
     ///
     /// # Errors
-    /// [`RbdError::NoJoints`], [`RbdError::Joint`] (value not finite, sign not ±1, no rotation matrix, parent not before
+    /// [`RbdError::NoJoints`], [`RbdError::TooManyJoints`], [`RbdError::Joint`] (value not finite, sign not ±1, no rotation matrix, parent not before
     /// the joint) or [`RbdError::Gravity`].
     pub fn new(mut joints: Vec<Joint>, gravity_m_s2: [f64; 3]) -> Result<Self, RbdError> {
         if joints.is_empty() {
             return Err(RbdError::NoJoints);
+        }
+        if joints.len() > MOST_JOINTS {
+            return Err(RbdError::TooManyJoints { joints: joints.len(), most: MOST_JOINTS });
         }
         for (joint, j) in joints.iter_mut().enumerate() {
             let parent = j.parent.of(joint);

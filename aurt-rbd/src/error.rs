@@ -38,10 +38,18 @@ pub enum RbdError {
     /// A chain without joints.
     #[error("a chain needs at least one joint")]
     NoJoints,
+    /// More joints than any robot has.
+    #[error("{joints} joints, of at most {most}; choose a part of the robot")]
+    TooManyJoints {
+        /// Number of joints.
+        joints: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// A chain in which joints follow others where one is needed whose joints all move on their own.
     #[error(
         "{followers} of the chain's {joints} joints follow another (mimic), which this does not know; models of such chains are \
-         calibrated, validated, predicted and diagnosed, but not exported, and no effects are injected into them"
+         calibrated, validated, predicted and diagnosed, but not exported"
     )]
     Coupled {
         /// Number of joints.

@@ -38,6 +38,7 @@ mod base_parameters;
 mod chain;
 mod coupled;
 mod description;
+mod difference;
 mod dynamics;
 mod energy;
 mod error;
@@ -59,6 +60,7 @@ pub use base_parameters::{CarriedOver, base_parameters, carry_over};
 pub use chain::SerialChain;
 pub use coupled::{CoupledChain, Coupling};
 pub use description::RobotDescription;
+pub use difference::{GeometryDifference, geometry_difference};
 pub use dynamics::ChainDynamics;
 pub use energy::Energy;
 pub use error::{MdhError, MdhErrors, RbdError};
@@ -74,3 +76,7 @@ pub use plausible::{
 
 /// Number of standard inertial parameters of a link.
 pub const INERTIAL_PARAMETERS: usize = 10;
+
+/// Joints of the largest chain or tree, those that follow others included: arms have up to about twenty, humanoids with
+/// hands about a hundred, and the work for a model grows with the cube of their number.
+pub const MOST_JOINTS: usize = 128;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{MdhError, MdhErrors};
 use crate::plausible::{angle_complaint, length_complaint};
-use crate::{Joint, JointKind, Parent, Placement, angle};
+use crate::{Joint, JointKind, MOST_JOINTS, Parent, Placement, angle};
 
 /// Which joint the `alpha` and `a` of a row lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -56,8 +56,6 @@ const COLUMNS: [&str; 6] = ["alpha", "a", "d", "theta", "sign", "type"];
 const LONGEST_COLUMN: usize = 5;
 /// Mistakes of one table that are told at once.
 const MOST_ERRORS: usize = 20;
-/// Joints of the longest chain that a table may describe; real arms have up to about twenty.
-const MOST_JOINTS: usize = 100;
 /// How many of [`COLUMNS`], from the first, every table needs.
 const NEEDED: usize = 3;
 

@@ -103,14 +103,14 @@ pub enum RecordingError {
     },
     /// Joints of the robot that the recording does not name, or names twice.
     #[error(
-        "{path}: the recording has the joints {recorded}; wanted are {wanted}, and `{lacking}` is {found} of them; {meant}say which \
-         of the recording's joints are the robot's, in the robot's order: joint_names = […] in an experiment, --joint-names on the \
-         command line",
+        "{path}: the recording has the joints {recorded}; wanted are {wanted}, and {lacking} of them; {remedy}say which of the \
+         recording's joints are the robot's, in the robot's order: joint_names = […] in an experiment, --joint-names on the command \
+         line",
         path = path.display(),
         recorded = recorded.join(", "),
         wanted = wanted.join(", "),
-        found = if recorded.contains(lacking) { "two" } else { "none" },
-        meant = meant(lacking, recorded)
+        lacking = counted(lacking, recorded),
+        remedy = part_or_meant(lacking, recorded, wanted)
     )]
     JointNames {
         /// The recording.
@@ -119,8 +119,8 @@ pub enum RecordingError {
         recorded: Vec<String>,
         /// The names that are looked for: the robot's, or those that were stated.
         wanted: Vec<String>,
-        /// The first of them that is not there, or there twice.
-        lacking: String,
+        /// Those of them that are not there, or there twice.
+        lacking: Vec<String>,
     },
     /// The unit of the measurement cannot be told.
     #[error("{path}: {reason}; {remedy}", path = path.display())]
@@ -460,11 +460,28 @@ fn in_folder(folder: &Path, inside: &[String]) -> String {
 }
 
 /// The name that was probably meant, as the beginning of a sentence.
-fn meant(lacking: &str, recorded: &[String]) -> String {
-    let similar = recorded.iter().map(|name| (strsim::jaro_winkler(lacking, name), name));
-    let meant = similar.filter(|(similarity, _)| (0.75..1.0).contains(similarity));
-    let meant = meant.max_by(|a, b| a.0.total_cmp(&b.0));
-    meant.map(|(_, name)| format!("did you mean `{name}`? ")).unwrap_or_default()
+/// `a`, `b` are none
+fn counted(lacking: &[String], recorded: &[String]) -> String {
+    let verb = if lacking.len() == 1 { "is" } else { "are" };
+    let number = if lacking.iter().any(|name| recorded.contains(name)) { "two" } else { "none" };
+    format!("`{}` {verb} {number}", lacking.join("`, `"))
+}
+
+/// The name that was meant, or, where the recording has some of the joints, that a part of the robot can be chosen.
+fn part_or_meant(lacking: &[String], recorded: &[String], wanted: &[String]) -> String {
+    let similar = lacking
+        .iter()
+        .flat_map(|lacking| recorded.iter().map(move |name| (strsim::jaro_winkler(lacking, name), name)))
+        .filter(|(similarity, name)| (0.75..1.0).contains(similarity) && !wanted.contains(name));
+    if let Some((_, name)) = similar.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        return format!("did you mean `{name}`? ");
+    }
+    if wanted.iter().all(|name| lacking.contains(name)) {
+        return String::new();
+    }
+    "if they are of a part of the robot that was not recorded, choose the part that was: `tip`, `tips` or `joints` in `[robot]`, \
+     --tip or --tips on the command line; else "
+        .to_owned()
 }
 
 /// The way to read a file some of whose rows lack a number.

@@ -132,13 +132,14 @@ impl RobotJoints {
     }
 }
 
-/// The place of each wanted name among names, or the first that is not there once and only once.
-pub(crate) fn places(wanted: &[String], names: &[String]) -> Result<Vec<usize>, String> {
+/// The place of each wanted name among names, or those that are not there once and only once.
+pub(crate) fn places(wanted: &[String], names: &[String]) -> Result<Vec<usize>, Vec<String>> {
     let place = |wanted: &String| {
         let mut places = names.iter().enumerate().filter(|(_, name)| *name == wanted).map(|(k, _)| k);
-        places.next().filter(|_| places.next().is_none()).ok_or_else(|| wanted.clone())
+        places.next().filter(|_| places.next().is_none())
     };
-    wanted.iter().map(place).collect()
+    let lacking: Vec<String> = wanted.iter().filter(|name| place(name).is_none()).cloned().collect();
+    if lacking.is_empty() { Ok(wanted.iter().filter_map(place).collect()) } else { Err(lacking) }
 }
 
 impl Recording {

@@ -32,9 +32,14 @@ pub struct RobotModel {
 pub struct KnownBodies {
     /// Values of all standard parameters, in the order of [`RigidBodyRegressor::standard_parameters`].
     pub standard: Vec<f64>,
-    /// How strongly estimates that can use them are pulled towards them; with zero they decide only what the data leave
-    /// open.
+    /// How strongly estimates that can use them are pulled towards them: 1/σ² of their relative standard deviation σ; with zero
+    /// they decide only what the data leave open.
     pub weight: f64,
+}
+
+impl KnownBodies {
+    /// The weight where nothing else is said: masses and second moments are known to 30 %.
+    pub const USUAL_WEIGHT: f64 = 10.0;
 }
 
 /// What a run of coefficients belongs to.

@@ -37,8 +37,8 @@ pub(crate) fn main() -> Result<(), aurt::Error> {
     for found in diagnosis.effects() {
         println!("{} ({:?})", found.finding.sentence, found.presence());
         if let Effect::Payload(load) = found.effect {
-            println!("{} kg on link {}", load.mass_kg, load.link);
-            mass_kg = Some(load.mass_kg.value);
+            mass_kg = load.mass_kg.map(|mass| mass.value);
+            println!("{mass_kg:?} kg on link {}", load.link);
         }
     }
     assert!(mass_kg.is_some_and(|mass| (mass - 2.0).abs() < 0.2), "the load was not found: {mass_kg:?}");

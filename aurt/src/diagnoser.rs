@@ -54,7 +54,7 @@ const MOST_JOINTS: usize = 20;
 ///     .diagnose(&Progress::silent())?;
 /// for found in diagnosis.effects() {
 ///     match found.effect {
-///         Effect::Payload(load) => println!("{} kg on link {}", load.mass_kg, load.link),
+///         Effect::Payload(load) => println!("{:?} kg on link {}", load.mass_kg, load.link),
 ///         other => println!("{other:?}"),
 ///     }
 /// }

@@ -295,10 +295,12 @@ effects! {
     Payload = "payload" {
         /// The link that carries it.
         link: usize,
-        /// Mass, kg.
-        mass_kg: Estimate,
-        /// Centre of mass in the link's frame, m.
+        /// Mass, kg; none where the motion does not show it.
+        mass_kg: Option<Estimate>,
+        /// Centre of mass in the link's frame, m; none where the mass is not determined.
         com_m: Option<[Estimate; 3]>,
+        /// Mass times centre of mass, kg m, where the mass is not determined.
+        first_moment_kg_m: Option<[Estimate; 3]>,
         /// Inertia about the origin of the link's frame, XX XY XZ YY YZ ZZ, kg m².
         inertia_kg_m2: Option<[Estimate; 6]>,
     }

@@ -1,7 +1,13 @@
 //! A torso with two arms: the model is of one, and the other moves; or of both.
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use aurt::{Drive, data::Loaded, friction::arm_terms::payload::Payload, prelude::*, traits::Motion};
+use aurt::{
+    Drive,
+    data::Loaded,
+    friction::arm_terms::payload::Payload,
+    prelude::*,
+    traits::{ArmSeries, ArmTerm, Columns, Motion},
+};
 use aurt_recording::{BranchMotion, ReadOptions, ReadReport, RecordedJoints, RobotJoints, read_recording};
 
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -274,4 +280,28 @@ fn series_in_memory_and_light_branches_are_looked_at_too() {
     let [motion] = &of(0.25)[..] else { panic!("it moves") };
     assert!((motion.range_rad[1] - 0.25).abs() < 1e-3);
     assert_eq!(motion.upstream, [0]);
+}
+
+/// A bracket whose direction a parallelogram keeps: its moments of inertia make no torque of the shoulder, and what they leave
+/// by rounding is no column.
+#[test]
+fn inertia_of_a_link_that_does_not_turn_is_no_column() {
+    let urdf = include_str!("../../aurt-robots/tests/reference/coupled.urdf");
+    let robot = Robot::from_urdf(urdf, None, Some("bracket"), GRAVITY).unwrap();
+    let samples = 300;
+    let wave = |rate: f64| (0..2 * samples).map(|k| (0.37 * rate * f64::from(k)).sin()).collect::<Vec<f64>>();
+    let time_s = (0..samples).map(f64::from).collect();
+    let motion = Motion::new(2, time_s, wave(1.0), wave(2.1), wave(3.7)).unwrap();
+    let samples = samples as usize;
+    let term = Payload { link: Some(2), parameters: None };
+    let series =
+        ArmSeries { motion: motion.view(), load_torque: &[], load_stride: 0, rigid_body: robot.rigid_body() };
+    let mut data = vec![1.0; 20 * samples];
+    let mut out = Columns::new(&mut data, 20, samples, samples);
+    term.evaluate(&series, &mut term.initial_state(&series), &mut out).unwrap();
+    let longest = |column: usize| {
+        data[column * samples..(column + 1) * samples].iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+    };
+    let sizes: Vec<f64> = (10..20).map(longest).collect();
+    assert!(sizes[..6].iter().all(|size| *size == 0.0) && sizes[9] > 1.0, "{sizes:?}");
 }

@@ -88,7 +88,7 @@ fn body(mass_kg: f64, com_m: [f64; 3], inertia_at_com_kg_m2: [f64; 6]) -> LinkBo
 }
 
 /// The maker's bodies, as in `aurt_simulation::robots::ur10e`.
-fn links() -> [LinkBody; 6] {
+pub fn links() -> [LinkBody; 6] {
     let wrist = [0.003, 0.0, 0.0, 0.0026, 0.0002, 0.0022];
     [
         body(7.369, [0.021, -0.027, 0.0], [0.0341, 0.0043, 0.0, 0.0216, -0.0001, 0.0353]),

@@ -63,6 +63,7 @@ pub(super) struct Ground<'a> {
     /// The links' pseudo-inertias in the prior.
     pub prior: &'a [Matrix4<f64>],
     pub pull: Pull,
+    /// That of the links; nothing is known of loads.
     pub pull_weight: f64,
 }
 
@@ -125,6 +126,7 @@ impl Assembly {
                 of: standard_of_variables.select_rows(indices),
                 at: Standard::from_iterator(indices.iter().map(|i| standard_at[*i])),
                 prior: *prior,
+                pull_weight,
             });
             names.push(format!("link {link}"));
         }
@@ -144,6 +146,7 @@ impl Assembly {
                 of: of.select_rows(&whole) * sign,
                 at: Standard::from_iterator(whole.iter().map(|c| sign * at[*c])),
                 prior: guess,
+                pull_weight: 0.0,
             });
             names.push(format!("load on link {}", body.link));
             whole.iter().zip(standard_of(&guess).iter()).for_each(|(c, v)| begin[*c] = sign * v);
@@ -176,7 +179,7 @@ impl Assembly {
         let seen = &triangle.upper * kept + &triangle.beyond * others - &triangle.right;
         start.rows_mut(free, m).copy_from(&seen);
         Ok(Self {
-            program: Program { free, seen: m, scale, bodies, positive, pull, pull_weight },
+            program: Program { free, seen: m, scale, bodies, positive, pull },
             start,
             coefficients: (of, at),
             standard: (standard_of_variables, standard_at),

@@ -52,10 +52,14 @@ pub fn possible_body(estimate: &[f64; 10], covariance: &[f64]) -> Option<Possibl
         free: 0,
         seen: 10,
         scale: 1.0,
-        bodies: vec![BodyMap { of: DMatrix::from_column_slice(10, 10, root.as_slice()), at: wanted, prior }],
+        bodies: vec![BodyMap {
+            of: DMatrix::from_column_slice(10, 10, root.as_slice()),
+            at: wanted,
+            prior,
+            pull_weight: 0.0,
+        }],
         positive: Vec::new(),
         pull: Pull::Entropic,
-        pull_weight: 0.0,
     };
     let reached = program.solve(DVector::from_column_slice(start.as_slice()), 0.5 * TOLERANCE)?;
     let standard = program.standard(&reached.at)[0] * sign;

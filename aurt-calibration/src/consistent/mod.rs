@@ -64,6 +64,6 @@ pub fn make_consistent(
     if !coefficients.iter().chain(standard.iter()).all(|v| v.is_finite()) {
         return Err(CalibrationError::NotFinite);
     }
-    let report = report::report(fit, &assembly, &reached, &coefficients, &standard, prior.is_some());
+    let report = report::report(fit, &assembly, &reached, &coefficients, &standard, prior);
     Ok((coefficients.as_slice().to_vec(), report))
 }

@@ -19,7 +19,6 @@ pub(super) struct Local {
 
 impl Program {
     pub(super) fn local(&self, y: &DVector<f64>, inverse: &[Matrix4<f64>], weight: f64) -> Option<Local> {
-        let more = self.emphasis(weight);
         let n = self.variables();
         let per_body = if self.pull == Pull::Euclidean { 20 } else { 10 };
         let mut gradient = DVector::zeros(n);
@@ -31,6 +30,7 @@ impl Program {
             row += 10;
         };
         for ((body, standard), prior) in self.bodies.iter().zip(self.standard(y)).zip(inverse) {
+            let more = body.emphasis(weight);
             let p = pseudo_inertia(&standard.data.0[0]);
             // B = L⁻¹ of P = L Lᵀ, so that BᵀB = P⁻¹ also where P is nearly singular.
             let b = p.cholesky()?.l().solve_lower_triangular(&Matrix4::identity())?;
@@ -132,18 +132,17 @@ impl Program {
         weight: f64,
         slope: f64,
     ) -> Option<f64> {
-        let more = self.emphasis(weight);
         let seen = direction.rows(self.free, self.seen);
         let mut curvature = seen.norm_squared() / self.scale;
         if self.pull == Pull::Euclidean {
             for (body, prior) in self.bodies.iter().zip(inverse) {
                 let step = Standard::from_iterator((&body.of * direction).iter().copied());
                 let away = prior * pseudo_inertia(&step.data.0[0]);
-                curvature += weight * more * away.transpose().dot(&away);
+                curvature += weight * body.emphasis(weight) * away.transpose().dot(&away);
             }
         }
-        let bodies = 4 * self.bodies.len();
-        let weight_of = |k: usize| if k < bodies { weight * more } else { weight };
+        // Four eigenvalues of each body come first.
+        let weight_of = |k: usize| weight * self.bodies.get(k / 4).map_or(1.0, |body| body.emphasis(weight));
         let logarithms: Vec<(f64, f64)> =
             self.shrinking(y, direction)?.into_iter().enumerate().map(|(k, v)| (weight_of(k), v)).collect();
         // The slope at t less that at 0: ct + Σ w λ² t / (1 + t λ).

@@ -15,8 +15,8 @@ pub struct Prior {
     pub standard: Vec<f64>,
     /// How estimates are pulled towards them.
     pub pull: Pull,
-    /// How strongly, in squared standard deviations for each unit of the pull; with zero the prior only decides what the
-    /// data leave open.
+    /// How strongly, in squared standard deviations for each unit of the pull: 1/σ², where σ is the relative standard deviation
+    /// of masses and of second moments about the centre of mass. With zero the prior only decides what the data leave open.
     pub weight: f64,
 }
 

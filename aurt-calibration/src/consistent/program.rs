@@ -36,6 +36,16 @@ pub(crate) struct BodyMap {
     pub at: Standard,
     /// Its pseudo-inertia in the prior.
     pub prior: Matrix4<f64>,
+    /// The weight of the pull towards it does not fall below this, in squared standard deviations; zero where the prior only
+    /// decides what the data leave open.
+    pub pull_weight: f64,
+}
+
+impl BodyMap {
+    /// By how much its pull outweighs the barrier of what is positive.
+    pub(super) fn emphasis(&self, weight: f64) -> f64 {
+        (self.pull_weight / weight).max(1.0)
+    }
 }
 
 /// A quantity, affine in the variables, that is positive.
@@ -62,9 +72,6 @@ pub(crate) struct Program {
     pub bodies: Vec<BodyMap>,
     pub positive: Vec<Positive>,
     pub pull: Pull,
-    /// The pull's weight does not fall below this, in squared standard deviations; zero where the prior only decides what
-    /// the data leave open.
-    pub pull_weight: f64,
 }
 
 /// Where a search ended.
@@ -90,11 +97,6 @@ impl Program {
 
     pub(super) fn loss(&self, y: &DVector<f64>) -> f64 {
         0.5 * y.rows(self.free, self.seen).norm_squared() / self.scale
-    }
-
-    /// By how much the pull outweighs the barrier of what is positive.
-    pub(super) fn emphasis(&self, weight: f64) -> f64 {
-        (self.pull_weight / weight).max(1.0)
     }
 
     /// The bodies' parameters.
@@ -206,11 +208,11 @@ mod tests {
                     of: spread.rows(10 * b, 10).into_owned(),
                     at: Standard::from_iterator(centre.rows(10 * b, 10).iter().copied()),
                     prior: ball,
+                    pull_weight: 0.0,
                 })
                 .collect(),
             positive: (n - 2..n).map(|k| Positive { of: spread.row(k).transpose(), at: centre[k] }).collect(),
             pull: Pull::Entropic,
-            pull_weight: 0.0,
         };
         (program, start)
     }
@@ -278,9 +280,8 @@ mod tests {
             let euclidean = Program { pull: Pull::Euclidean, ..entropic.clone() };
             let [a, b] = [&entropic, &euclidean].map(|p| p.solve(start.clone(), 1e-5).unwrap());
             assert!((a.loss - b.loss).abs() < 3e-5 * (1.0 + a.loss), "{seed}: {} {}", a.loss, b.loss);
-            for strong in
-                [Program { pull_weight: 1e8, ..entropic.clone() }, Program { pull_weight: 1e8, ..euclidean }]
-            {
+            for mut strong in [entropic, euclidean] {
+                strong.bodies.iter_mut().for_each(|body| body.pull_weight = 1e8);
                 let reached = strong.solve(start.clone(), 1e-5).unwrap();
                 for (body, standard) in strong.bodies.iter().zip(strong.standard(&reached.at)) {
                     let away = (pseudo_inertia(&standard.data.0[0]) - body.prior).norm() / body.prior.norm();

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     assembly::{Assembly, Fit},
+    prior::Prior,
     program::Reached,
 };
 use crate::{physical::pseudo_inertia, with_deviation};
@@ -11,6 +12,8 @@ use crate::{physical::pseudo_inertia, with_deviation};
 const NOTABLE: f64 = 0.5;
 /// Bodies whose scaled pseudo-inertia has a smaller eigenvalue than this lie at the edge of what can be.
 const EDGE: f64 = 1e-3;
+/// Masses that differ from the description by more than this factor are told.
+const MASS_FACTOR: f64 = 3.0;
 
 /// A standard parameter of a consistent estimate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +29,9 @@ pub struct StandardEstimate {
     /// Whether the data determine it. If not, they determine only sums of it and others, and the value is one of many that
     /// explain them equally.
     pub determined: bool,
+    /// Its value in the prior, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<f64>,
 }
 
 /// A coefficient that physics moved away from least squares.
@@ -73,7 +79,7 @@ pub(super) fn report(
     reached: &Reached,
     coefficients: &DVector<f64>,
     standard: &DVector<f64>,
-    prior: bool,
+    prior: Option<&Prior>,
 ) -> ConsistentReport {
     let n = fit.coefficients.len();
     let program = &assembly.program;
@@ -90,6 +96,7 @@ pub(super) fn report(
             value: standard[k],
             std_dev: determined.then_some(deviation),
             determined,
+            description: prior.and_then(|prior| prior.standard.get(k).copied()),
         }
     });
     let mut moved: Vec<Moved> = (0..n)
@@ -120,7 +127,7 @@ pub(super) fn report(
         moved,
         at_edge: at_edge.map(|(_, name)| name.clone()).collect(),
         undecided: assembly.undecided.clone(),
-        prior,
+        prior: prior.is_some(),
         steps: reached.steps,
         converged: reached.converged,
     }
@@ -145,13 +152,31 @@ impl ConsistentReport {
                     format!("{} (least squares {before}, now {:.4})", m.name, m.value)
                 })
                 .collect();
+            let near = if self.prior { " near the description" } else { "" };
+            let cause =
+                if self.prior { "The description is of another machine, the model" } else { "The model" };
             warnings.push(format!(
-                "no physically consistent parameters fit these recordings as well as least squares: χ² grows by {:.0} with {} \
-                 coefficients, more than noise explains. Largest differences: {}. The model lacks an effect, or the recordings \
+                "no physically consistent parameters{near} fit these recordings as well as least squares: χ² grows by {:.0} with \
+                 {} coefficients, more than noise explains. Largest differences: {}. {cause} lacks an effect, or the recordings \
                  have an error: run `aurt diagnose`",
                 self.loss,
                 self.determined,
                 furthest.join(", ")
+            ));
+        }
+        let moved: Vec<String> = self
+            .standard
+            .iter()
+            .filter_map(|s| Some((s, s.description.filter(|_| s.unit == "kg")?)))
+            .filter(|(s, known)| !(known / MASS_FACTOR..=known * MASS_FACTOR).contains(&s.value))
+            .map(|(s, known)| format!("{} (description {known:.3} kg, now {:.3} kg)", s.name, s.value))
+            .collect();
+        if !moved.is_empty() {
+            warnings.push(format!(
+                "masses differ from the description by more than a factor of {MASS_FACTOR}: {}. If the description is right, the \
+                 model lacks an effect or the recordings have an error (run `aurt diagnose`), or they tell too little of these \
+                 links: raise `prior_weight`",
+                moved.join(", ")
             ));
         }
         if !self.undecided.is_empty() {

@@ -10,6 +10,7 @@ use aurt_experiment::doctor::{
     mistakes::Examination,
 };
 use aurt_experiment::workbench::{failure::Failure, output::OutputFile};
+use aurt_rbd::robots::Part;
 use aurt_report::rendering::text::wrapped;
 use clap::Args;
 use serde_json::json;
@@ -45,6 +46,9 @@ pub struct Init {
     /// Link at which it ends; without, all joints on the base are taken, as a tree
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
+    /// Links at which several chains end, separated by commas: the tree of the joints up to these
+    #[arg(long, value_name = "LINK,LINK,…", value_delimiter = ',', conflicts_with = "tip")]
+    tips: Vec<String>,
     /// Gravitational acceleration in the base frame, m/s²
     #[arg(long, value_name = "X Y Z", value_parser = parse_gravity, allow_hyphen_values = true)]
     gravity: Option<Gravity>,
@@ -74,7 +78,11 @@ impl Init {
             robot: self.robot()?,
             mdh_rows: self.mdh_rows.map(Into::into),
             base: self.base.clone(),
-            tip: self.tip.clone(),
+            part: match (&self.tip, &self.tips[..]) {
+                (Some(tip), _) => Part::Tips(vec![tip.clone()]),
+                (None, []) => Part::All,
+                (None, tips) => Part::Tips(tips.to_vec()),
+            },
             gravity_m_s2: self.gravity()?.map(|Gravity(g)| g),
             torque_constants_nm_per_a: self.torque_constants.as_ref().map(|Constants(k)| k.clone()),
             recordings: self.recordings.iter().map(|f| self.reading.source(f)).collect(),

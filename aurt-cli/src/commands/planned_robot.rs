@@ -182,8 +182,8 @@ impl PlannedRobotOptions {
                 return Err(refuse(option, format!("{value} is no limit"), "give a positive number"));
             }
         }
-        let (mut limits, mut endless, mut without_speed, mut without_range) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut limits, mut endless, mut without_speed, mut without_range, mut without_room) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (coordinate, (name, stated)) in described.joint_names.iter().zip(&described.limits).enumerate() {
             let own = described.couplings.iter().position(|c| *c == Coupling::own(coordinate));
             let kind = described.joints[own.unwrap_or(coordinate)].kind;
@@ -192,6 +192,10 @@ impl PlannedRobotOptions {
                 list.push(name.as_str());
                 [-HALF_TURN_RAD, HALF_TURN_RAD]
             });
+            let [lower, upper] = position_rad;
+            if lower >= upper {
+                without_room.push(format!("{name} (lower {lower}, upper {upper})"));
+            }
             let velocity_rad_s = stated.velocity_rad_s.or_else(|| {
                 without_speed.push(name.as_str());
                 self.velocity_rad_s
@@ -200,6 +204,17 @@ impl PlannedRobotOptions {
             let acceleration_rad_s2 =
                 self.acceleration_rad_s2.unwrap_or(velocity_rad_s / TIME_TO_FULL_SPEED_S);
             limits.push(MotionLimits { position_rad, velocity_rad_s, acceleration_rad_s2 });
+        }
+        if !without_room.is_empty() {
+            return Err(refuse(
+                "--robot",
+                format!(
+                    "{from} states position limits without room between them: {}",
+                    without_room.join(", ")
+                ),
+                "correct the file (the lower limit must be below the upper one, those of joints that follow others included), \
+                 or give all limits in a table: --limits limits.csv",
+            ));
         }
         if !without_range.is_empty() {
             return Err(refuse(

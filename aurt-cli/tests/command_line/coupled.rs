@@ -133,8 +133,27 @@ fn verdict_after(change: Option<Change>) -> (Folder, Value) {
 
 #[test]
 fn a_coupled_arm_that_lacks_nothing_is_told_so() {
-    let (_, verdict) = verdict_after(None);
+    let (folder, verdict) = verdict_after(None);
     assert_eq!(verdict["verdict"], "no_mismatch", "{verdict}");
+    // How sure that is can be asked of it as of every robot.
+    let asked = ["sensitivity", "experiment.toml", "--effects", "payload,joint_elasticity", "--joints", "1"];
+    folder.aurt(asked.into_iter().chain(["--out", "sensitivity", "--quiet"])).succeeded();
+    let limits = folder.json("sensitivity/sensitivity.json")["limits"].clone();
+    let payload = limits.as_array().unwrap().iter().find(|row| row["effect"] == "payload").unwrap();
+    assert_eq!((&payload["status"], &payload["unit"]), (&json!("named"), &json!("kg")), "{payload}");
+}
+
+/// The bracket keeps its direction: of a load on it the mass alone makes torque.
+#[test]
+fn a_load_on_a_link_that_does_not_turn_has_a_mass_and_no_absurd_place() {
+    let (_, verdict) = verdict_after(Some(Change { mass_kg: 6.0, on_link: 2, ..Change::default() }));
+    let first = &verdict["effects"][0];
+    assert_eq!((&verdict["verdict"], &first["effect"]), (&json!("named"), &json!("payload")), "{verdict}");
+    let parameters = &first["parameters"];
+    assert!((parameters["mass_kg"]["value"].as_f64().unwrap() - 6.0).abs() < 0.6, "{first}");
+    let com: Vec<f64> =
+        parameters["com_m"]["value"].as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    assert!(com.iter().all(|metres| metres.abs() < 2.0), "{first}");
 }
 
 #[test]

@@ -167,3 +167,53 @@ fn a_tree_without_a_tip_is_taken_whole() {
     folder.aurt(chain).succeeded();
     assert!(folder.read("right.toml").contains("tip = \"right\""));
 }
+
+/// Two arms on a base, and a recording of one of them.
+#[test]
+fn a_recording_of_one_arm_of_two_says_which_joints_are_missing() {
+    let folder = Folder::new();
+    let mut text = "<robot name=\"two\"><link name=\"torso\"/>\n".to_owned();
+    for side in ["left", "right"] {
+        for k in 0..2 {
+            let parent = if k == 0 { "torso".to_owned() } else { format!("{side}_l{}", k - 1) };
+            text += &format!(
+                "<link name=\"{side}_l{k}\"><inertial><origin xyz=\"0.2 0 0\"/><mass value=\"2\"/><inertia ixx=\"0.02\" \
+                 ixy=\"0\" ixz=\"0\" iyy=\"0.02\" iyz=\"0\" izz=\"0.02\"/></inertial></link>\n<joint name=\"{side}_s{k}\" \
+                 type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{side}_l{k}\"/><origin xyz=\"0.4 0 0\"/><axis \
+                 xyz=\"0 1 0\"/></joint>\n"
+            );
+        }
+    }
+    folder.write("two.urdf", &(text + "</robot>"));
+    let mut rows = "time,left_s0.position,left_s1.position,left_s0.effort,left_s1.effort\n".to_owned();
+    for k in 0..2000 {
+        let t = f64::from(k) * 0.01;
+        let (a, b) = ((1.3 * t).sin(), 0.8 * (0.9 * t).cos() + 0.3 * (2.1 * t).sin());
+        rows += &format!(
+            "{t:.3},{a:.6},{b:.6},{:.4},{:.4}\n",
+            9.0 * a.cos() + 4.0 * (a + b).cos(),
+            4.0 * (a + b).cos()
+        );
+    }
+    folder.write("left.csv", &rows);
+    let start = ["init", "left.csv", "--robot", "two.urdf"];
+    folder.aurt(start).refused(&[
+        "`right_s0`, `right_s1` are none",
+        "left_s0, left_s1",
+        "a part of the robot",
+        "--tips",
+    ]);
+    folder.aurt(start.iter().chain(&["--tips", "nose"])).refused(&["there is no link `nose`", "--tips"]);
+    folder.aurt(start.iter().chain(&["--tip", "left_l1"])).succeeded();
+    assert!(folder.read("experiment.toml").contains("tip = \"left_l1\""));
+    // Several tips are a tree.
+    folder.write(
+        "both.csv",
+        &rows.replacen("left_s1.position", "right_s0.position", 1).replacen("left_s1", "right_s0", 1),
+    );
+    let both =
+        ["init", "both.csv", "--robot", "two.urdf", "--tips", "right_l0,left_l0", "--out", "both.toml"];
+    folder.aurt(both).succeeded();
+    let text = folder.read("both.toml");
+    assert!(text.contains("tips = [\"right_l0\", \"left_l0\"]"), "{text}");
+}

@@ -186,6 +186,34 @@ fn limits_of_a_description_are_those_of_the_motion() {
     run(&format!("{urdf} --tip wrist --velocity-rad-s=0")).refused(&["--velocity-rad-s", "0 is no limit"]);
     run(&format!("{urdf} --tip wrist --velocity-rad-s 1 --torque-limits"))
         .refused(&["--torque-limits", "masses"]);
+    // Limits that are reversed or equal cannot be meant, whether a description writes one or both.
+    let gantry = folder.read("gantry.urdf");
+    for (limits, said) in [
+        ("lower=\"0.2\" upper=\"-0.2\"", "shoulder (lower 0.2, upper -0.2)"),
+        ("lower=\"0.2\" upper=\"0.2\"", "shoulder (lower 0.2, upper 0.2)"),
+        ("lower=\"0.2\"", "shoulder (lower 0.2, upper 0)"),
+    ] {
+        folder.write("wrong.urdf", &gantry.replace("lower=\"-2.5\" upper=\"2.5\"", limits));
+        run("excite --robot wrong.urdf --tip wrist --velocity-rad-s 2").refused(&[
+            "wrong.urdf",
+            said,
+            "--limits",
+        ]);
+    }
+    let (mut links, mut joints) = ("<link name=\"l0\"/>".to_owned(), String::new());
+    for k in 1..=5000 {
+        links += &format!("<link name=\"l{k}\"/>");
+        joints += &format!(
+            "<joint name=\"j{k}\" type=\"revolute\"><parent link=\"l{}\"/><child link=\"l{k}\"/></joint>\n",
+            k - 1
+        );
+    }
+    folder.write("chain.urdf", &format!("<robot name=\"chain\">{links}{joints}</robot>"));
+    run("excite --robot chain.urdf --velocity-rad-s 2").refused(&[
+        "chain.urdf",
+        "5000 joints",
+        "at most 128",
+    ]);
     run("excite --robot arm.xml --tip nothing").refused(&["arm.xml", "nothing"]);
     run("excite --robot ur10e --tip wrist").refused(&["--tip", "`ur10e` is no file"]);
     // Robots known by name alone, and other limits than the description's.

@@ -43,6 +43,26 @@ fn a_load_is_noticed_and_an_unchanged_machine_is_not() {
     assert!(page.contains("the load on the last link rose") && page.contains("<svg"));
 }
 
+/// A model of another geometry or gravity would hide a load in its wrong lengths.
+#[test]
+fn a_model_of_another_robot_is_refused() {
+    let folder = calibrated();
+    let (table, text) = (folder.read("mdh.csv"), folder.read("experiment.toml"));
+    let refused = |words: &[&str]| {
+        folder.aurt(START.iter().chain(&["--out", "out", LATER[0]])).refused(words);
+        let diagnose =
+            ["diagnose", "experiment.toml", "--model", "results/rd_calibrated.json", "--out", "out"];
+        folder.aurt(diagnose).refused(words);
+    };
+    let longer = table.replace("0.6127", "0.7127");
+    assert_ne!(longer, table);
+    folder.write("mdh.csv", &longer);
+    refused(&["--model", "of another robot", "a (m) of joint 2 is -0.6127 and -0.7127"]);
+    folder.write("mdh.csv", &table);
+    folder.write("experiment.toml", &text.replace("[0.0, 0.0, -9.81]", "[0.0, -9.81, 0.0]"));
+    refused(&["of another robot", "gravity is", "-9.81, 0.0] m/s²"]);
+}
+
 /// Robots of a list, followed one by one and by their numbers, and one table of them.
 #[test]
 fn a_fleet_is_followed_robot_by_robot() {

@@ -6,7 +6,9 @@
 //!
 //! - `link`: the link that carries it;
 //! - `mass_kg`, `com_m` (its centre of mass in the link's frame, x y z), `inertia_kg_m2` (about that frame's
-//!   origin, in the order XX XY XZ YY YZ ZZ). A negative mass means that a load was removed.
+//!   origin, in the order XX XY XZ YY YZ ZZ). A negative mass means that a load was removed;
+//! - `first_moment_kg_m` (mass times centre of mass) in the place of `com_m` where the recordings do not determine the mass:
+//!   on a link that only turns, say, or within two standard deviations of zero.
 //!
 //! # How it shows
 //! Residuals on several joints that follow pose and acceleration and stand in the ratios that one body
@@ -47,6 +49,7 @@ pub static EFFECT: Effect = Effect {
     parameters: &[
         Parameter::new("mass_kg", Unit::Mass),
         Parameter::new("com_m", Unit::Length).of(&["x", "y", "z"]),
+        Parameter::new("first_moment_kg_m", Unit::FirstMoment).of(&["x", "y", "z"]),
         Parameter::new("inertia_kg_m2", Unit::Inertia).of(&["xx", "xy", "xz", "yy", "yz", "zz"]),
         Parameter::new("link", Unit::One),
     ],
@@ -76,28 +79,38 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Pa
             .map_or((0.0, f64::INFINITY), |(_, value, std)| (*value, *std))
     };
     let (mass, std) = find("m");
-    if mass != 0.0 {
-        let moments = ["mX", "mY", "mZ"].map(find);
-        let inertias = ["XX", "XY", "XZ", "YY", "YZ", "ZZ"].map(find);
-        parameters.extend([
-            ("mass_kg".to_owned(), ParameterValue::new(mass, std)),
-            (
-                "com_m".to_owned(),
-                ParameterValue::new(moments.map(|m| m.0 / mass), moments.map(|m| m.1 / mass.abs())),
-            ),
-            ("inertia_kg_m2".to_owned(), ParameterValue::new(inertias.map(|i| i.0), inertias.map(|i| i.1))),
-        ]);
+    let moments = ["mX", "mY", "mZ"].map(find);
+    let inertias = ["XX", "XY", "XZ", "YY", "YZ", "ZZ"].map(find);
+    let mut add = |name: &str, value: ParameterValue| parameters.insert(name.to_owned(), value);
+    if std.is_finite() {
+        add("mass_kg", ParameterValue::new(mass, std));
+    }
+    if is_determined(mass, std) {
+        let com_m = moments.map(|(moment, _)| moment / mass);
+        add("com_m", ParameterValue::new(com_m, moments.map(|(_, std)| std / mass.abs())));
+    } else if moments.iter().any(|(_, std)| std.is_finite()) {
+        add("first_moment_kg_m", ParameterValue::new(moments.map(|m| m.0), moments.map(|m| m.1)));
+    }
+    if inertias.iter().any(|(_, std)| std.is_finite()) {
+        add("inertia_kg_m2", ParameterValue::new(inertias.map(|i| i.0), inertias.map(|i| i.1)));
     }
     parameters
 }
 
+/// Whether a quantity differs from zero by more than two of its standard deviations.
+fn is_determined(value: f64, std: f64) -> bool {
+    value != 0.0 && value.abs() > 2.0 * std
+}
+
 fn phrase(parameters: &Parameters, measured: MeasurementUnit) -> Option<String> {
-    let mass_kg = parameters.get("mass_kg")?;
-    let (value, link) = (mass_kg.value.as_f64()?, parameters.get("link")?.value.as_f64()?);
-    let mass = match mass_kg.std.as_f64() {
-        Some(std) => with_deviation(value.abs(), std),
-        None => format!("{:.3}", value.abs()),
+    let link = parameters.get("link")?.value.as_f64()?;
+    let determined = parameters.get("mass_kg").and_then(ParameterValue::number);
+    let Some([value, std]) = determined.filter(|_| parameters.contains_key("com_m")) else {
+        return Some(format!("a payload on link {link} whose mass the recordings do not determine"));
     };
+    let has_std = parameters.get("mass_kg")?.std.is_number();
+    let mass =
+        if has_std { with_deviation(value.abs(), std) } else { format!("{:.3}", value.abs()) };
     let unit = Unit::Mass.symbol(measured);
     Some(if value < 0.0 {
         format!("a load of {mass} {unit} removed from link {link}")
@@ -106,9 +119,15 @@ fn phrase(parameters: &Parameters, measured: MeasurementUnit) -> Option<String> 
     })
 }
 
-/// A load hangs within reach of the arm.
+/// A load has a size, and hangs within reach of the arm.
 fn excludes(parameters: &Parameters, reach_m: f64) -> Option<String> {
-    let com_m = parameters.get("com_m")?;
+    let Some(com_m) = parameters.get("com_m") else {
+        let sizes = ["first_moment_kg_m", "inertia_kg_m2"].iter().filter_map(|name| parameters.get(*name));
+        let has_size = sizes.flat_map(entries).any(|(value, std)| is_determined(value, std));
+        return (!has_size).then(|| {
+            "neither mass, first moments nor inertia of the load differ from zero by two standard deviations".into()
+        });
+    };
     let length = |of: &Value| -> Option<f64> {
         let squares = of.as_array()?.iter().map(|v| v.as_f64().map(|v| v * v));
         squares.sum::<Option<f64>>().map(f64::sqrt)
@@ -121,14 +140,48 @@ fn excludes(parameters: &Parameters, reach_m: f64) -> Option<String> {
     })
 }
 
+/// The entries of a list with their deviations.
+fn entries(parameter: &ParameterValue) -> Vec<(f64, f64)> {
+    let number = |of: &Value, k: usize| of.get(k).and_then(Value::as_f64);
+    let count = parameter.value.as_array().map_or(0, Vec::len);
+    let entry = |k| Some((number(&parameter.value, k)?, number(&parameter.std, k)?));
+    (0..count).filter_map(entry).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn fitted(values: [(&str, f64, f64); 4]) -> Vec<FittedColumn> {
+        values.map(|(name, value, std)| (format!("{name}_2"), value, std)).to_vec()
+    }
+
+    #[test]
+    fn a_centre_of_mass_needs_a_mass_and_a_load_a_size() {
+        let proposal = Proposal::term(vec![0], json!({"model": "payload", "link": 2})).with("link", 2.0);
+        let of = |values| estimate(&proposal, &fitted(values), &OwnFriction::default());
+        let hung = of([("m", 2.0, 0.1), ("mX", 0.4, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.1, 0.01)]);
+        assert_eq!(hung["com_m"].value[0], 0.2);
+        assert!(!hung.contains_key("first_moment_kg_m"), "{hung:?}");
+        assert_eq!(excludes(&hung, 1.0), None);
+        // What is left of a mass by rounding gives no centre of mass.
+        for mass in [(1e-14, 1e-14), (0.0, f64::INFINITY), (0.1, 0.3)] {
+            let turned = of([("m", mass.0, mass.1), ("mX", 0.4, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
+            assert!(!turned.contains_key("com_m"), "{turned:?}");
+            assert_eq!(turned["first_moment_kg_m"].value[0], 0.4);
+            assert_eq!(excludes(&turned, 1.0), None);
+            let said = phrase(&turned, MeasurementUnit::NewtonMetre).unwrap();
+            assert!(said.contains("mass the recordings do not determine"), "{said}");
+        }
+        let nothing = of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
+        assert!(excludes(&nothing, 1.0).unwrap().contains("two standard deviations"), "{nothing:?}");
+    }
 
     #[test]
     fn masses_of_a_model_in_amperes_are_not_kilograms() {
         let parameters = Parameters::from([
             ("mass_kg".to_owned(), ParameterValue::new(0.2506, 0.005)),
+            ("com_m".to_owned(), ParameterValue::new([0.0; 3], [0.1; 3])),
             ("link".to_owned(), ParameterValue::exact(5.0)),
         ]);
         let said = phrase(&parameters, MeasurementUnit::Ampere);

@@ -19,6 +19,8 @@ pub enum Unit {
     Inertia,
     /// kg.
     Mass,
+    /// kg m.
+    FirstMoment,
     /// m.
     Length,
     /// rad.
@@ -44,6 +46,7 @@ impl Unit {
             Self::Stiffness => ["_nm_rad", "Nm/rad"],
             Self::Inertia => ["_kg_m2", "kg m²"],
             Self::Mass => ["_kg", "kg"],
+            Self::FirstMoment => ["_kg_m", "kg m"],
             Self::Length => ["_m", "m"],
             Self::Angle => ["_rad", "rad"],
             Self::Velocity => ["_rad_s", "rad/s"],
@@ -62,6 +65,7 @@ impl Unit {
             Self::Stiffness => ["_a_rad", "A/rad"],
             Self::Inertia => ["_a_per_nm_kg_m2", "A/Nm kg m²"],
             Self::Mass => ["_a_per_nm_kg", "A/Nm kg"],
+            Self::FirstMoment => ["_a_per_nm_kg_m", "A/Nm kg m"],
             other => other.of_torques(),
         }
     }
@@ -81,7 +85,10 @@ impl Unit {
 
     /// Whether a value in it is off by as much as the drives' gains are.
     pub(crate) const fn follows_gains(self) -> bool {
-        matches!(self, Self::Torque | Self::Damping | Self::Stiffness | Self::Inertia | Self::Mass)
+        matches!(
+            self,
+            Self::Torque | Self::Damping | Self::Stiffness | Self::Inertia | Self::Mass | Self::FirstMoment
+        )
     }
 }
 

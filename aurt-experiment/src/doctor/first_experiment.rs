@@ -10,7 +10,7 @@ use aurt::{
 };
 use aurt_files::escaped;
 use aurt_plugins::Registry;
-use aurt_rbd::robots::{DescribedRobot, known_robot};
+use aurt_rbd::robots::{DescribedRobot, Part, known_robot};
 use aurt_rbd::{MdhRows, MdhTable, RobotDescription};
 use aurt_recording::RobotJoints;
 use aurt_traits::MeasurementUnit;
@@ -41,8 +41,8 @@ pub struct Known {
     pub mdh_rows: Option<MdhRows>,
     /// The link of a robot description that its chain starts from.
     pub base: Option<String>,
-    /// The link that its chain ends at; all joints without.
-    pub tip: Option<String>,
+    /// Which of its joints.
+    pub part: Part,
     /// Gravity in the base frame, if that is known.
     pub gravity_m_s2: Option<[f64; 3]>,
     /// Torque constants, if they are known.
@@ -145,17 +145,20 @@ fn arm(known: &Known, experiment: &Path) -> Result<Arm, Failure> {
     }
     let written = quoted(&written(file, experiment));
     if file.extension().is_some_and(|e| e == "urdf" || e == "xml") {
-        let described =
-            aurt_rbd::robots::read_part(file, known.base.as_deref(), &known.tip.as_deref().into()).map_err(
-                |errors| Failure::Argument {
-                    option: "--robot",
-                    reason: errors.to_string(),
-                    remedy: "choose the ends of a chain with `--base` and `--tip`, or correct the file"
-                        .into(),
-                },
-            )?;
-        let is_tree = described.tip.is_empty();
-        let mut ends = if is_tree { String::new() } else { format!("tip = {}\n", quoted(&described.tip)) };
+        let described = aurt_rbd::robots::read_part(file, known.base.as_deref(), &known.part)
+            .map_err(|errors| Failure::Argument {
+                option: "--robot",
+                reason: errors.to_string(),
+                remedy: "choose the ends of a chain with `--base` and `--tip`, those of several with `--tips`, or correct the file".into(),
+            })?;
+        let mut ends = match &known.part {
+            _ if !described.tip.is_empty() => format!("tip = {}\n", quoted(&described.tip)),
+            Part::Tips(tips) => {
+                let listed: Vec<String> = tips.iter().map(|tip| quoted(tip)).collect();
+                format!("tips = [{}]\n", listed.join(", "))
+            }
+            _ => String::new(),
+        };
         if known.base.is_some() {
             ends.insert_str(0, &format!("base = {}\n", quoted(&described.base)));
         }

@@ -1,4 +1,5 @@
 use aurt_plugins::Node;
+use aurt_traits::KnownBodies;
 
 use super::{robot::Robot, section::Section};
 
@@ -16,8 +17,8 @@ pub struct Calibration {
     /// several; with false it stays as written.
     pub fit_shapes: bool,
     /// `prior = "description"`, as its `prior_weight`: the inertial parameters of the robot's URDF or MJCF file are what
-    /// `"consistent"` estimates are pulled towards, in squared standard deviations for each unit of the pull. With zero, the
-    /// default, they decide only what the recordings leave open.
+    /// `"consistent"` estimates are pulled towards, by 1/σ², where σ is the relative standard deviation of the file's masses and
+    /// second moments. With zero they decide only what the recordings leave open.
     pub prior_weight: Option<f64>,
 }
 
@@ -129,7 +130,7 @@ impl Calibration {
             load_torque: load_torque.unwrap_or_default(),
             rest: rest.unwrap_or_default(),
             fit_shapes: fit_shapes.unwrap_or(true),
-            prior_weight: prior.map(|_| weight.unwrap_or(0.0)),
+            prior_weight: prior.map(|_| weight.unwrap_or(KnownBodies::USUAL_WEIGHT)),
         }
     }
 }

@@ -11,7 +11,7 @@ use aurt::{
     origins::Origins,
 };
 use aurt_calibration::{CalibrationOptions, Deviations, Estimator, LoadTorqueChoice, Rest, TermScopes};
-
+use aurt_rbd::geometry_difference;
 use aurt_recording::RobotJoints;
 
 use crate::workbench::failure::Failure;
@@ -41,7 +41,8 @@ pub fn source(source: &RecordingSource) -> Source {
     }
 }
 
-/// Whether the model is of the robot of an experiment, as far as joints and their names tell.
+/// Whether the model is of the robot of an experiment: as many joints, of the same names where both have names, and the same
+/// geometry under the same gravity.
 ///
 /// # Errors
 /// [`Failure::Argument`] if it is not.
@@ -54,7 +55,12 @@ pub fn check_robot_of(calibrated: &CalibratedModel, experiment: &Experiment) -> 
         let listed = |joints: &RobotJoints| joints.names.join(", ");
         format!("the model's joints are {}, the experiment's {}", listed(&ours), listed(&theirs))
     } else {
-        return Ok(());
+        let model = &calibrated.model;
+        let theirs = experiment.robot.rigid_body()?;
+        let Some(difference) = geometry_difference(&**model.rigid_body(), model.base(), &*theirs)? else {
+            return Ok(());
+        };
+        format!("the model is of another robot than the experiment: {difference}, in this order")
     };
     Err(Failure::Argument {
         option: "--model",

@@ -9,7 +9,6 @@ use aurt::{
     duplicates::SampleRegister,
 };
 use aurt_files::escaped;
-use aurt_rbd::RobotDescription;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{JointStructure, RealExperiment, RealRecording, Structure};
 
@@ -72,18 +71,17 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
     }
     let mut options = pipeline.options(unit, Purpose::Calibration);
     (options.gains, options.offsets) = (None, None);
-    let Geometry::Mdh { path, .. } = &experiment.robot.geometry else {
-        return Err(refuse(
-            "has its geometry from `urdf` or `name`, and cases carry a table",
-            "write the geometry as a table and name it with `mdh`",
-        ));
+    let mdh_csv = match &experiment.robot.geometry {
+        Geometry::Mdh { path, .. } => Some(
+            aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
+                .map_err(|source| aurt_plugins::model::Error::Read { path: path.clone(), source })?,
+        ),
+        _ => None,
     };
-    let mdh = aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
-        .map_err(|source| aurt_plugins::model::Error::Read { path: path.clone(), source })?;
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
-        mdh_csv: mdh,
-        chain: experiment.robot.geometry.chain(experiment.robot.gravity_m_s2)?,
+        mdh_csv,
+        bodies: experiment.robot.rigid_body()?,
         unit,
         experiment_toml: without_recordings(experiment).map_err(|reason| refuse(&reason, "simplify it"))?,
         options,

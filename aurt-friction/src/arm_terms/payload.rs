@@ -36,6 +36,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::shape::verdict;
 
+/// Entries below this share of what they are sums of are rounding: a body that does not turn (on a link whose direction a
+/// parallelogram keeps) or turns about the vertical leaves 1e-15, and a column of that would have a size of its own after scaling.
+const ROUNDING: f64 = 1e-12;
+
 /// A standard inertial parameter of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the variants are the symbols that the module's table explains")]
@@ -205,6 +209,23 @@ impl ArmTerm for Payload {
         let (samples, (data, stride)) = (out.samples(), out.raw_mut());
         let mut tile = RegressorTile::new(&destination, standard, samples, stride, data);
         series.rigid_body.evaluate(series.motion, &mut tile);
+        let scale = scale(series);
+        for column in 0..out.columns() {
+            let values = out.column_mut(column).iter_mut().zip(&scale);
+            values.filter(|(value, scale)| value.abs() <= ROUNDING * **scale).for_each(|(value, _)| *value = 0.0);
+        }
         Ok(())
     }
+}
+
+/// The size of what columns are sums of, at each sample: accelerations of bodies a metre from the axes, per m/s².
+fn scale(series: &ArmSeries<'_>) -> Vec<f64> {
+    let motion = series.motion;
+    let gravity: f64 = series.rigid_body.gravity_m_s2().iter().map(|g| g.abs()).sum();
+    let sum = |of: &dyn Fn(usize) -> f64| (0..motion.joints()).map(of).sum::<f64>();
+    let at = |k: usize| {
+        let velocity = sum(&|j| motion.velocity_rad_s(j)[k].abs());
+        gravity + sum(&|j| motion.acceleration_rad_s2(j)[k].abs()) + velocity * velocity
+    };
+    (0..motion.samples()).map(at).collect()
 }

@@ -147,7 +147,7 @@ impl InjectedWorld {
             .collect::<Result<Vec<Recording>, SimulationError>>()?;
         let mut files = vec![
             ("experiment.toml".to_owned(), self.experiment(split).into_bytes()),
-            ("mdh.csv".to_owned(), self.injection.real().mdh_csv.clone().into_bytes()),
+            ("mdh.csv".to_owned(), self.injection.real().mdh_csv.clone().unwrap_or_default().into_bytes()),
         ];
         files.extend(
             altered.iter().enumerate().map(|(k, r)| (file_name(k), csv(r, self.injection.real().unit))),

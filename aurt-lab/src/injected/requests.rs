@@ -34,7 +34,15 @@ impl InjectedWorld {
     /// What is wrong with the experiment or its recordings.
     pub fn read(path: &Path, registry: &mut Registry) -> Result<Self, Failure> {
         let experiment = Experiment::read(path, registry)?;
-        Ok(Self { injection: Injection::new(plain(&experiment)?)? })
+        let real = plain(&experiment)?;
+        if real.mdh_csv.is_none() {
+            return Err(Failure::unfit(
+                path,
+                "has its geometry from `urdf`, `mjcf` or `name`, and cases carry a table",
+                "write the geometry as a table and name it with `mdh`",
+            ));
+        }
+        Ok(Self { injection: Injection::new(real)? })
     }
 
     /// All splits of the recordings into roles.

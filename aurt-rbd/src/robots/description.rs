@@ -8,7 +8,8 @@ use crate::robots::part::Part;
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointLimits {
-    /// Lowest and highest position in rad; `None` for a joint that turns without end, and where nothing is said.
+    /// Lowest and highest position in rad, as they are stated: plans of motions refuse a lowest that is not below the
+    /// highest. `None` for a joint that turns without end, and where nothing is said.
     pub position_rad: Option<[f64; 2]>,
     /// Highest speed in rad/s.
     pub velocity_rad_s: Option<f64>,

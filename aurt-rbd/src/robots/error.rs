@@ -97,6 +97,18 @@ pub enum RobotError {
         /// The chains' last links, with the number of joints of each chain.
         tips: Vec<String>,
     },
+    /// More joints than any robot has.
+    #[error(
+        "{}: {joints} joints move, of at most {most}; choose a part of the robot by `base` and `tip`, `tips` or `joints`", path.display()
+    )]
+    TooManyJoints {
+        /// The file.
+        path: PathBuf,
+        /// Number of joints that move, those that follow others included.
+        joints: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// Base and tip are there, but there is no chain of moving joints from one to the other.
     #[error("{}: {reason}", path.display())]
     NoChain {

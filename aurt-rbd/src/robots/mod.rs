@@ -52,7 +52,8 @@ pub fn read(
 }
 
 /// Reads the joints of a part of a robot description file, on the link `base` or the file's root: a tree, or a chain where
-/// there is no more. Joints come in the file's order, each after those that carry it.
+/// there is no more. Joints come in the file's order, each after those that carry it; of a part that names tips or joints,
+/// branches come in the order of these names.
 ///
 /// # Errors
 /// Everything that is wrong with the file, each with its place.

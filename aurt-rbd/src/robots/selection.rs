@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use crate::MOST_JOINTS;
+
 use crate::robots::RobotError;
 use crate::robots::part::Part;
 use crate::robots::tree::{Freedom, Tie, Tree};
@@ -52,18 +54,21 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, part: &Part) -> Result<Sel
                     named.contains(&joint) || leader.is_some_and(|leader| named.contains(&leader))
                 })
                 .collect();
-            let chosen = (0..tree.joints.len()).filter(|joint| moves[*joint] && one_degree(*joint));
+            let follows = |joint: &usize| moves[*joint] && one_degree(*joint) && !named.contains(joint);
+            let chosen = named.iter().copied().chain((0..tree.joints.len()).filter(follows));
             (chosen.map(|joint| tree.joints[joint].child).collect(), moves)
         }
     };
-    let mut on_path = vec![false; tree.joints.len()];
-    for end in ends {
+    // Where joints branch, those come first that lead to the end that is named first, and in the file's order without names.
+    let mut first_end: Vec<Option<usize>> = vec![None; tree.joints.len()];
+    for (rank, end) in ends.into_iter().enumerate() {
+        let rank = if *part == Part::All { 0 } else { rank };
         let mut link = end;
         while link != base {
             match tree.links[link].parent {
-                Some(joint) if on_path[joint] => break,
+                Some(joint) if first_end[joint].is_some() => break,
                 Some(joint) => {
-                    on_path[joint] = true;
+                    first_end[joint] = Some(rank);
                     link = tree.joints[joint].parent;
                 }
                 // Of all joints, those that do not hang on the base are none of the robot.
@@ -76,8 +81,11 @@ pub(crate) fn select(tree: &Tree, base: Option<&str>, part: &Part) -> Result<Sel
     let mut open = vec![base];
     while let Some(link) = open.pop() {
         joints.extend(tree.links[link].parent.filter(|_| link != base));
-        let children = tree.links[link].children.iter().rev();
-        open.extend(children.filter(|joint| on_path[**joint]).map(|joint| tree.joints[*joint].child));
+        let children = tree.links[link].children.iter();
+        let mut ranked: Vec<(usize, usize)> =
+            children.filter_map(|joint| Some((first_end[*joint]?, tree.joints[*joint].child))).collect();
+        ranked.sort_by_key(|(rank, _)| *rank);
+        open.extend(ranked.iter().rev().map(|(_, child)| *child));
     }
     checked(tree, (base, None), joints, &moves)
 }
@@ -110,6 +118,10 @@ fn checked(
     for joint in &joints {
         on_path[*joint] = true;
         moves[*joint] = chosen[*joint] && tree.joints[*joint].moves();
+    }
+    let moving = moves.iter().filter(|moves| **moves).count();
+    if moving > MOST_JOINTS {
+        return Err(RobotError::TooManyJoints { path: tree.path.clone(), joints: moving, most: MOST_JOINTS });
     }
     for (index, joint) in joints.iter().map(|j| (*j, &tree.joints[*j])) {
         let before = &tree.links[joint.parent].name;

@@ -115,6 +115,17 @@ fn a_tree_has_all_joints_or_those_that_are_named() {
         assert_eq!(same.joints[..5], chain.joints[..5]);
         assert_eq!(same.joints.len() - follower, chain.joints.len());
     }
+    // Branches come in the order in which they are named, behind what carries them.
+    let mirrored = GANTRY.replace("<mimic joint=\"finger_left\"/>", "");
+    for (tips, last) in [
+        (["left", "right"], ["finger_left", "finger_right"]),
+        (["right", "left"], ["finger_right", "finger_left"]),
+    ] {
+        for chosen in [Part::Tips(named(&tips)), Part::Joints(named(&[last[0], last[1], "elbow"]))] {
+            let tree = parse_part(&mirrored, "gantry.urdf", None, &chosen).unwrap();
+            assert_eq!(tree.joint_names[tree.joint_names.len() - 2..], last, "{chosen:?}");
+        }
+    }
     // What is left out on the way is at rest, and its motion concerns all joints.
     let outer = part(&Part::Joints(named(&["shoulder", "extension"]))).unwrap();
     assert_eq!(outer.joint_names, ["shoulder", "extension"]);
@@ -411,10 +422,17 @@ fn files_of_many_links_are_read_at_once() {
         ),
     ] {
         assert_eq!(tips(&text, "many.urdf", None).unwrap()[0], tip, "{what}");
-        let read = parse(&text, "many.urdf", None, None).unwrap();
-        assert_eq!(read.joint_names, ["first"], "{what}");
+        let read = parse(&text, "many.urdf", None, None);
+        if what == "a chain that follows" {
+            let error = read.unwrap_err().to_string();
+            assert!(error.contains("many.urdf: 40001 joints move, of at most 128"), "{error}");
+            continue;
+        }
+        assert_eq!(read.unwrap().joint_names, ["first"], "{what}");
     }
     let star = with_many((0..MANY).map(|k| of("revolute", "b".into(), k, none())));
+    let error = parse_part(&star, "many.urdf", None, &Part::All).unwrap_err().to_string();
+    assert!(error.contains("40001 joints move, of at most 128; choose a part"), "{error}");
     let error = parse(&star, "many.urdf", None, None).unwrap_err().to_string();
     assert!(error.contains("and 39960 more"), "{error}");
     let twice = star.replace("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>");

@@ -96,7 +96,7 @@ impl<'a> Joints<'a> {
             if !joints.decode_next()? {
                 return Err(RecordingError::JointNames {
                     path: path.to_owned(),
-                    lacking: joints.names.iter().find(|n| !seen.contains(n)).cloned().unwrap_or_default(),
+                    lacking: joints.names.iter().filter(|n| !seen.contains(n)).cloned().collect(),
                     recorded: seen,
                     wanted: joints.names,
                 });

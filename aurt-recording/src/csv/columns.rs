@@ -184,7 +184,9 @@ impl Search<'_> {
         match self.find(families, "joint positions", &families::POSITION, remarks)? {
             Some(columns) => Ok(columns),
             None if !needed => Ok(Vec::new()),
-            None => Err(self.missing("joint positions", None, &families::POSITION, "position")),
+            None => Err(self
+                .partly_named()
+                .unwrap_or_else(|| self.missing("joint positions", None, &families::POSITION, "position"))),
         }
     }
 

@@ -85,7 +85,33 @@ impl Search<'_> {
         tracks.filter_map(column).collect()
     }
 
+    /// The refusal of a file that has positions of some of the robot's joints by their names, and not of all.
+    pub(super) fn partly_named(&self) -> Option<RecordingError> {
+        let wanted = self.options.joint_names();
+        let is_recorded = |columns: &Vec<Vec<usize>>| columns.iter().any(|columns| !columns.is_empty());
+        let columns = self.named_columns(wanted, &families::POSITION).into_iter().find(is_recorded)?;
+        let counted = |name: &String, columns: &Vec<usize>| vec![name.clone(); columns.len()];
+        let recorded =
+            wanted.iter().zip(&columns).flat_map(|(name, columns)| counted(name, columns)).collect();
+        let lacking = wanted.iter().zip(&columns).filter(|(_, columns)| columns.len() != 1);
+        Some(RecordingError::JointNames {
+            path: self.path.to_owned(),
+            recorded,
+            wanted: wanted.to_vec(),
+            lacking: lacking.map(|(name, _)| name.clone()).collect(),
+        })
+    }
+
     fn by_names<'p>(&self, joints: &[String], quantities: &[&'p str]) -> Option<(&'p str, Vec<usize>)> {
+        let found = self.named_columns(joints, quantities);
+        let only = |columns: &Vec<usize>| columns.first().copied().filter(|_| columns.len() == 1);
+        let all = |columns: &Vec<Vec<usize>>| columns.iter().map(only).collect::<Option<Vec<usize>>>();
+        let mut families = quantities.iter().zip(&found).filter(|_| !joints.is_empty());
+        families.find_map(|(quantity, columns)| Some((*quantity, all(columns)?)))
+    }
+
+    /// Of each quantity and each joint the columns that are named after both.
+    fn named_columns(&self, joints: &[String], quantities: &[&str]) -> Vec<Vec<Vec<usize>>> {
         let mut places = HashMap::new();
         for (k, quantity) in quantities.iter().enumerate() {
             for (j, joint) in joints.iter().map(|joint| joint.to_lowercase()).enumerate() {
@@ -104,10 +130,7 @@ impl Search<'_> {
                 found[*k][*j].push(column);
             }
         }
-        let only = |columns: &Vec<usize>| columns.first().copied().filter(|_| columns.len() == 1);
-        let all = |columns: &Vec<Vec<usize>>| columns.iter().map(only).collect::<Option<Vec<usize>>>();
-        let mut families = quantities.iter().zip(&found).filter(|_| !joints.is_empty());
-        families.find_map(|(quantity, columns)| Some((*quantity, all(columns)?)))
+        found
     }
 
     /// The columns of a prefix.

@@ -133,9 +133,15 @@ impl Results<'_> {
         }
         if let Some(report) = &self.calibration.consistent {
             let open = report.standard.iter().filter(|s| !s.determined).count();
+            let held = if report.prior {
+                "are held by the description"
+            } else {
+                "are one choice of many that explain the data equally; masses of single links are not determined by torques: a \
+                 description of the robot as `prior` holds them"
+            };
             text.push_str(&wrapped(&format!(
-                "consistent: χ² {} above least squares, {} coefficients determined; {open} of {} standard parameters are one \
-                 choice of many that explain the data equally (metrics.json names them)",
+                "consistent: χ² {} above least squares, {} coefficients determined; {open} of {} standard parameters {held} \
+                 (metrics.json names them)",
                 significant(report.loss, 3),
                 report.determined,
                 report.standard.len()

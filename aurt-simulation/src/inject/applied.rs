@@ -31,7 +31,7 @@ impl Added {
             | Law::PeriodicDisturbance { .. }
             | Law::CrossAngleFriction { .. }
             | Law::StickingWindow { .. }
-            | Law::PositionDamper { .. } => Ok(outside::torque(self, scene)),
+            | Law::PositionDamper { .. } => outside::torque(self, scene),
             _ => Ok(friction::torque(self, scene)),
         }
     }

@@ -26,7 +26,7 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, Simu
         }
         Law::BaseTilt { .. } => {
             if let Some(tilt) = tilt(added) {
-                torques = scene.torque_under(tilt.tilted(scene.chain.gravity_m_s2()))?;
+                torques = scene.torque_under(tilt.tilted(scene.bodies.gravity_m_s2()))?;
                 for (series, upright) in torques.iter_mut().zip(&scene.load) {
                     for (t, u) in series.iter_mut().zip(upright) {
                         *t -= u;

@@ -1,5 +1,7 @@
 //! Shapes of effects, drawn for a robot's recordings: every shape from a continuum, within what the motion can show.
 
+use aurt_rbd::INERTIAL_PARAMETERS;
+
 use super::injection::Injection;
 use super::kinds::Kind;
 use super::law::{Added, Law};
@@ -42,7 +44,7 @@ impl Injection {
                 .collect();
             random.choose(&moving).copied().unwrap_or((joint + 1) % joints)
         };
-        let last = joints - 1;
+        let last = self.model.standard().len() / INERTIAL_PARAMETERS - 1;
         let (law, size) = match kind.identifier {
             "coulomb" => (Law::Coulomb, left),
             "coulomb_asymmetry" => (Law::CoulombAsymmetry, left),

@@ -57,8 +57,7 @@ impl Injection {
                 })
             })
             .collect::<Result<Vec<_>, SimulationError>>()?;
-        let figures =
-            (0..real.chain.joints().len()).map(|j| figures(&recorded, j)).collect::<Result<_, _>>()?;
+        let figures = (0..real.bodies.joints()).map(|j| figures(&recorded, j)).collect::<Result<_, _>>()?;
         let durations = || recorded.iter().map(|r| r.recording.duration_s());
         Ok(Self {
             shortest_s: durations().fold(f64::INFINITY, f64::min),

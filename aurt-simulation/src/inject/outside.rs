@@ -2,6 +2,7 @@
 
 use super::law::{Added, Law};
 use super::scene::Scene;
+use crate::error::SimulationError;
 
 /// A contact takes this long to build up and to end, s.
 const EDGE_S: f64 = 0.1;
@@ -9,7 +10,7 @@ const EDGE_S: f64 = 0.1;
 const EDGE_RAD: f64 = 0.02;
 
 /// The torque of a contact or an unknown effect.
-pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {
+pub(super) fn torque(added: &Added, scene: &Scene) -> Result<Vec<Vec<f64>>, SimulationError> {
     if let Law::ExternalContact { link, direction, window_s } = &added.law {
         return contact(added.size, scene, *link, *direction, *window_s);
     }
@@ -36,7 +37,7 @@ pub(super) fn torque(added: &Added, scene: &Scene) -> Vec<Vec<f64>> {
                 _ => 0.0,
             };
     }
-    torques
+    Ok(torques)
 }
 
 /// −Jᵀ F: what the drives have to hold against a force on a link.
@@ -46,25 +47,14 @@ fn contact(
     link: usize,
     direction: [f64; 3],
     window_s: [f64; 2],
-) -> Vec<Vec<f64>> {
-    let joints = scene.joints();
-    let mut torques = scene.nothing();
-    let (mut frames, mut jacobian, mut q) = (Vec::new(), vec![0.0; 6 * joints], vec![0.0; joints]);
-    for k in 0..scene.samples() {
-        let time = scene.since_start_s(k);
-        let inside = ((time - window_s[0]).min(window_s[1] - time) / EDGE_S).clamp(0.0, 1.0);
-        if inside == 0.0 {
-            continue;
-        }
-        for (angle, series) in q.iter_mut().zip(&scene.motion.position_rad) {
-            *angle = series[k];
-        }
-        scene.chain.link_frames(&q, &mut frames);
-        scene.chain.jacobian(&frames, link, [0.0; 3], &mut jacobian);
-        for (j, series) in torques.iter_mut().enumerate() {
-            let lever: f64 = (0..3).map(|r| jacobian[r * joints + j] * direction[r]).sum();
-            series[k] = -size_n * inside * lever;
+) -> Result<Vec<Vec<f64>>, SimulationError> {
+    let mut torques = scene.held_against(link, direction)?;
+    for series in &mut torques {
+        for (k, torque) in series.iter_mut().enumerate() {
+            let time = scene.since_start_s(k);
+            let inside = ((time - window_s[0]).min(window_s[1] - time) / EDGE_S).clamp(0.0, 1.0);
+            *torque *= size_n * inside;
         }
     }
-    torques
+    Ok(torques)
 }

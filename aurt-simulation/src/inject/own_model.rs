@@ -1,7 +1,9 @@
 //! What the experiment's own structure leaves of the recordings as they are: a least squares of base parameters and
 //! the experiment's friction. Nothing of it is reported but residuals; effects take its rigid-body torque and friction.
 
-use aurt_rbd::{INERTIAL_PARAMETERS, SerialChain, base_parameters};
+use std::sync::Arc;
+
+use aurt_rbd::base_parameters;
 use aurt_recording::{Preprocessed, Segment};
 use aurt_traits::{BaseParameters, MotionView, RegressorTile, RigidBodyRegressor};
 
@@ -12,7 +14,7 @@ use crate::error::SimulationError;
 /// The experiment's structure fitted to the recordings as they are.
 #[derive(Debug, Clone)]
 pub struct OwnModel {
-    chain: SerialChain,
+    bodies: Arc<dyn RigidBodyRegressor>,
     base: BaseParameters,
     structure: Structure,
     /// Coefficients of each joint's row: base parameters, then Coulomb, viscous, rotor, load.
@@ -39,10 +41,10 @@ const PASSES: usize = 3;
 
 impl OwnModel {
     pub(super) fn new(real: &RealExperiment, recordings: &[Preprocessed]) -> Result<Self, SimulationError> {
-        let joints = real.chain.joints().len();
-        let base = base_parameters(&real.chain, 1)?;
+        let joints = real.bodies.joints();
+        let base = base_parameters(&*real.bodies, 1)?;
         let mut rows: Vec<Vec<usize>> = (0..joints)
-            .map(|j| (0..base.len()).filter(|k| real.chain.loads(base.columns[*k], j)).collect())
+            .map(|j| (0..base.len()).filter(|k| real.bodies.loads(base.columns[*k], j)).collect())
             .collect();
         let mut count = base.len();
         for (row, terms) in rows.iter_mut().zip(&real.structure.joints) {
@@ -54,13 +56,13 @@ impl OwnModel {
             count += own;
         }
         let mut model = Self {
-            standard: vec![0.0; joints * INERTIAL_PARAMETERS],
+            standard: vec![0.0; real.bodies.standard_parameters().len()],
             coulomb: vec![0.0; joints],
             viscous: vec![0.0; joints],
             left_rms: vec![1.0; joints],
             coefficients: vec![0.0; count],
             structure: real.structure.clone(),
-            chain: real.chain.clone(),
+            bodies: Arc::clone(&real.bodies),
             base,
             rows,
         };
@@ -82,10 +84,10 @@ impl OwnModel {
         Ok(model)
     }
 
-    /// Geometry under gravity.
+    /// The rigid bodies under gravity.
     #[must_use]
-    pub const fn chain(&self) -> &SerialChain {
-        &self.chain
+    pub const fn bodies(&self) -> &Arc<dyn RigidBodyRegressor> {
+        &self.bodies
     }
 
     /// Standard inertial parameters that give the fitted rigid-body torques: base parameters in the places of the
@@ -192,7 +194,7 @@ impl OwnModel {
 
     fn evaluate(&self, motion: MotionView<'_>) -> Vec<Vec<Vec<f64>>> {
         let (joints, samples) = (self.rows.len(), motion.samples());
-        let parameters = joints * INERTIAL_PARAMETERS;
+        let parameters = self.standard.len();
         let mut destination = vec![RegressorTile::UNWANTED; joints * parameters];
         let mut columns = 0;
         for (j, row) in self.rows.iter().enumerate() {
@@ -202,11 +204,11 @@ impl OwnModel {
             }
         }
         let mut data = vec![0.0; columns as usize * samples];
-        self.chain
+        self.bodies
             .evaluate(motion, &mut RegressorTile::new(&destination, parameters, samples, samples, &mut data));
         let mut load = vec![0.0; joints * samples];
         if self.structure.joints.iter().any(|t| t.load) {
-            self.chain.torque(motion, &self.standard, &mut load, samples);
+            self.bodies.torque(motion, &self.standard, &mut load, samples);
         }
         let mut rigid = data.chunks_exact(samples.max(1));
         (0..joints)

@@ -1,6 +1,7 @@
-use aurt_rbd::SerialChain;
+use std::sync::Arc;
+
 use aurt_recording::{PreprocessOptions, Preprocessed, Recording, preprocess};
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
 
 use serde::{Deserialize, Serialize};
 
@@ -12,13 +13,13 @@ use crate::robots::Robot;
 pub struct RealExperiment {
     /// What the robot is called in truths and reference names.
     pub name: String,
-    /// The text of its table of modified Denavit–Hartenberg parameters.
-    pub mdh_csv: String,
-    /// Its geometry under gravity.
-    pub chain: SerialChain,
+    /// The text of its table of modified Denavit–Hartenberg parameters, where the geometry is one.
+    pub mdh_csv: Option<String>,
+    /// Its rigid bodies under gravity.
+    pub bodies: Arc<dyn RigidBodyRegressor>,
     /// Unit of the measurements, gains undone.
     pub unit: MeasurementUnit,
-    /// The experiment without its section `[recordings]`: the geometry in `mdh.csv`, gains undone.
+    /// The experiment without its section `[recordings]`: the geometry in `mdh.csv` where it is a table, gains undone.
     pub experiment_toml: String,
     /// How recordings are preprocessed, gains undone.
     pub options: PreprocessOptions,
@@ -49,7 +50,7 @@ impl RealExperiment {
 
     /// Checks that the recordings are those of the robot.
     pub(super) fn validate(&self) -> Result<(), SimulationError> {
-        let joints = self.chain.joints().len();
+        let joints = self.bodies.joints();
         let count = |what: String, expected: usize, found: usize| {
             if expected == found { Ok(()) } else { Err(SimulationError::Count { what, expected, found }) }
         };

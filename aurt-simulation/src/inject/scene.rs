@@ -1,4 +1,6 @@
-use aurt_rbd::{ChainDynamics, SerialChain};
+use std::sync::Arc;
+
+use aurt_rbd::INERTIAL_PARAMETERS;
 use aurt_traits::{Motion, RigidBodyRegressor};
 
 use super::own_model::OwnModel;
@@ -12,8 +14,8 @@ pub struct Scene {
     pub motion: Smoothed,
     /// Torque of the rigid bodies as fitted, `[joint][sample]`.
     pub load: Vec<Vec<f64>>,
-    /// Geometry under gravity.
-    pub chain: SerialChain,
+    /// The rigid bodies under gravity.
+    pub bodies: Arc<dyn RigidBodyRegressor>,
     /// Standard inertial parameters that give the fitted torques.
     pub standard: Vec<f64>,
     /// Fitted Coulomb friction of each joint.
@@ -28,12 +30,12 @@ pub(super) const CREEP_RAD_S: f64 = 5e-3;
 
 impl Scene {
     pub(super) fn new(motion: Smoothed, model: &OwnModel) -> Result<Self, SimulationError> {
-        let chain = model.chain().clone();
-        let load = torque(&chain, &motion, model.standard())?;
+        let bodies = Arc::clone(model.bodies());
+        let load = torque(&*bodies, &moving(&motion)?, model.standard());
         Ok(Self {
             motion,
             load,
-            chain,
+            bodies,
             standard: model.standard().to_vec(),
             coulomb: model.coulomb().to_vec(),
             viscous: model.viscous().to_vec(),
@@ -69,31 +71,42 @@ impl Scene {
 
     /// Torque of bodies with other inertial parameters.
     pub(super) fn torque_of(&self, standard: &[f64]) -> Result<Vec<Vec<f64>>, SimulationError> {
-        torque(&self.chain, &self.motion, standard)
+        Ok(torque(&*self.bodies, &moving(&self.motion)?, standard))
     }
 
     /// Torque of the robot's bodies under another gravity.
     pub(super) fn torque_under(&self, gravity_m_s2: [f64; 3]) -> Result<Vec<Vec<f64>>, SimulationError> {
-        torque(&self.chain.under_gravity(gravity_m_s2), &self.motion, &self.standard)
+        Ok(torque(&*self.bodies.with_gravity(gravity_m_s2), &moving(&self.motion)?, &self.standard))
     }
 
-    /// The column of the mass matrix of a joint, `[row][sample]`.
+    /// −Jᵀ d, the torque that drives have to hold against a force of 1 N in the direction d at the origin of a link's frame,
+    /// `[row][sample]`: that of a mass of 1 kg there, under a gravity of d.
+    pub(super) fn held_against(
+        &self,
+        link: usize,
+        direction: [f64; 3],
+    ) -> Result<Vec<Vec<f64>>, SimulationError> {
+        let mut mass = vec![0.0; self.standard.len()];
+        mass[link * INERTIAL_PARAMETERS + INERTIAL_PARAMETERS - 1] = 1.0;
+        Ok(torque(&*self.bodies.with_gravity(direction), &self.resting(None)?, &mass))
+    }
+
+    /// The column of the mass matrix of a joint, `[row][sample]`: the torque of its acceleration of one, at rest and
+    /// without gravity.
     pub(super) fn inertia_column(&self, joint: usize) -> Result<Vec<Vec<f64>>, SimulationError> {
-        let joints = self.joints();
-        let mut dynamics = ChainDynamics::new(self.chain.clone(), &self.standard)?;
-        let mut column = self.nothing();
-        let mut matrix = vec![0.0; joints * joints];
-        let mut q = vec![0.0; joints];
-        for k in 0..self.samples() {
-            for (angle, series) in q.iter_mut().zip(&self.motion.position_rad) {
-                *angle = series[k];
-            }
-            dynamics.mass_matrix(&q, &mut matrix);
-            for (row, series) in column.iter_mut().enumerate() {
-                series[k] = matrix[row * joints + joint];
-            }
+        Ok(torque(&*self.bodies.with_gravity([0.0; 3]), &self.resting(Some(joint))?, &self.standard))
+    }
+
+    /// The poses of the motion at rest, with an acceleration of one of a joint.
+    fn resting(&self, accelerated: Option<usize>) -> Result<Motion, SimulationError> {
+        let samples = self.samples();
+        let still = vec![0.0; self.joints() * samples];
+        let mut acceleration = still.clone();
+        if let Some(joint) = accelerated {
+            acceleration[joint * samples..(joint + 1) * samples].fill(1.0);
         }
-        Ok(column)
+        let position = self.motion.position_rad.concat();
+        Ok(Motion::new(self.joints(), self.motion.time_s.clone(), position, still, acceleration)?)
     }
 }
 
@@ -101,20 +114,19 @@ pub(super) fn direction(velocity_rad_s: f64) -> f64 {
     (velocity_rad_s / CREEP_RAD_S).clamp(-1.0, 1.0)
 }
 
-fn torque(
-    chain: &SerialChain,
-    motion: &Smoothed,
-    standard: &[f64],
-) -> Result<Vec<Vec<f64>>, SimulationError> {
-    let (joints, samples) = (motion.joints(), motion.samples());
-    let all = Motion::new(
-        joints,
+fn moving(motion: &Smoothed) -> Result<Motion, SimulationError> {
+    Ok(Motion::new(
+        motion.joints(),
         motion.time_s.clone(),
         motion.position_rad.concat(),
         motion.velocity_rad_s.concat(),
         motion.acceleration_rad_s2.concat(),
-    )?;
-    let mut torques = vec![0.0; joints * samples];
-    chain.torque(all.view(), standard, &mut torques, samples);
-    Ok(torques.chunks(samples.max(1)).map(<[f64]>::to_vec).collect())
+    )?)
+}
+
+fn torque(bodies: &dyn RigidBodyRegressor, motion: &Motion, standard: &[f64]) -> Vec<Vec<f64>> {
+    let (view, samples) = (motion.view(), motion.view().samples());
+    let mut torques = vec![0.0; bodies.joints() * samples];
+    bodies.torque(view, standard, &mut torques, samples);
+    torques.chunks(samples.max(1)).map(<[f64]>::to_vec).collect()
 }

@@ -73,7 +73,7 @@ impl<'a> Trials<'a> {
     /// # Errors
     /// What the diagnosis reports.
     pub fn claims(&self, kind: &Kind, added: &AddedRows, turn: f64) -> Result<Claims, Failure> {
-        let joints = self.subject.injection.real().chain.joints().len();
+        let joints = self.subject.injection.joints();
         Ok(match self.prepared.said_with(kind.identifier, added, turn)? {
             Some(verdict) => Claims::of(&verdict),
             // With the delay undone, the rest is what is claimed of the recordings as they are.

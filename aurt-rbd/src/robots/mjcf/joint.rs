@@ -111,8 +111,7 @@ impl<'x> Reading<'_, 'x> {
                 Some("false") => false,
                 _ => self.autolimits,
             };
-            let range = of(name).filter(|_| limited).map(|text| element.parsed(name, text)).transpose()?;
-            Ok(range.filter(|[low, high]: &[f64; 2]| low < high))
+            of(name).filter(|_| limited).map(|text| element.parsed(name, text)).transpose()
         };
         let torque = pair("actuatorfrcrange", "actuatorfrclimited")?;
         Ok(JointLimits {

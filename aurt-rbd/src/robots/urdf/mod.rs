@@ -195,9 +195,9 @@ impl<'a> Reader<'a> {
         };
         let mut limits = JointLimits::default();
         if let Some(limit) = element.child("limit") {
-            let (lower, upper) =
-                (limit.number("lower")?.unwrap_or(0.0), limit.number("upper")?.unwrap_or(0.0));
-            limits.position_rad = (kind != "continuous" && lower < upper).then_some([lower, upper]);
+            let stated = [limit.number("lower")?, limit.number("upper")?];
+            let is_stated = kind != "continuous" && stated.iter().any(Option::is_some);
+            limits.position_rad = is_stated.then(|| stated.map(Option::unwrap_or_default));
             limits.velocity_rad_s = limit.number("velocity")?.filter(|v| *v > 0.0);
             limits.torque_nm = limit.number("effort")?.filter(|v| *v > 0.0);
         }
