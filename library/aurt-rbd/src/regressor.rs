@@ -27,6 +27,10 @@ impl RigidBodyRegressor for SerialChain {
         Self::joint_names(self)
     }
 
+    fn link_names(&self) -> &[String] {
+        Self::link_names(self)
+    }
+
     fn branches(&self) -> &[Branch] {
         Self::branches(self)
     }

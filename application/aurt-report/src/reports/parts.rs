@@ -2,7 +2,7 @@
 
 use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueChoice};
 use aurt_model::BASE_PARAMETER_SEED;
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 
 use crate::{
     page::Block,
@@ -49,16 +49,22 @@ pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -
     Block::Folded { title: title.to_owned(), open, blocks }
 }
 
+/// The title of a column of joints: names stand left, numbers right.
+pub const fn joint_column(names: RobotNames<'_>) -> &'static str {
+    if names.joints.is_empty() { "joint" } else { "<joint" }
+}
+
 /// How a calibration was computed.
 pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> Vec<(String, String)> {
     let options = &calibration.options;
     let unit = calibration.unit.symbol();
     let sigma: Vec<String> = calibration.sigma.iter().map(|s| significant(*s, 3)).collect();
+    let names = model.names();
     let joints = (0..model.joints()).map(|j| {
         let stack = &model.stacks()[j];
         format!(
             "{}: {} × {} + {}",
-            j,
+            names.joint_cell(j),
             stack.coulomb().name(),
             stack.hysteresis().name(),
             stack.viscous().name()

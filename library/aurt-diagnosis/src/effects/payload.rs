@@ -31,11 +31,11 @@
 //! - S. Mamedov, S. Mikhel (2020), *Practical aspects of model-based collision detection*.
 
 use aurt_calibration::with_deviation;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde_json::{Value, json};
 
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
-use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit};
+use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit, Wording};
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
@@ -53,7 +53,7 @@ pub static EFFECT: Effect = Effect {
     is_whole_arm: true,
     propose,
     estimate: Some(estimate),
-    phrase: Some(phrase),
+    wording: Some(wording),
     excludes,
     ..Effect::BASE
 };
@@ -91,18 +91,41 @@ fn estimate(proposal: &Proposal, fitted: &[FittedColumn], _: &OwnFriction) -> Pa
     parameters
 }
 
-fn phrase(parameters: &Parameters, measured: MeasurementUnit) -> Option<String> {
-    let mass_kg = parameters.get("mass_kg")?;
-    let (value, link) = (mass_kg.value.as_f64()?, parameters.get("link")?.value.as_f64()?);
-    let mass = match mass_kg.std.as_f64() {
+/// A centre of mass that is known to this, m, is worth a place in a sentence.
+const KNOWN_CENTRE_M: f64 = 0.05;
+
+fn wording(parameters: &Parameters, measured: MeasurementUnit, names: RobotNames<'_>) -> Wording {
+    let link = parameters.get("link").and_then(|link| link.value.as_f64());
+    let on = link.map_or_else(|| "a link".to_owned(), |link| names.link(link as usize));
+    let known = parameters.get("mass_kg").and_then(|mass| Some((mass.value.as_f64()?, mass.std.as_f64())));
+    let Some((value, std)) = known else {
+        return Wording { phrase: format!("a load of undetermined mass on {on}"), detail: String::new() };
+    };
+    let mass = match std {
         Some(std) => with_deviation(value.abs(), std),
         None => format!("{:.3}", value.abs()),
     };
     let unit = Unit::Mass.symbol(measured);
-    Some(if value < 0.0 {
-        format!("a load of {mass} {unit} removed from link {link}")
+    let phrase = if value < 0.0 {
+        format!("a load of {mass} {unit} removed from {on}")
     } else {
-        format!("a payload of {mass} {unit} on link {link}")
+        format!("a payload of {mass} {unit} on {on}")
+    };
+    Wording { phrase, detail: centre(parameters).unwrap_or_default() }
+}
+
+/// The centre of mass, where it is determined.
+fn centre(parameters: &Parameters) -> Option<String> {
+    let com_m = parameters.get("com_m")?;
+    let numbers = |of: &Value| of.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+    let (values, stds) = (numbers(&com_m.value)?, numbers(&com_m.std)?);
+    let largest = stds.iter().copied().fold(0.0, f64::max);
+    (largest.is_finite() && largest <= KNOWN_CENTRE_M && !stds.is_empty()).then(|| {
+        let values: Vec<String> = values.iter().map(|v| format!("{v:.3}")).collect();
+        format!(
+            "centre of mass [{}] ± {largest:.3} m in the frame of its joint, z along the axis",
+            values.join(", ")
+        )
     })
 }
 
@@ -126,12 +149,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn masses_of_a_model_in_amperes_are_not_kilograms() {
-        let parameters = Parameters::from([
-            ("mass_kg".to_owned(), ParameterValue::new(0.2506, 0.005)),
-            ("link".to_owned(), ParameterValue::exact(5.0)),
-        ]);
-        let said = phrase(&parameters, MeasurementUnit::Ampere);
-        assert_eq!(said.as_deref(), Some("a payload of 0.2506 ± 0.0050 A/Nm kg on link 5"));
+    fn a_load_is_told_with_its_link_its_unit_and_a_centre_that_is_determined() {
+        let mut parameters = Parameters::from([("link".to_owned(), ParameterValue::exact(1.0))]);
+        let links = ["upper_arm", "wrist_link"].map(str::to_owned);
+        let names = RobotNames { joints: &[], links: &links };
+        let said = wording(&parameters, MeasurementUnit::NewtonMetre, names);
+        assert_eq!(said.phrase, "a load of undetermined mass on wrist_link");
+        parameters.insert("mass_kg".to_owned(), ParameterValue::new(0.2506, 0.005));
+        let said = wording(&parameters, MeasurementUnit::Ampere, RobotNames::default());
+        assert_eq!(said.phrase, "a payload of 0.2506 ± 0.0050 A/Nm kg on link 1");
+        for (std, detail) in [
+            (
+                0.01,
+                "centre of mass [0.000, 0.020, -0.100] ± 0.010 m in the frame of its joint, z along the axis",
+            ),
+            (0.2, ""),
+            (f64::INFINITY, ""),
+        ] {
+            parameters
+                .insert("com_m".to_owned(), ParameterValue::new([0.0, 0.02, -0.1], [0.001, 0.002, std]));
+            assert_eq!(wording(&parameters, MeasurementUnit::NewtonMetre, names).detail, detail);
+        }
     }
 }
