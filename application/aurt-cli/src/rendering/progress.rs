@@ -153,13 +153,14 @@ mod tests {
             let mut all = std::iter::from_fn(|| lines.recv_timeout(patience).ok());
             all.find(|line| line.contains(what)).unwrap_or_default()
         };
-        let line = told("step 1 of 24 after 0 s: reading a");
-        assert!(line.ends_with(".csv\n") && !line.contains('\u{1b}'), "{line:?}");
+        let line = told("step 1 of 24 after ");
+        assert!(line.contains(" s: reading a") && line.ends_with(".csv\n"), "{line:?}");
+        assert!(!line.contains('\u{1b}'), "{line:?}");
         observer.advance();
         assert!(told("step 2").ends_with(".csv\n"));
         observer.skip(20);
         observer.step("selecting");
-        assert_eq!(told("step 21"), "step 21 of 24 after 0 s: selecting\n");
+        assert!(told("step 21 of 24 after ").ends_with(" s: selecting\n"));
         drop(observer);
         assert!(lines.iter().all(|line| line.starts_with("step 21")), "the writer has ended");
     }
