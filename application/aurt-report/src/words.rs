@@ -98,7 +98,7 @@ pub fn headline(verdict: &Verdict, asked: Asked) -> String {
 
 /// What a reader who is told of nothing may want to know next.
 pub const HOW_LARGE: &str =
-    "`aurt sensitivity` says how large an effect could be and stay hidden in these recordings.";
+    "`aurt sensitivity` gives, for each effect, the largest size that these recordings could hide.";
 
 /// What has changed, then what is missing in all recordings.
 fn changed(verdict: &Verdict, asked: Asked) -> String {

@@ -87,11 +87,11 @@ fn verdict(results: &Results<'_>) -> Verdict {
         .map(percent);
     let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     let headline = if errors.is_empty() {
-        "The model is calibrated; nothing could be judged".to_owned()
+        "The model is calibrated; no error could be computed".to_owned()
     } else if held_out.is_empty() {
         format!(
-            "Calibrated on {}; its error there is {low} % to {high} % of the signal, joint by joint. Nothing was held \
-             out to judge it by",
+            "Calibrated on {}; its error there is {low} % to {high} % of the signal, joint by joint. No recording was \
+             held out",
             plural(fitted, "recording")
         )
     } else {
@@ -289,9 +289,9 @@ fn residuals(results: &Results<'_>) -> Section {
     Section {
         title: "What the residual follows".into(),
         introduction: format!(
-            "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. A complete \
-             model leaves means near zero everywhere; where they bend away, physics is missing, and aurt diagnose looks \
-             for its name."
+            "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. With a \
+             complete model all means are near zero; where they deviate, physics is missing, and aurt diagnose \
+             searches for it."
         ),
         blocks,
     }

@@ -84,7 +84,7 @@ impl Answered<'_> {
         ];
         if self.said == Answer::Unexplained {
             sentences.push(
-                "What is left of the recordings as they are has no name: nothing beside it is named before it outweighs that."
+                "The recordings as they are leave an unexplained residual: an added effect is named only once it exceeds that residual."
                     .into(),
             );
         }
@@ -113,7 +113,7 @@ impl Answered<'_> {
         Section {
             title: "Sizes".into(),
             introduction:
-                "What is smaller than this may be there and was not seen; what is larger would have been."
+                "A smaller effect may be present and undetected; a larger one would have been detected."
                     .into(),
             blocks: vec![Block::Table(table)],
         }

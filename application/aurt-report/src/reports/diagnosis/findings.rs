@@ -39,8 +39,8 @@ impl Diagnosed<'_> {
         }));
         if !self.verdict.indications.is_empty() {
             blocks.push(Block::Text(
-                "Indications. These describe the recordings and fail a test; they are not claimed, and the improved model \
-                 does without them:"
+                "Indications. These describe the recordings but fail a test; they are not claimed and are not in the improved \
+                 model:"
                     .into(),
             ));
             let lines =

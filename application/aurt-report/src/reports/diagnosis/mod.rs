@@ -89,8 +89,8 @@ impl Diagnosed<'_> {
         let mut provenance = parts::program("diagnose");
         provenance.push(parts::entry(
             "Method",
-            "candidates of all known effects, selected by cross-validation over six blocks of time; held-out rows took \
-             no part in selection or fitting",
+            "candidates of all known effects, selected by cross-validation over six blocks of time; held-out rows are used \
+             neither for selection nor for fitting",
         ));
         for (series, notes) in self.series.iter().zip(&self.recording_notes) {
             provenance
@@ -338,7 +338,7 @@ impl Diagnosed<'_> {
         }
         if blocks.is_empty() {
             blocks.push(Block::Text(
-                "Every effect that is known would have shown in these recordings, had it been there.".into(),
+                "Every known effect would be visible in these recordings if it were present.".into(),
             ));
         }
         Section {

@@ -90,7 +90,7 @@ impl Diagnosed<'_> {
         Section {
             title: "Measured and predicted".into(),
             introduction: "Filtered and decimated as in the fit. Interrupted lines: rows that do not count, because the \
-                           joint stands or the recording is faulty. Drag over a stretch to look closer, drag with Shift \
+                           joint is at rest or the recording is faulty. Drag over a stretch to look closer, drag with Shift \
                            to move, double-click for all; + − ← → 0 do the same once a plot has the focus."
                 .into(),
             blocks,
@@ -150,7 +150,7 @@ impl Diagnosed<'_> {
         Section {
             title: "What the residual follows".into(),
             introduction: "Residuals of the held-out rows over each coordinate, with means over classes of equal count. \
-                           What bends before and is flat after has been explained; what bends after is still missing."
+                           A trend that is present before and absent after is explained; one that remains after is still missing."
                 .into(),
             blocks,
         }
