@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::error::raised;
 
 /// A report: one self-contained HTML page that shows itself in a notebook.
-#[pyclass(frozen, module = "aurt", skip_from_py_object)]
+#[pyclass(frozen, module = "aurt")]
 #[derive(Clone)]
 pub struct Report {
     html: String,

@@ -171,7 +171,7 @@ impl Answered<'_> {
         for check in self.checks {
             table.row([
                 Cell::from(check.effect.as_str()),
-                Cell::from(place(check.joint, names)),
+                Cell::from(place(check.joint, self.subject.names())),
                 Cell::from(significant(check.named_from, 2)),
                 Cell::from(check.unit.as_str()),
                 Cell::from(word(check.named_at_double)),
