@@ -296,4 +296,4 @@ pub fn visible_gears(verdict: &Verdict) -> Option<String> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

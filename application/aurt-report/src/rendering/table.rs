@@ -13,7 +13,7 @@ pub struct Table {
 }
 
 /// The narrowest column of running text.
-const LEAST_REMARK: usize = 16;
+const LEAST_REMARK: usize = 14;
 /// Spaces between two columns.
 const GAP: usize = 2;
 
