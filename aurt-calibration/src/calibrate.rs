@@ -1,9 +1,9 @@
 use aurt_traits::{LoadTorque, MeasurementUnit, RobotModel};
 
 use crate::{
-    CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, ConsistentReport, Deviations,
-    EssentialReport, Estimate, Estimator, Fit, Hausman, JointFactor, JointRange, LoadTorqueChoice,
-    NamedRecording, PositionBias, RobustReport, System, TermScopes, accumulate_scoped,
+    CalibratedParameter, Calibration, CalibrationError, CalibrationOptions, Deviations, EssentialReport,
+    Estimate, Estimator, Fit, Hausman, JointFactor, JointRange, LoadTorqueChoice, NamedRecording,
+    PositionBias, System, TermScopes, accumulate_scoped,
     consistent::{Prior, make_consistent},
     deviations::Sandwich,
     errors_in_positions::{Fitted, Looked, Shift, Tested, look},
@@ -203,11 +203,12 @@ pub(crate) fn finished(
         .iter()
         .map(|d| (model.parameters()[d.column].name.as_str(), d.combinations(model)))
         .collect();
+    let robot = model.names();
     let mut warnings = warnings(&judged, &inseparable, estimate.solution.condition_number);
-    warnings.extend(consistent.iter().flat_map(ConsistentReport::warnings));
-    warnings.extend(position_bias.iter().filter_map(PositionBias::overwhelming));
+    warnings.extend(consistent.iter().flat_map(|report| report.warnings(robot)));
+    warnings.extend(position_bias.iter().filter_map(|bias| bias.overwhelming(robot)));
     warnings.extend(position_bias.iter().filter(|_| biased.is_some()).flat_map(PositionBias::warnings));
-    warnings.extend(robust.iter().flat_map(RobustReport::warnings));
+    warnings.extend(robust.iter().flat_map(|report| report.warnings(robot)));
     let about_physics = physical::warnings(&physical::Fitted {
         model,
         parameters: &parameters,

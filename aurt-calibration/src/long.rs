@@ -116,7 +116,7 @@ pub fn validate_long(
         samples,
         all: all.into_iter().collect(),
         moving: moving.into_iter().collect(),
-        warnings: beyond(calibration, &fastest, &heaviest),
+        warnings: beyond(calibration, &fastest, &heaviest, model.names()),
     })
 }
 

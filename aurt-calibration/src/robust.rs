@@ -1,6 +1,6 @@
 //! Weights by row: impacts, knocks and other rows that are none of the model's.
 
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -59,13 +59,14 @@ pub struct RobustReport {
 
 impl RobustReport {
     /// Where rejected rows are too many to be impacts.
-    pub(crate) fn warnings(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn warnings<'a>(&'a self, names: RobotNames<'a>) -> impl Iterator<Item = String> + 'a {
         let many = self.rejected.iter().enumerate().filter(|(_, share)| **share > MANY);
-        many.map(|(joint, share)| {
+        many.map(move |(joint, share)| {
             format!(
-                "{:.0} % of the rows of joint {joint} have no weight in the fit: so many rows indicate a missing effect rather \
+                "{:.0} % of the rows of {} have no weight in the fit: so many rows indicate a missing effect rather \
                  than impacts; compare with `estimator = \"wls\"`",
-                100.0 * share
+                100.0 * share,
+                names.joint(joint)
             )
         })
     }

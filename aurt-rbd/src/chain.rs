@@ -30,6 +30,7 @@ pub struct SerialChain {
     paths: Vec<usize>,
     gravity_m_s2: [f64; 3],
     joint_names: Vec<String>,
+    link_names: Vec<String>,
     branches: Vec<Branch>,
 }
 
@@ -77,6 +78,7 @@ impl SerialChain {
             paths,
             gravity_m_s2,
             joint_names: Vec::new(),
+            link_names: Vec::new(),
             branches: Vec::new(),
         })
     }
@@ -98,6 +100,15 @@ impl SerialChain {
         Ok(Self { joint_names, ..self })
     }
 
+    /// The same chain with names for its links, that of joint 0 first; an empty list for none.
+    ///
+    /// # Errors
+    /// [`RbdError::Count`] if the number of names is not that of the joints.
+    pub fn with_link_names(self, link_names: Vec<String>) -> Result<Self, RbdError> {
+        check_link_names(&link_names, self.joints.len())?;
+        Ok(Self { link_names, ..self })
+    }
+
     /// The same chain with the joints beside it.
     ///
     /// # Errors
@@ -117,6 +128,12 @@ impl SerialChain {
     #[must_use]
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
+    }
+
+    /// The links' names, that of joint 0 first; empty where they have none.
+    #[must_use]
+    pub fn link_names(&self) -> &[String] {
+        &self.link_names
     }
 
     /// The joints, base first.
@@ -225,6 +242,14 @@ pub(crate) fn check_joint_names(names: &[String], joints: usize) -> Result<(), R
     }
 }
 
+/// Whether names can be those of the links of `joints` joints: none at all, or one each.
+pub(crate) fn check_link_names(names: &[String], joints: usize) -> Result<(), RbdError> {
+    if names.is_empty() || names.len() == joints {
+        return Ok(());
+    }
+    Err(RbdError::Count { what: "link names", expected: joints, found: names.len() })
+}
+
 /// Whether branches can be those of a chain of `joints` joints.
 pub(crate) fn check_branches(branches: &[Branch], joints: usize) -> Result<(), RbdError> {
     match branches.iter().find(|b| b.upstream.iter().any(|j| *j >= joints)) {
@@ -242,13 +267,15 @@ struct ChainSpec {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     joint_names: Vec<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    link_names: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     branches: Vec<Branch>,
 }
 
 impl From<SerialChain> for ChainSpec {
     fn from(chain: SerialChain) -> Self {
-        let SerialChain { gravity_m_s2, joints, joint_names, branches, .. } = chain;
-        Self { gravity_m_s2, joints, joint_names, branches }
+        let SerialChain { gravity_m_s2, joints, joint_names, link_names, branches, .. } = chain;
+        Self { gravity_m_s2, joints, joint_names, link_names, branches }
     }
 }
 
@@ -258,6 +285,7 @@ impl TryFrom<ChainSpec> for SerialChain {
     fn try_from(spec: ChainSpec) -> Result<Self, RbdError> {
         Self::new(spec.joints, spec.gravity_m_s2)?
             .with_joint_names(spec.joint_names)?
+            .with_link_names(spec.link_names)?
             .with_branches(spec.branches)
     }
 }
@@ -283,7 +311,9 @@ mod tests {
         let names = ["a\"\n*/", "b"].map(str::to_owned).to_vec();
         let nameless = SerialChain::new(joints, [0.0, 6.937, -6.937]).unwrap();
         assert!(!serde_json::to_string(&nameless).unwrap().contains("joint_names"));
-        let chain = nameless.clone().with_joint_names(names).unwrap();
+        let links = ["upper arm", "upper arm"].map(str::to_owned).to_vec();
+        assert!(nameless.clone().with_link_names(links[..1].to_vec()).is_err());
+        let chain = nameless.clone().with_joint_names(names).unwrap().with_link_names(links.clone()).unwrap();
         for bad in [vec!["a"], vec!["a", "a"], vec!["a", " "]] {
             let bad = bad.into_iter().map(str::to_owned).collect();
             assert!(nameless.clone().with_joint_names(bad).is_err());
@@ -293,6 +323,7 @@ mod tests {
         assert!(text.contains(r#""kind":"serial_chain""#), "{text}");
         let read: Box<dyn aurt_traits::RigidBodyRegressor> = serde_json::from_str(&text).unwrap();
         assert_eq!(format!("{read:?}"), format!("{chain:?}"));
+        assert_eq!(read.link_names(), links);
 
         let bad = text.replace(r#""sign":-1.0"#, r#""sign":0.5"#);
         let error = serde_json::from_str::<Box<dyn aurt_traits::RigidBodyRegressor>>(&bad).unwrap_err();

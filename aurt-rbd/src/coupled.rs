@@ -208,6 +208,10 @@ impl RigidBodyRegressor for CoupledChain {
         Coupling::slides(joint, self.chain.joints(), &self.couplings)
     }
 
+    fn link_names(&self) -> &[String] {
+        self.chain.link_names()
+    }
+
     fn branches(&self) -> &[Branch] {
         &self.branches
     }
@@ -279,6 +283,8 @@ struct CoupledSpec {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     joint_names: Vec<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    link_names: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     branches: Vec<Branch>,
 }
 
@@ -289,6 +295,7 @@ impl From<CoupledChain> for CoupledSpec {
             joints: coupled.chain.joints().to_vec(),
             couplings: coupled.couplings,
             joint_names: coupled.joint_names,
+            link_names: coupled.chain.link_names().to_vec(),
             branches: coupled.branches,
         }
     }
@@ -298,8 +305,7 @@ impl TryFrom<CoupledSpec> for CoupledChain {
     type Error = RbdError;
 
     fn try_from(spec: CoupledSpec) -> Result<Self, RbdError> {
-        Self::new(SerialChain::new(spec.joints, spec.gravity_m_s2)?, spec.couplings)?
-            .with_joint_names(spec.joint_names)?
-            .with_branches(spec.branches)
+        let chain = SerialChain::new(spec.joints, spec.gravity_m_s2)?.with_link_names(spec.link_names)?;
+        Self::new(chain, spec.couplings)?.with_joint_names(spec.joint_names)?.with_branches(spec.branches)
     }
 }

@@ -31,6 +31,10 @@ impl RigidBodyRegressor for SerialChain {
         Self::joints(self).get(joint).is_some_and(|joint| joint.kind == JointKind::Prismatic)
     }
 
+    fn link_names(&self) -> &[String] {
+        Self::link_names(self)
+    }
+
     fn branches(&self) -> &[Branch] {
         Self::branches(self)
     }

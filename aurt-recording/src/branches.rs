@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::noise::PositionNoise;
 
@@ -10,7 +10,7 @@ use crate::noise::PositionNoise;
 pub(crate) const NOISE_SAMPLES: usize = 20_000;
 
 /// Motion of a joint beside the chain, or under its base, which the model takes to be fixed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BranchMotion {
     /// The joint.
     pub joint: String,

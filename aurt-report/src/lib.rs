@@ -11,6 +11,7 @@ mod document;
 mod escape;
 mod figure;
 pub mod glossary;
+pub mod noise_report;
 mod page;
 pub mod rendering;
 pub mod reports;
@@ -19,8 +20,8 @@ mod table;
 pub mod words;
 
 pub use figure::{
-    Arm, Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Style, Window, decimated, quantile_means,
-    subsample,
+    Arm, Axis, BarGroup, Bars, Figure, Layer, Mark, Panel, Plot, Shade, Style, Window, decimated,
+    quantile_means, subsample,
 };
 pub use page::{Block, Page, Section, Tone, Verdict};
 pub use table::{Cell, Table};

@@ -4,8 +4,10 @@ use aurt::Asked;
 use aurt_diagnosis::{
     Answer, Finding, Indication, JointResidual, NotDecidable, Verdict, effects, vocabulary::Family,
 };
+use aurt_traits::RobotNames;
 
-use crate::rendering::{joints::label, number::significant, text::listed};
+use crate::noise_report::{JointNoise, NoiseReport, NoiseState};
+use crate::rendering::{number::significant, text::listed};
 
 /// Where a finding was seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,58 +98,66 @@ pub fn headline(verdict: &Verdict, asked: Asked) -> String {
 
 /// What a reader who is told of nothing may want to know next.
 pub const HOW_LARGE: &str =
-    "`aurt sensitivity` says how large an effect could be and stay hidden in these recordings.";
+    "`aurt sensitivity` gives, for each effect, the largest size that these recordings could hide.";
 
-/// What has changed; and, where nothing has, what is missing in all recordings.
+/// What has changed, then what is missing in all recordings.
 fn changed(verdict: &Verdict, asked: Asked) -> String {
-    let differs = |f: &Finding| matches!(place(f, asked), Place::Changed | Place::Before);
-    let [changes, faults] = [brief(verdict, differs), brief(verdict, |f| place(f, asked) == Place::Fault)];
-    let only_before = changes.is_some() && !verdict.effects.iter().any(|f| place(f, asked) == Place::Changed);
-    match (verdict.verdict, changes) {
-        (Answer::NoMismatch, _) => match verdict.structure {
-            None | Some(Answer::NoMismatch) => {
-                "nothing has changed and nothing is missing: the residual is noise".to_owned()
-            }
-            Some(Answer::Named) if faults.is_some() && !has_physics(verdict) => {
-                "nothing has changed; a fault of the recordings explains the residual".to_owned()
-            }
-            Some(Answer::Named) => {
-                "nothing has changed; what the model lacks in all recordings was identified".to_owned()
-            }
-            Some(Answer::PartlyExplained) => {
-                "nothing has changed; part of what the model lacks in all recordings was identified".to_owned()
-            }
-            Some(Answer::Unexplained) => {
-                "nothing has changed; the model lacks something in all recordings that no known effect explains"
-                    .to_owned()
-            }
-        },
-        (Answer::Named, Some(changes)) if only_before => {
-            format!("in the calibration recordings and not in the target: {changes}")
+    let of = |wanted: Place| brief(verdict, |f| place(f, asked) == wanted);
+    let [changes, missing, before, fault] =
+        [Place::Changed, Place::Missing, Place::Before, Place::Fault].map(of);
+    let nameless = "something that no known effect explains";
+    let difference = match (verdict.verdict, changes, before) {
+        (Answer::NoMismatch, ..) => "nothing has changed".to_owned(),
+        (Answer::Named, Some(changes), _) => format!("changed since calibration: {changes}"),
+        (Answer::Named, None, Some(before)) => {
+            format!("in the calibration recordings and not in the target: {before}")
         }
-        (Answer::Named, Some(changes)) => format!("changed since calibration: {changes}"),
-        (Answer::PartlyExplained, changes) => {
-            let changes = changes.unwrap_or_else(|| "something".to_owned());
-            format!("changed since calibration: {changes}, and something that no known effect explains")
-        }
-        (Answer::Named, None) => match faults {
+        (Answer::Named, None, None) => match fault.clone() {
             Some(fault) => format!("a fault of the recordings explains the difference: {fault}"),
             None => "the cause was identified".to_owned(),
         },
-        (Answer::Unexplained, Some(changes)) => {
+        (Answer::PartlyExplained, Some(changes), _) => {
+            format!("changed since calibration: {changes}, and {nameless}")
+        }
+        (Answer::Unexplained, Some(changes), _) => {
             format!("something has changed that no known effect explains; part of it resembles {changes}")
         }
-        (Answer::Unexplained, None) => {
+        (Answer::PartlyExplained | Answer::Unexplained, None, Some(before)) => format!(
+            "something has changed that no known effect explains; in the calibration recordings and not in the target: {before}"
+        ),
+        (Answer::PartlyExplained | Answer::Unexplained, None, None) => {
             "something has changed in the target that no known effect explains".to_owned()
         }
-    }
+    };
+    let lack = match (verdict.structure, missing) {
+        (None | Some(Answer::NoMismatch), None) if verdict.verdict == Answer::NoMismatch => {
+            return clean(
+                verdict,
+                "nothing has changed and nothing is missing",
+                "no change and no missing effect was found",
+            );
+        }
+        (Some(Answer::Named), None) if fault.is_some() && verdict.verdict == Answer::NoMismatch => {
+            "a fault of the recordings explains the residual".to_owned()
+        }
+        (Some(Answer::PartlyExplained), Some(missing)) => {
+            format!("the model lacks {missing}, and {nameless}")
+        }
+        (Some(Answer::Unexplained), Some(missing)) => {
+            format!("the model lacks {nameless}; part of it resembles {missing}")
+        }
+        (_, Some(missing)) => format!("the model lacks {missing}"),
+        (Some(Answer::PartlyExplained | Answer::Unexplained), None) => format!("the model lacks {nameless}"),
+        (_, None) => return difference,
+    };
+    format!("{difference}; in all recordings {lack}")
 }
 
-/// What a model lacks, where that is the only question.
+/// A model's lack, where that is the only question.
 fn missing(verdict: &Verdict, asked: Asked) -> String {
     let found = brief(verdict, |f| place(f, asked) != Place::Fault);
     match (verdict.verdict, found) {
-        (Answer::NoMismatch, _) => "nothing is missing: the residual is noise".to_owned(),
+        (Answer::NoMismatch, _) => clean(verdict, "nothing is missing", "no missing effect was found"),
         (Answer::Named, None) => "a fault of the recordings explains the difference".to_owned(),
         (Answer::Named, Some(found)) => format!("the model lacks {found}"),
         (Answer::PartlyExplained, found) => {
@@ -161,37 +171,39 @@ fn missing(verdict: &Verdict, asked: Asked) -> String {
     }
 }
 
-fn has_physics(verdict: &Verdict) -> bool {
-    verdict.effects.iter().any(|f| f.family != Family::Q)
+/// The headline of a verdict without claims: `nothing` only where noise explains the error of every joint.
+fn clean(verdict: &Verdict, nothing: &str, unclaimed: &str) -> String {
+    let beyond = NoiseReport::of(verdict).beyond_noise();
+    if beyond.is_empty() {
+        return format!("{nothing}: the residual is noise");
+    }
+    let floor = if beyond.len() == 1 { "its noise floor" } else { "their noise floor" };
+    format!("{unclaimed}; the error of {} exceeds {floor}", verdict.names().joint_list(&beyond))
 }
 
-/// The first of some findings in a few words, and how many more there are.
+/// The finding with the most evidence in a few words, and how many more there are.
 fn brief(verdict: &Verdict, which: impl Fn(&Finding) -> bool) -> Option<String> {
-    let mut found = verdict.effects.iter().filter(|f| which(f));
-    let first = found.next()?;
+    let mut found: Vec<&Finding> = verdict.effects.iter().filter(|f| which(f)).collect();
+    found.sort_by(|a, b| b.evidence.score.total_cmp(&a.evidence.score));
+    let first = found.first()?;
+    let title = |id: &str| {
+        let title = effects::find(id).map_or(id, |e| e.title);
+        title.split(" (").next().unwrap_or(title).to_owned()
+    };
     let effect = effects::find(&first.effect);
-    let phrase = effect.and_then(|e| e.phrase).and_then(|phrase| phrase(&first.parameters, verdict.unit));
-    let named = phrase.unwrap_or_else(|| {
-        let title = effect.map_or(first.effect.as_str(), |e| e.title);
-        let title = title.split(" (").next().unwrap_or(title);
-        let joints: Vec<String> = first.joints.iter().map(ToString::to_string).collect();
-        match (effect.is_some_and(|e| e.is_whole_arm) || first.family == Family::Q, joints.len()) {
-            (true, _) => title.to_owned(),
-            (false, 1) => format!("{title} on {}", label(&verdict.joint_names, first.joints[0])),
-            (false, _) => format!("{title} on joints {}", listed(&joints)),
-        }
-    });
+    let named = match effect.and_then(|e| e.wording) {
+        Some(wording) => wording(&first.parameters, verdict.unit, verdict.names()).phrase,
+        None if effect.is_some_and(|e| e.is_whole_arm) || first.family == Family::Q => title(&first.effect),
+        None => format!("{} on {}", title(&first.effect), verdict.names().joint_list(&first.joints)),
+    };
     let named = match first.alternatives.first() {
-        Some(other) => {
-            let title = effects::find(&other.effect).map_or(other.effect.as_str(), |e| e.title);
-            format!("{named} or {}", title.split(" (").next().unwrap_or(title))
-        }
+        Some(other) => format!("{named} or {}", title(&other.effect)),
         None => named,
     };
-    Some(match found.count() {
-        0 => named,
-        1 => format!("{named}, and one more effect"),
-        more => format!("{named}, and {more} more effects"),
+    Some(match found.len() {
+        1 => named,
+        2 => format!("{named}, and one more effect"),
+        all => format!("{named}, and {} more effects", all - 1),
     })
 }
 
@@ -209,20 +221,18 @@ pub fn explained(verdict: &Verdict) -> Option<String> {
     Some(format!("the claims explain {} %{interval} of the held-out error beyond noise", of(share.value)))
 }
 
-/// What is left of a joint's residual, in a few words: the coordinate that it follows, or how far it is from noise.
-/// Where no claim is made, none is made either way: 1.4 times the noise is not "nothing".
-pub fn follows(residual: &JointResidual) -> String {
-    let times = residual.unexplained_rms / residual.floor_rms;
-    match (&residual.follows, residual.structure_left) {
-        (Some(what), _) => format!("{what} ({:.0} % of the rest)", 100.0 * residual.follows_share),
-        (None, true) => format!("unknown, {times:.2} × noise"),
-        (None, false) if times > NEAR_NOISE => format!("no claim, {times:.2} × noise"),
-        (None, false) => String::new(),
+/// A joint's residual in a few words: the coordinate that it follows, or its distance from noise.
+pub fn follows(residual: &JointResidual, error: Option<&JointNoise>) -> String {
+    let times = error.and_then(|e| e.after).unwrap_or(residual.unexplained_rms / residual.floor_rms);
+    match (&residual.follows, error.map(|e| e.state)) {
+        (Some(feature), _) => format!("{feature} ({:.0} % of the rest)", 100.0 * residual.follows_share),
+        (None, Some(NoiseState::Structured)) => {
+            format!("unknown, {:.2} × noise", residual.unexplained_rms / residual.floor_rms)
+        }
+        (None, Some(NoiseState::AboveNoise)) => format!("no claim, {times:.2} × noise"),
+        (None, Some(NoiseState::WithinNoise | NoiseState::NotJudged) | None) => String::new(),
     }
 }
-
-/// A residual up to this multiple of the noise floor is noise as far as anyone can tell.
-const NEAR_NOISE: f64 = 1.25;
 
 /// Whether a joint's error was measured on held-out data, before and after.
 fn is_judged(verdict: &Verdict, joint: usize) -> bool {
@@ -249,7 +259,7 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
         .filter(|j| held.is_worse(**j))
         .map(|j| {
             let [before, after] = [&held.rms_before, &held.rms_after].map(|of| significant(of[*j], 3));
-            format!("{} ({before} → {after} {unit})", label(&verdict.joint_names, *j))
+            format!("{} ({before} → {after} {unit})", verdict.names().joint(*j))
         })
         .collect();
     if worse.is_empty() {
@@ -264,122 +274,26 @@ pub fn objection(verdict: &Verdict, finding: &Finding, unit: &str) -> Option<Str
 }
 
 /// An effect that these recordings cannot decide, with its joints.
-pub fn undecidable(effect: &NotDecidable) -> String {
-    let joints: Vec<String> = effect.joints.iter().map(ToString::to_string).collect();
-    match joints.len() {
-        0 => effect.effect.clone(),
-        1 => format!("{} (joint {})", effect.effect, joints[0]),
-        _ => format!("{} (joints {})", effect.effect, listed(&joints)),
+pub fn undecidable(effect: &NotDecidable, names: RobotNames<'_>) -> String {
+    if effect.joints.is_empty() {
+        return effect.effect.clone();
     }
+    format!("{} ({})", effect.effect, names.joint_list(&effect.joints))
+}
+
+/// The gears that would have shown on every joint on which one would, in a sentence.
+pub fn visible_gears(verdict: &Verdict) -> Option<String> {
+    let gears = &verdict.gears_visible;
+    let smallest = gears.iter().filter_map(|g| g.below_nm_rad).min_by(f64::total_cmp);
+    let widest = gears.iter().filter_map(|g| g.beyond_rad).max_by(f64::total_cmp);
+    let softer = smallest.map(|stiffness| format!("gears softer than {stiffness:.1e} Nm/rad"));
+    let wider = widest.map(|play| format!("play beyond ± {play:.1e} rad"));
+    let visible: Vec<String> = [softer, wider].into_iter().flatten().collect();
+    let shows = gears.iter().filter(|g| g.below_nm_rad.is_some() || g.beyond_rad.is_some()).count();
+    let on =
+        if shows == gears.len() { String::new() } else { format!(" on {shows} of {} joints", gears.len()) };
+    (!visible.is_empty()).then(|| format!("{} would show{on}", visible.join(" or ")))
 }
 
 #[cfg(test)]
-mod tests {
-    use aurt_diagnosis::{Evidence, HeldOut, ParameterValue};
-    use aurt_traits::MeasurementUnit;
-
-    use super::*;
-
-    fn finding(effect: &str, family: Family, joints: &[usize], present_in: &[&str]) -> Finding {
-        let only = if present_in == ["target"] { ", in the target recordings only" } else { "" };
-        Finding {
-            effect: effect.into(),
-            family,
-            joints: joints.into(),
-            present_in: present_in.iter().map(|k| (*k).to_owned()).collect(),
-            recording: None,
-            window_s: None,
-            confidence: 0.9,
-            parameters: std::collections::BTreeMap::new(),
-            alternatives: Vec::new(),
-            evidence: Evidence { score: 50.0, threshold: 8.0, ..Evidence::default() },
-            stability: None,
-            sentence: format!("{effect}{only} (k = 1)"),
-        }
-    }
-
-    fn verdict(answer: Answer, effects: Vec<Finding>, before: &[f64], after: &[f64]) -> Verdict {
-        Verdict {
-            schema: aurt_diagnosis::SCHEMA,
-            settings: aurt_diagnosis::SelectionOptions::default(),
-            explained: None,
-            remainder: Vec::new(),
-            joint_names: Vec::new(),
-            unit: MeasurementUnit::NewtonMetre,
-            verdict: answer,
-            structure: None,
-            effects,
-            indications: Vec::new(),
-            not_examined: Vec::new(),
-            not_decidable: Vec::new(),
-            residual: Vec::new(),
-            held_out: HeldOut {
-                recordings: vec!["a.csv".into()],
-                rms_before: before.into(),
-                rms_after: after.into(),
-                rms_floor: vec![0.1; before.len()],
-            },
-            shifts: Vec::new(),
-            registered_models: Vec::new(),
-            warnings: Vec::new(),
-            notes: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn an_unchanged_target_is_said_to_be_unchanged_whatever_the_structure_lacks() {
-        let lacking = finding("stribeck", Family::F, &[1], &["calibration", "target"]);
-        let mut found = verdict(Answer::NoMismatch, vec![lacking], &[1.0, 1.0], &[1.0, 0.5]);
-        found.structure = Some(Answer::Named);
-        assert!(headline(&found, Asked::Change).starts_with("nothing has changed"));
-        let groups = groups(&found, Asked::Change);
-        let seen: Vec<(&str, usize)> = groups.iter().map(|g| (g.title, g.findings.len())).collect();
-        assert_eq!(seen, [("changed in the target", 0), ("missing in all recordings", 1)]);
-        // Without a target there is nothing that could have changed.
-        found.verdict = Answer::Named;
-        assert_eq!(headline(&found, Asked::Lack), "the model lacks Stribeck friction on joint 1");
-        let alone = super::groups(&found, Asked::Lack);
-        assert_eq!((alone.len(), alone[0].title), (1, ""));
-    }
-
-    #[test]
-    fn changes_stand_apart_from_what_is_missing_and_from_faults() {
-        let effects = vec![
-            finding("dropped_samples", Family::Q, &[0], &["target"]),
-            finding("payload", Family::I, &[0, 1], &["target"]),
-            finding("stribeck", Family::F, &[1], &["calibration", "target"]),
-        ];
-        let found = verdict(Answer::Named, effects, &[1.0, 1.0], &[0.4, 0.5]);
-        let groups = groups(&found, Asked::Change);
-        let seen: Vec<(Place, usize)> = groups.iter().map(|g| (g.place, g.findings[0].0)).collect();
-        assert_eq!(seen, [(Place::Changed, 2), (Place::Missing, 3), (Place::Fault, 1)]);
-        assert_eq!(headline(&found, Asked::Change), "changed since calibration: a load attached to a link");
-        let mut removed = found.clone();
-        let number = |value: f64| ParameterValue { value: value.into(), std: serde_json::Value::Null };
-        removed.effects[1].parameters.insert("mass_kg".into(), number(-2.764));
-        removed.effects[1].parameters.insert("link".into(), number(5.0));
-        let said = "changed since calibration: a load of 2.764 kg removed from link 5";
-        assert_eq!(headline(&removed, Asked::Change), said);
-        assert_eq!(claim(groups[0].findings[0].1, Asked::Change), "payload (k = 1)");
-        let nothing = verdict(Answer::NoMismatch, Vec::new(), &[1.0], &[1.0]);
-        assert!(headline(&nothing, Asked::Change).starts_with("nothing has changed"));
-        assert!(!headline(&nothing, Asked::Lack).contains("changed"));
-    }
-
-    #[test]
-    fn what_held_out_data_contradict_is_contradicted_beside_the_claim() {
-        let effects = vec![
-            finding("viscous", Family::V, &[0], &["target"]),
-            finding("coulomb", Family::F, &[1, 2], &["target"]),
-        ];
-        let found = verdict(Answer::Named, effects, &[1.67, 1.0, 1.0], &[2.08, 0.9, 1.2]);
-        let said = objection(&found, &found.effects[0], "Nm").unwrap();
-        assert!(said.contains("joint 0 (1.67 → 2.08 Nm)") && !said.contains("others"), "{said}");
-        let said = objection(&found, &found.effects[1], "Nm").unwrap();
-        assert!(said.contains("joint 2") && said.contains("not on the others"), "{said}");
-        assert!(headline(&found, Asked::Change).ends_with("predicted worse with it"));
-        let held = verdict(Answer::Named, found.effects.clone(), &[1.67, 1.0, 1.0], &[1.0, 0.9, 0.8]);
-        assert_eq!(objection(&held, &held.effects[0], "Nm"), None);
-        assert!(!headline(&held, Asked::Change).contains("worse"));
-    }
-}
+pub(crate) mod tests;

@@ -28,6 +28,7 @@ mod parameter;
 mod registration;
 mod rigid_body;
 mod robot_model;
+mod robot_names;
 mod tile;
 
 pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
@@ -44,6 +45,7 @@ pub use parameter::{MeasurementUnit, Parameter, Scale, ShapeParameter};
 pub use registration::{ModelEntry, Slot};
 pub use rigid_body::{BaseParameters, RegressorTile, RigidBodyRegressor};
 pub use robot_model::{ColumnGroup, KnownBodies, LoadTorque, RobotModel, RobotState, RobotTile};
+pub use robot_names::RobotNames;
 pub use tile::Columns;
 
 /// Attribute macro that saves and reads a model behind its trait under a name: `#[typetag::serde(name = "…")]`.

@@ -26,6 +26,11 @@ pub trait RigidBodyRegressor: Any + Debug + Send + Sync {
         false
     }
 
+    /// The names of the bodies of [`Self::bodies`], for people; empty where they have none.
+    fn link_names(&self) -> &[String] {
+        &[]
+    }
+
     /// The joints beside the chain, whose motion the regressor does not know.
     fn branches(&self) -> &[Branch] {
         &[]

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ArmSeries, ArmTerm, BaseParameters, Columns, JointSeries, JointStack, ModelError, MotionView, Parameter,
-    RegressorTile, RigidBodyRegressor,
+    RegressorTile, RigidBodyRegressor, RobotNames,
 };
 
 /// The robot dynamics as one regressor, linear in its coefficients:
@@ -220,6 +220,12 @@ impl RobotModel {
     #[must_use]
     pub const fn known_bodies(&self) -> Option<&KnownBodies> {
         self.known_bodies.as_ref()
+    }
+
+    /// Names of the robot's joints and links.
+    #[must_use]
+    pub fn names(&self) -> RobotNames<'_> {
+        RobotNames::of(&**self.rigid_body())
     }
 
     /// Number of joints N.

@@ -7,13 +7,14 @@ use aurt_experiment::Experiment;
 use aurt_experiment::workbench::diagnosing::{DiagnosisOptions, diagnose_experiment as diagnosed};
 use aurt_experiment::workbench::failure::Failure;
 use aurt_plugins::Registry;
-use aurt_report::{Page, rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
+use aurt_report::{rendering::style::Style, reports::diagnosis::Diagnosed, results::verdict::Shown};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::{
     error::refused,
     model::Model,
+    pickled::broken,
     recording::recordings,
     report::Report,
     robot::Structure,
@@ -21,6 +22,9 @@ use crate::{
     settings::{listener, with_settings},
     work,
 };
+
+/// Answer and texts, the improved model with its lines and notes, and the report's page and title.
+type PickledVerdict = ((bool, String, String), Vec<String>, Vec<String>, Model, String, String);
 
 /// What a diagnosis found: where model and recordings differ, and what physics is missing.
 #[pyclass(frozen, module = "aurt")]
@@ -31,7 +35,7 @@ pub struct Verdict {
     added: Vec<String>,
     notes: Vec<String>,
     model: CalibratedModel,
-    page: Page,
+    report: Report,
 }
 
 with_settings! {
@@ -78,9 +82,9 @@ fn explained(
         let explanation = diagnoser.explain(progress)?;
         let document = json!(explanation.diagnosis.verdict);
         let (found, text) = (explanation.diagnosis.is_found(), Shown::of(&explanation).to_text(Style::PLAIN));
-        let page = Diagnosed::of(&explanation, &document).page();
+        let report = Report::of(&Diagnosed::of(&explanation, &document).page());
         let Explanation { added, notes, model, .. } = explanation;
-        Ok(Verdict { found, document, text, added, notes, model, page })
+        Ok(Verdict { found, document, text, added, notes, model, report })
     })
 }
 
@@ -114,13 +118,38 @@ pub fn diagnose_experiment(
             added: improved.added,
             notes: improved.notes,
             model: improved.model,
-            page: improved.report,
+            report: Report::of(&improved.report),
         })
     })
 }
 
 #[pymethods]
 impl Verdict {
+    /// For `pickle`: the documents, the model and the report.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, PickledVerdict)> {
+        let restored = py.import("aurt._plain")?.getattr("restored_verdict")?;
+        let said = (self.found, self.document.to_string(), self.text.clone());
+        let (added, notes) = (self.added.clone(), self.notes.clone());
+        let [html, title] = self.report.parts().map(str::to_owned);
+        Ok((restored, (said, added, notes, self.model(), html, title)))
+    }
+
+    /// The verdict that `__reduce__` took apart.
+    #[staticmethod]
+    fn _restored(
+        said: (bool, String, String),
+        added: Vec<String>,
+        notes: Vec<String>,
+        model: &Model,
+        html: String,
+        title: String,
+    ) -> PyResult<Self> {
+        let (found, document, text) = said;
+        let document = serde_json::from_str(&document).map_err(broken("verdict"))?;
+        let (model, report) = (CalibratedModel::clone(&model.calibrated), Report::new(html, title));
+        Ok(Self { found, document, text, added, notes, model, report })
+    }
+
     /// The answer: "no_mismatch", "named", "partly_explained" or "unexplained".
     #[getter]
     fn answer(&self) -> &str {
@@ -188,11 +217,11 @@ impl Verdict {
 
     /// The report.
     fn report(&self) -> Report {
-        Report::of(&self.page)
+        self.report.clone()
     }
 
     fn _repr_html_(&self) -> String {
-        Report::of(&self.page).notebook()
+        self.report.notebook()
     }
 
     fn __str__(&self) -> &str {

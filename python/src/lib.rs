@@ -28,6 +28,7 @@ mod frames;
 mod friction;
 mod gains;
 mod model;
+mod pickled;
 mod predictor;
 mod recording;
 mod report;

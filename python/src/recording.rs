@@ -10,10 +10,19 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::{exceptions::PyTypeError, prelude::*, types::PyDict};
 
 use crate::{
-    arrays::{Matrix, Stamps, samples_by_joint, times},
+    arrays::{Matrix, Stamps, samples_by_joint, times, vector},
     error::{raised, refused},
-    frames,
+    frames, pickled,
 };
+
+/// Stamps, positions, velocities, measurements, and the rest.
+type PickledRecording<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Option<Bound<'py, PyArray2<f64>>>,
+    Option<Bound<'py, PyArray2<f64>>>,
+    String,
+);
 
 /// What a robot's joints did and what was measured meanwhile.
 #[pyclass(frozen, module = "aurt")]
@@ -210,6 +219,37 @@ impl Recording {
             Some(name) => recording.named(name),
             None => recording,
         }))
+    }
+
+    /// For `pickle`: the series as arrays, and the rest.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, PickledRecording<'py>)> {
+        let inner = &self.inner;
+        let optional =
+            |family: &Option<Vec<Vec<f64>>>| family.as_ref().map(|series| samples_by_joint(py, series)).transpose();
+        let restored = py.import("aurt._plain")?.getattr("restored_recording")?;
+        let state = pickled::recording_state(inner).to_string();
+        let (velocity, measured) = (optional(&inner.velocity_rad_s)?, optional(&inner.measurement)?);
+        Ok((restored, (self.t(py), self.q(py)?, velocity, measured, state)))
+    }
+
+    /// The recording that `__reduce__` took apart.
+    #[staticmethod]
+    fn _restored(
+        t: &Bound<'_, PyAny>,
+        q: &Bound<'_, PyAny>,
+        dq: Option<&Bound<'_, PyAny>>,
+        measured: Option<&Bound<'_, PyAny>>,
+        state: &str,
+    ) -> PyResult<Self> {
+        let series = |name, given: Option<&Bound<'_, PyAny>>| -> PyResult<Option<Vec<Vec<f64>>>> {
+            given.map(|given| Ok(Matrix::new(name, given, None)?.by_joint())).transpose()
+        };
+        let families = [series("q", Some(q))?, series("dq", dq)?, series("measured", measured)?];
+        let wrong = pickled::broken("recording");
+        let state = serde_json::from_str(state).map_err(&wrong)?;
+        let recording = pickled::recording(vector("t", t)?, families, state).map_err(&wrong)?;
+        recording.validate().map_err(raised)?;
+        Ok(Self::of(recording))
     }
 
     /// The recording's name, which messages and reports use.

@@ -10,6 +10,7 @@ use crate::error::raised;
 
 /// A report: one self-contained HTML page that shows itself in a notebook.
 #[pyclass(frozen, module = "aurt")]
+#[derive(Clone)]
 pub struct Report {
     html: String,
     title: String,
@@ -17,7 +18,16 @@ pub struct Report {
 
 impl Report {
     pub fn of(page: &Page) -> Self {
-        Self { html: page.to_html(), title: page.title.clone() }
+        Self::new(page.to_html(), page.title.clone())
+    }
+
+    pub const fn new(html: String, title: String) -> Self {
+        Self { html, title }
+    }
+
+    /// Page and title.
+    pub fn parts(&self) -> [&str; 2] {
+        [&self.html, &self.title]
     }
 
     /// The page in a frame of its own, so that its styles stay within it.

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use crate::{
     arrays::{States, all_finite, vector},
     error::{raised, refused},
-    friction,
+    friction, pickled,
     rows::{json_of, rows},
 };
 
@@ -93,6 +93,19 @@ impl Robot {
     fn by_name(py: Python<'_>, name: &str, gravity: [f64; 3]) -> PyResult<Self> {
         let robot = py.detach(|| aurt::Robot::by_name(name, gravity)).map_err(raised)?;
         Ok(Self::named(robot, name))
+    }
+
+    /// For `pickle`: the robot's name and state.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        let restored = py.import("aurt._plain")?.getattr("restored_robot")?;
+        Ok((restored, (self.name.clone(), pickled::robot_state(&self.inner).to_string())))
+    }
+
+    /// The robot that `__reduce__` took apart.
+    #[staticmethod]
+    fn _restored(name: String, state: &str) -> PyResult<Self> {
+        let state = serde_json::from_str(state).map_err(pickled::broken("robot"))?;
+        Ok(Self { inner: pickled::robot(state)?, name })
     }
 
     /// The robot's name.

@@ -1,5 +1,6 @@
 """Arrays as users have them: any layout gives the same result, and what cannot be is refused with its reason."""
 
+import pickle
 from pathlib import Path
 
 import numpy
@@ -183,3 +184,21 @@ def test_what_a_frame_or_a_bag_does_not_tell_is_said(monday):
     assert aurt.Recording(bag, topic="/joint_states", unit="A").joints == 6
     with pytest.raises(aurt.Error, match="there is no topic `/nothing`"):
         aurt.Recording(bag, topic="/nothing", unit="A")
+
+
+def test_a_pickled_recording_is_the_same(monday, tmp_path):
+    bag = aurt.Recording(Path(__file__).parents[2] / "examples" / "urdf-bag" / "monday.mcap", unit="A")
+    dates = aurt.Recording(numpy.datetime64("2026-01-05T08:00:00.25", "ms") + numpy.arange(50), numpy.ones((50, 2)))
+    for recording in (monday, bag, dates, bag.window(0.5, 1.5).named("part")):
+        copy = pickle.loads(pickle.dumps(recording))
+        for name in ("name", "joint_names", "unit", "origin_s", "notes", "duration_s"):
+            assert getattr(copy, name) == getattr(recording, name), name
+        for name in ("t", "q", "dq", "tau", "current"):
+            own, other = getattr(recording, name), getattr(copy, name)
+            assert own is other is None or numpy.array_equal(own, other), name
+        assert repr(copy) == repr(recording)
+    restored, parts = monday.__reduce__()
+    with pytest.raises(ValueError, match="no pickled recording"):
+        restored(*parts[:-1], "{}")
+    with pytest.raises(aurt.Error, match="positions of joint"):
+        restored(parts[0][1:], *parts[1:])

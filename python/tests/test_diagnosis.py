@@ -1,6 +1,7 @@
 """Diagnosis: what was put into a simulated robot is named; long work can be stopped."""
 
 import _thread
+import pickle
 import threading
 import time
 
@@ -39,6 +40,15 @@ def test_the_improved_model_has_it(verdict, monday):
 def test_the_report_says_it(verdict):
     assert "spring" in verdict.report().html and verdict._repr_html_().startswith("<iframe")
     assert len(verdict.residual) == 2
+
+
+def test_a_pickled_verdict_is_the_same(verdict, monday):
+    copy = pickle.loads(pickle.dumps(verdict))
+    for name in ("answer", "structure", "found", "added", "notes"):
+        assert getattr(copy, name) == getattr(verdict, name), name
+    assert str(copy) == str(verdict) and copy.to_dict() == verdict.to_dict()
+    assert copy.report().html == verdict.report().html and copy.report().title == verdict.report().title
+    assert numpy.array_equal(copy.model.predict(monday), verdict.model.predict(monday))
 
 
 def test_nothing_to_diagnose_is_refused(two_link):

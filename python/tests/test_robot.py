@@ -1,5 +1,8 @@
 """Robots: descriptions, regressors, torques."""
 
+import pickle
+from pathlib import Path
+
 import numpy
 import pytest
 
@@ -132,3 +135,15 @@ def test_models_are_named_as_experiments_name_them(two_link):
             two_link.model(**wrong)
     with pytest.raises(TypeError, match="evaluate"):
         two_link.model(coulomb=3)
+
+
+def test_a_pickled_robot_is_the_same(two_link):
+    urdf = Path(__file__).parents[2] / "examples" / "urdf-bag" / "ur10e.urdf"
+    for robot in (two_link, aurt.Robot.by_name("ur10e"), aurt.Robot.from_urdf(urdf, gravity=[0, 9.81, 0])):
+        copy = pickle.loads(pickle.dumps(robot))
+        for name in ("name", "joints", "joint_names", "notes"):
+            assert getattr(copy, name) == getattr(robot, name), name
+        assert str(copy.limits) == str(robot.limits) and str(copy.base_parameters) == str(robot.base_parameters)
+        motion = states(20, robot.joints)
+        parameters = numpy.linspace(1, 2, 10 * robot.joints)
+        assert numpy.array_equal(copy.torque(*motion, parameters), robot.torque(*motion, parameters))

@@ -1,3 +1,4 @@
+use aurt_traits::RobotNames;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
@@ -135,7 +136,7 @@ pub(super) fn report(
 
 impl ConsistentReport {
     /// What a user should know.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    pub(crate) fn warnings(&self, names: RobotNames<'_>) -> Vec<String> {
         let mut warnings = Vec::new();
         // Beyond the 99.9 % point of the distribution that noise gives (Wilson and Hilferty's approximation).
         let degrees = self.determined.max(1) as f64;
@@ -180,11 +181,10 @@ impl ConsistentReport {
             ));
         }
         if !self.undecided.is_empty() {
-            let joints: Vec<String> = self.undecided.iter().map(ToString::to_string).collect();
             warnings.push(format!(
-                "the friction model of joint {} cannot dissipate at all speeds and loads of the calibration with any \
+                "the friction model of {} cannot dissipate at all speeds and loads of the calibration with any \
                  coefficients; its coefficients are those of least squares",
-                joints.join(", ")
+                names.joint_list(&self.undecided)
             ));
         }
         if !self.converged {

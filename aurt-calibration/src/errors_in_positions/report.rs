@@ -1,4 +1,4 @@
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 use serde::{Deserialize, Serialize};
 
 use super::{hausman::Hausman, shift::Shift};
@@ -119,15 +119,16 @@ impl PositionBias {
     }
 
     /// What to know where noise is more than corrections hold for.
-    pub(crate) fn overwhelming(&self) -> Option<String> {
+    pub(crate) fn overwhelming(&self, names: RobotNames<'_>) -> Option<String> {
         let worst = self.joints.iter().enumerate();
         let (joint, noise) =
             worst.max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share))?;
         noise.is_overwhelming().then(|| {
             format!(
-                "position noise makes up {:.0} % of the power of joint {joint}'s accelerations, too much for its effect on the \
+                "position noise makes up {:.0} % of the power of the accelerations of {}, too much for its effect on the \
                  estimates to be determined or corrected; {}",
                 100.0 * noise.acceleration_share,
+                names.joint(joint),
                 FittedBandwidth::remedy(self.f_dyn)
             )
         })

@@ -282,14 +282,13 @@ fn gains(
 
 fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     let list = |chosen: &dyn Fn(&Gain) -> bool| {
-        let joints: Vec<String> =
-            gains.iter().enumerate().filter(|(_, g)| chosen(g)).map(|(j, _)| j.to_string()).collect();
-        (!joints.is_empty()).then(|| joints.join(", "))
+        let joints: Vec<usize> = (0..gains.len()).filter(|j| chosen(&gains[*j])).collect();
+        (!joints.is_empty()).then(|| of.model.names().joint_list(&joints))
     };
     let mut warnings = Vec::new();
     if let Some(joints) = list(&|g| g.decided == Decided::Nothing) {
         warnings.push(format!(
-            "the gain of joint {joints} is not determined: no link that it moves loads another joint; move it together with \
+            "the gain of {joints} is not determined: no link that it moves loads another joint; move it together with \
              its neighbours, or attach a load off its axis"
         ));
     }
@@ -297,7 +296,7 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
         && let Some(joints) = list(&|g| g.decided == Decided::Ratio)
     {
         warnings.push(format!(
-            "the load does not determine the gain of joint {joints}, only its ratio: move the load through more positions"
+            "the load does not determine the gain of {joints}, only its ratio: move the load through more positions"
         ));
     }
     let is_doubtful = |g: &Gain| {
@@ -306,7 +305,7 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     };
     if let Some(joints) = list(&is_doubtful) {
         warnings.push(format!(
-            "the gain of joint {joints} is poorly determined (standard deviation above {:.0} %): move the joint faster, or \
+            "the gain of {joints} is poorly determined (standard deviation above {:.0} %): move the joint faster, or \
              attach a load off its axis",
             100.0 * HARDLY
         ));
@@ -314,7 +313,7 @@ fn warnings(of: &GainsOf<'_>, gains: &[Gain]) -> Vec<String> {
     let is_turned = |g: &Gain| g.ratio_std_dev.is_some_and(|s| g.ratio < -BEYOND_NOISE * s);
     if let Some(joints) = list(&is_turned) {
         warnings.push(format!(
-            "the gain of joint {joints} has the opposite sign of the reference joint: its measurement or its axis is inverted"
+            "the gain of {joints} has the opposite sign of the reference joint: its measurement or its axis is inverted"
         ));
     }
     warnings

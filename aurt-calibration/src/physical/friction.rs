@@ -30,12 +30,12 @@ pub(super) fn warnings(fitted: &Fitted<'_>) -> Vec<String> {
     if driven.is_empty() {
         return Vec::new();
     }
-    let unit = fitted.unit_of_measurement.symbol();
+    let (unit, names) = (fitted.unit_of_measurement.symbol(), fitted.model.names());
     let listed: Vec<String> = driven
         .iter()
         .map(|d| {
             let load = if d.load == 0.0 { String::new() } else { format!(" under {:.2} {unit}", d.load) };
-            format!("joint {} ({} {unit} at {:.2} rad/s{load})", d.joint, d.torque, d.speed_rad_s)
+            format!("{} ({} {unit} at {:.2} rad/s{load})", names.joint(d.joint), d.torque, d.speed_rad_s)
         })
         .collect();
     vec![format!(

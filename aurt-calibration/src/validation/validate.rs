@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use aurt_recording::Segment;
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 use serde::{Deserialize, Serialize};
 
 use super::metrics::{JointMetrics, Metrics};
@@ -161,7 +161,7 @@ pub fn extrapolations(
         })?;
     }
     forget_unread(model, &mut load);
-    Ok(beyond(calibration, &velocity, &load))
+    Ok(beyond(calibration, &velocity, &load, model.names()))
 }
 
 /// Takes the loads of joints whose friction does not depend on them for none: nothing is extrapolated there.
@@ -176,18 +176,24 @@ pub(crate) fn forget_unread(model: &RobotModel, load: &mut [f64]) {
 }
 
 /// Warnings for joints whose largest speeds, rad/s, and load torques lie beyond what calibration covered.
-pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) -> Vec<String> {
+pub(crate) fn beyond(
+    calibration: &Calibration,
+    velocity: &[f64],
+    load: &[f64],
+    names: RobotNames<'_>,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     for (joint, range) in calibration.ranges.iter().enumerate() {
+        let named = names.joint(joint);
         // A joint that stands shows the noise of its sensor, and a ratio of two of these says nothing.
         if velocity[joint] > REST_RAD_S && range.velocity_rad_s <= REST_RAD_S {
             warnings.push(format!(
-                "joint {joint} moves at up to {:.2} rad/s but stood still in calibration: its friction is unknown",
+                "{named} moves at up to {:.2} rad/s but stood still in calibration: its friction is unknown",
                 velocity[joint]
             ));
         } else if velocity[joint] > (RANGE_MARGIN * range.velocity_rad_s).max(REST_RAD_S) {
             warnings.push(format!(
-                "joint {joint} moves at up to {:.2} rad/s, {:.1} times the {:.2} rad/s that calibration \
+                "{named} moves at up to {:.2} rad/s, {:.1} times the {:.2} rad/s that calibration \
                  covered: its friction is extrapolated",
                 velocity[joint],
                 velocity[joint] / range.velocity_rad_s,
@@ -196,7 +202,7 @@ pub(crate) fn beyond(calibration: &Calibration, velocity: &[f64], load: &[f64]) 
         }
         if let Some(covered) = range.load_torque.filter(|t| load[joint] > RANGE_MARGIN * t) {
             warnings.push(format!(
-                "joint {joint} carries up to {:.3} {unit}, calibration covered {covered:.3} {unit}: its \
+                "{named} carries up to {:.3} {unit}, calibration covered {covered:.3} {unit}: its \
                  load-dependent friction is extrapolated",
                 load[joint],
                 unit = calibration.unit.symbol()

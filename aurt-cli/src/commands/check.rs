@@ -29,8 +29,8 @@ use crate::{
 ///
 /// Reports sampling, range and sensor quality of each joint and, with the robot's geometry, which
 /// parameters the motions determine, for each recording and for all together. Tries common mistakes of the
-/// setup (units, signs, orders, gravity, tables, delays) against the data and reports the fix that explains
-/// them. Exit status 1 if there are findings.
+/// setup (units, signs, orders, gravity, tables, delays) against the data and reports the fix
+/// that explains them. Exit status 1 if there are findings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt check recording.csv\n  \
     aurt check experiment.toml --fixed corrected.toml\n  \

@@ -80,7 +80,7 @@ impl CompileRd {
                     return Err(Failure::Argument {
                         option: "--experiment",
                         reason: format!(
-                            "{} is about a robot of {} joints, {} about one of {joints}",
+                            "{} describes a robot with {} joints, {} one with {joints}",
                             path.display(),
                             experiment.joints(),
                             self.model_rbd.display()

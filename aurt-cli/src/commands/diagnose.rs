@@ -30,8 +30,8 @@ use crate::{
 /// Locate the mismatch between a model and recordings, name the missing physics, and model it.
 ///
 /// With `[recordings] target`, reports what the targets show beyond the model; without, what the model
-/// lacks in its calibration recordings. With `[drive]`, says which structures of drives and joints the held-out
-/// positions need, and which the model lacks. Exit status 1 if something was found.
+/// lacks in its calibration recordings. With `[drive]`, reports which structures of drives and joints the
+/// held-out positions need, and which the model lacks. Exit status 1 if something was found.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt diagnose experiment.toml --out diagnosis\n  \
     aurt diagnose experiment.toml --model results/rd_calibrated.json --out diagnosis\n  \
@@ -45,7 +45,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Take a model as given instead of recalibrating the experiment's structure: a calibrated one, or the inertial
-    /// parameters, friction and rotors that a URDF or MJCF file states. With `[drive]`, what others fitted is judged:
+    /// parameters, friction and rotors that a URDF or MJCF file states. With `[drive]`, a fit of another program is tested:
     /// an MJCF file with actuators, BAM's JSON, or settings of Isaac Lab's actuators as JSON
     #[arg(long, value_name = "RD_CALIBRATED.json|URDF|XML")]
     model: Option<PathBuf>,

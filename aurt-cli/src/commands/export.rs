@@ -40,10 +40,10 @@ pub struct Export {
     #[arg(value_enum)]
     target: TargetName,
     /// Calibrated robot dynamics from `aurt calibrate` or `aurt run`; for `mjcf` drives as well, with a script for what
-    /// MuJoCo has no words for
+    /// MuJoCo cannot express
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// Name of the robot; files and functions are called after it
+    /// Name of the robot, used for files and functions
     #[arg(long, value_name = "NAME", default_value = "robot")]
     name: String,
     /// Folder for the files
@@ -65,7 +65,7 @@ pub struct Export {
     /// Body or link of that file at which the chain ends, if there is a choice
     #[arg(long, value_name = "BODY", requires = "into")]
     tip: Option<String>,
-    /// Of `isaac`: experiment of the drives, by whose held-out recordings what is lost is judged
+    /// For `isaac`: experiment of the drives, whose held-out recordings show what the export loses
     #[arg(long, value_name = "DRIVES.toml")]
     experiment: Option<PathBuf>,
 }

@@ -22,9 +22,9 @@ use crate::rendering::terminal::Report;
 /// Find the smallest size of each effect that the experiment's recordings would show: "nothing is missing"
 /// becomes "nothing larger than this is missing".
 ///
-/// Each effect is added to what the recordings measured, at growing strength, in five draws of shape and noise, and
-/// diagnosed; four of them have to name it. Where the experiment has targets, it is added to these and to what is held out;
-/// where not, to all recordings.
+/// Adds each effect to the measured recordings with increasing strength, in five draws of shape and noise, and diagnoses
+/// the result; the limit is the strength at which four of five diagnoses name it. If the experiment has targets, the effect
+/// is added to them and to the held-out data, otherwise to all recordings.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt sensitivity experiment.toml --out sensitivity\n  \
     aurt sensitivity experiment.toml --effects payload,spring --joints 1,2 --out sensitivity")]
@@ -35,16 +35,16 @@ pub struct Sensitivity {
     /// Folder for report.html and sensitivity.json; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Effects to try, separated by commas; all unless given
+    /// Effects to try, separated by commas; default: all
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     effects: Vec<String>,
-    /// Joints to try, from 0, separated by commas; all unless given
+    /// Joints to try, counted from 0, separated by commas; default: all
     #[arg(long, value_name = "JOINTS", value_delimiter = ',')]
     joints: Vec<usize>,
     /// Seed of the shapes that are drawn
     #[arg(long, value_name = "N", default_value = "1")]
     seed: u64,
-    /// Check so many of the limits (12 unless N is given) with whole diagnoses, at twice and at half the size
+    /// Check N of the limits (default 12) with complete diagnoses, at twice and at half the size
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "12")]
     check: Option<usize>,
     #[command(flatten)]

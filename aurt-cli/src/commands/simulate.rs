@@ -18,9 +18,9 @@ use crate::{rendering::terminal::Report, values::parse_positive};
 
 /// Simulate a calibrated model, or a robot with chosen effects.
 ///
-/// A calibrated model follows a commanded motion, or goes where the measured currents or torques of a recording
-/// take it; written are q, q̇ and what drives the joints. A scenario is a simulated robot with sensors, drives and,
-/// if wanted, effects; written is what its logger records.
+/// A calibrated model follows a commanded motion, or is driven by the measured currents or torques of a recording;
+/// the output holds q, q̇ and the driving currents or torques. A scenario describes a simulated robot with sensors,
+/// drives and optional effects; the output is the recording of its logger.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     aurt simulate --model rd_calibrated.json --motion trajectory.csv --out moved.csv\n  \
@@ -40,7 +40,7 @@ pub struct Simulate {
     /// Bandwidth of the controller that follows a motion
     #[arg(long, value_name = "HZ", default_value = "10", value_parser = parse_positive)]
     bandwidth_hz: f64,
-    /// A simulated robot, its motion and what is in it
+    /// Scenario: a simulated robot, its motion and its effects
     #[arg(long, value_name = "SCENARIO.toml")]
     scenario: Option<PathBuf>,
     /// File for the result

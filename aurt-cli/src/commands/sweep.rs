@@ -22,8 +22,8 @@ use crate::rendering::terminal::Report;
 
 /// Fit many variants of an experiment and rank them by their held-out error.
 ///
-/// `[sweep]` in the experiment names the keys to vary and the values to try. A sweep that is interrupted goes on where
-/// it was when it is run again; nothing is computed twice.
+/// `[sweep]` in the experiment names the keys to vary and the values to try. An interrupted sweep continues where
+/// it stopped when it is run again; nothing is computed twice.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  aurt sweep run experiment.toml --out sweep\n  \
     aurt sweep show sweep")]
@@ -56,7 +56,7 @@ struct RunSweep {
     /// Experiment file with a section `sweep`
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// Folder of the sweep; made if it does not exist
+    /// Folder of the sweep; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Who runs the points
@@ -75,7 +75,7 @@ struct PlanSweep {
     /// Experiment file with a section `sweep`
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// Folder of the sweep; made if it does not exist
+    /// Folder of the sweep; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

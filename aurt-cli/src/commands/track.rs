@@ -24,8 +24,8 @@ use crate::{
 
 /// Follow a calibrated machine over time: drift of friction, gains and load, with alarms.
 ///
-/// The experiment's own recordings are the unchanged machine, from which it learns how much estimates vary anyway. Exit
-/// status 1 if something has changed; `aurt diagnose` with that recording as target names the physics.
+/// The recordings of the experiment show the unchanged machine and the usual variation of its estimates. Exit status 1
+/// if something has changed; `aurt diagnose` with that recording as target identifies the cause.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  \
     aurt track experiment.toml --model results/rd_calibrated.json nightly --out track")]
@@ -33,8 +33,7 @@ pub struct Track {
     /// Experiment file; its recordings are the unchanged machine
     #[arg(value_name = "EXPERIMENT.toml")]
     experiment: PathBuf,
-    /// Recordings in time order, folders of recordings, which are taken by name, or `-` for rows as they come on standard
-    /// input
+    /// Recordings in time order, folders of recordings (in the order of their names), or `-` for rows from standard input
     #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
     /// Calibrated robot dynamics from `aurt run` or `aurt calibrate`

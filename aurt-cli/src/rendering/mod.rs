@@ -2,4 +2,5 @@
 
 pub mod excerpt;
 pub mod problem;
+pub mod progress;
 pub mod terminal;

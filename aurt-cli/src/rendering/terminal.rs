@@ -4,20 +4,18 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     io::{ErrorKind, IsTerminal, Write},
     path::PathBuf,
-    time::Duration,
 };
 
-use aurt::{Progress, progress::Observer};
+use aurt::Progress;
 use aurt_files::harmless;
 pub use aurt_report::rendering::style::Emphasis;
 use aurt_report::rendering::style::Style;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
 use aurt_experiment::workbench::failure::Failure;
 use aurt_files::output::pretty;
 
-use super::problem;
+use super::{problem, progress};
 
 /// What a command has to say when it is done.
 #[derive(Debug, Clone, Default)]
@@ -116,53 +114,18 @@ impl Terminal {
         let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
     }
 
-    /// A bar over `steps` steps on standard error, where a person looks at it.
+    /// The progress over `steps` steps on standard error: a bar where a person looks at it, else a line from time to time.
     pub fn progress(&self, steps: usize) -> Progress {
         self.bar(steps, "{bar:24} {pos}/{len} {elapsed} {wide_msg}")
     }
 
-    /// A bar over the points of a sweep, with their rate and the time left.
+    /// The same over the points of a sweep, with their rate and the time left.
     pub fn points_bar(&self, points: usize) -> Progress {
         self.bar(points, "{bar:24} {pos}/{len} points, {per_sec}, {eta} left")
     }
 
     fn bar(&self, steps: usize, template: &str) -> Progress {
-        let shown = !self.json && !self.quiet && std::io::stderr().is_terminal();
-        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
-        }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Progress::observed(Bar { bar })
-    }
-}
-
-/// A bar on standard error.
-#[derive(Debug)]
-struct Bar {
-    bar: ProgressBar,
-}
-
-impl Observer for Bar {
-    fn step(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-        self.bar.inc(1);
-    }
-
-    fn skip(&self, steps: usize) {
-        self.bar.set_position(steps as u64);
-        self.bar.reset_eta();
-    }
-
-    fn advance(&self) {
-        self.bar.inc(1);
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if self.json || self.quiet { Progress::silent() } else { progress::shown(steps, template) }
     }
 }
 

@@ -52,7 +52,7 @@ fn what_should_be_heeded_gives_status_1() {
     assert_eq!(run.status(), 1, "{}", run.stderr());
     let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("only joints 0, 1, 3, 4, 5 move; the friction of joint 2 is out of reach"),
+        said.contains("only joints 0, 1, 3, 4 and 5 move; the friction of joint 2 is out of reach"),
         "{said}"
     );
     folder.aurt("check nowhere.csv".split(' ')).refused(&["nowhere.csv", "no such file"]);
@@ -80,7 +80,7 @@ fn several_recordings_count_together() {
     assert!(!findings.contains("out of reach"), "{findings}");
     assert_eq!(report["together"]["excitation"]["rank"], 48);
     assert!(
-        report["recordings"][0]["findings"].to_string().contains("only joints 1, 2, 3, 4, 5 move"),
+        report["recordings"][0]["findings"].to_string().contains("only joints 1, 2, 3, 4 and 5 move"),
         "{report}"
     );
     let f_dyn_hz = report["suitable_f_dyn_hz"].as_f64().unwrap();

@@ -158,7 +158,7 @@ fn a_target_in_which_nothing_changed_is_said_to_be_unchanged() {
     assert!(!effects.is_empty() && effects.iter().all(|e| e["present_in"] == everywhere), "{verdict}");
     let said = run.stdout();
     let first = said.lines().next().unwrap();
-    assert!(first.starts_with("nothing has changed; what the model lacks in all recordings"), "{said}");
+    assert!(first.starts_with("nothing has changed; in all recordings the model lacks "), "{said}");
     assert!(said.contains("\nchanged in the target: nothing\nmissing in all recordings:\n  1. "), "{said}");
     let in_window = said.lines().any(|l| l.contains("held out: point_to_point.csv from 1 to 60 s"));
     assert!(in_window, "{said}");

@@ -33,11 +33,11 @@
 //! - S. Mamedov, S. Mikhel (2020), *Practical aspects of model-based collision detection*.
 
 use aurt_calibration::with_deviation;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde_json::{Value, json};
 
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
-use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit};
+use crate::vocabulary::{Context, Effect, Family, OwnFriction, Parameter, Proposal, Unit, Wording};
 
 /// The effect.
 pub static EFFECT: Effect = Effect {
@@ -56,7 +56,7 @@ pub static EFFECT: Effect = Effect {
     is_whole_arm: true,
     propose,
     estimate: Some(estimate),
-    phrase: Some(phrase),
+    wording: Some(wording),
     excludes,
     ..Effect::BASE
 };
@@ -102,20 +102,54 @@ fn is_determined(value: f64, std: f64) -> bool {
     value != 0.0 && value.abs() > 2.0 * std
 }
 
-fn phrase(parameters: &Parameters, measured: MeasurementUnit) -> Option<String> {
-    let link = parameters.get("link")?.value.as_f64()?;
-    let determined = parameters.get("mass_kg").and_then(ParameterValue::number);
-    let Some([value, std]) = determined.filter(|_| parameters.contains_key("com_m")) else {
-        return Some(format!("a payload on link {link} whose mass the recordings do not determine"));
+/// A centre of mass that is known to this, m, is worth a place in a sentence.
+const KNOWN_CENTRE_M: f64 = 0.05;
+
+fn wording(parameters: &Parameters, measured: MeasurementUnit, names: RobotNames<'_>) -> Wording {
+    let link = parameters.get("link").and_then(|link| link.value.as_f64());
+    let on = link.map_or_else(|| "a link".to_owned(), |link| names.link(link as usize));
+    let mass = parameters.get("mass_kg").filter(|_| parameters.contains_key("com_m"));
+    let Some((value, std)) = mass.and_then(|mass| Some((mass.value.as_f64()?, mass.std.as_f64()))) else {
+        return Wording {
+            phrase: format!("a load of undetermined mass on {on}"),
+            detail: first_moment(parameters).unwrap_or_default(),
+        };
     };
-    let has_std = parameters.get("mass_kg")?.std.is_number();
-    let mass =
-        if has_std { with_deviation(value.abs(), std) } else { format!("{:.3}", value.abs()) };
+    let mass = match std {
+        Some(std) => with_deviation(value.abs(), std),
+        None => format!("{:.3}", value.abs()),
+    };
     let unit = Unit::Mass.symbol(measured);
-    Some(if value < 0.0 {
-        format!("a load of {mass} {unit} removed from link {link}")
+    let phrase = if value < 0.0 {
+        format!("a load of {mass} {unit} removed from {on}")
     } else {
-        format!("a payload of {mass} {unit} on link {link}")
+        format!("a payload of {mass} {unit} on {on}")
+    };
+    Wording { phrase, detail: centre(parameters).unwrap_or_default() }
+}
+
+/// The entries of a vector, and the largest of their standard deviations.
+fn vector(value: &ParameterValue) -> Option<(Vec<f64>, f64)> {
+    let numbers = |of: &Value| of.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+    let stds = numbers(&value.std)?;
+    Some((numbers(&value.value)?, stds.iter().copied().fold(0.0, f64::max)))
+}
+
+/// The first moment of a load whose mass is not determined.
+fn first_moment(parameters: &Parameters) -> Option<String> {
+    let (values, std) = vector(parameters.get("first_moment_kg_m")?)?;
+    let values: Vec<String> = values.iter().map(|v| format!("{v:.4}")).collect();
+    std.is_finite().then(|| {
+        format!("first moment [{}] ± {std:.4} kg m in the frame of its joint, z along the axis", values.join(", "))
+    })
+}
+
+/// The centre of mass, where it is determined.
+fn centre(parameters: &Parameters) -> Option<String> {
+    let (values, std) = vector(parameters.get("com_m")?)?;
+    (std.is_finite() && std <= KNOWN_CENTRE_M).then(|| {
+        let values: Vec<String> = values.iter().map(|v| format!("{v:.3}")).collect();
+        format!("centre of mass [{}] ± {std:.3} m in the frame of its joint, z along the axis", values.join(", "))
     })
 }
 
@@ -178,13 +212,34 @@ mod tests {
     }
 
     #[test]
-    fn masses_of_a_model_in_amperes_are_not_kilograms() {
-        let parameters = Parameters::from([
-            ("mass_kg".to_owned(), ParameterValue::new(0.2506, 0.005)),
-            ("com_m".to_owned(), ParameterValue::new([0.0; 3], [0.1; 3])),
-            ("link".to_owned(), ParameterValue::exact(5.0)),
-        ]);
-        let said = phrase(&parameters, MeasurementUnit::Ampere);
-        assert_eq!(said.as_deref(), Some("a payload of 0.2506 ± 0.0050 A/Nm kg on link 5"));
+    fn a_load_is_told_with_its_link_its_unit_and_what_is_determined() {
+        let mut parameters = Parameters::from([("link".to_owned(), ParameterValue::exact(1.0))]);
+        let links = ["upper_arm", "wrist_link"].map(str::to_owned);
+        let names = RobotNames { joints: &[], links: &links };
+        let said = wording(&parameters, MeasurementUnit::NewtonMetre, names);
+        assert_eq!(said.phrase, "a load of undetermined mass on wrist_link");
+        let moment = ParameterValue::new([0.0, 0.0412, -0.003], [0.001, 0.0004, 0.001]);
+        parameters.insert("first_moment_kg_m".to_owned(), moment);
+        assert_eq!(
+            wording(&parameters, MeasurementUnit::NewtonMetre, names).detail,
+            "first moment [0.0000, 0.0412, -0.0030] ± 0.0010 kg m in the frame of its joint, z along the axis"
+        );
+        parameters.remove("first_moment_kg_m");
+        parameters.insert("mass_kg".to_owned(), ParameterValue::new(0.2506, 0.005));
+        parameters.insert("com_m".to_owned(), ParameterValue::new([0.0; 3], [0.1; 3]));
+        let said = wording(&parameters, MeasurementUnit::Ampere, RobotNames::default());
+        assert_eq!(said.phrase, "a payload of 0.2506 ± 0.0050 A/Nm kg on link 1");
+        for (std, detail) in [
+            (
+                0.01,
+                "centre of mass [0.000, 0.020, -0.100] ± 0.010 m in the frame of its joint, z along the axis",
+            ),
+            (0.2, ""),
+            (f64::INFINITY, ""),
+        ] {
+            parameters
+                .insert("com_m".to_owned(), ParameterValue::new([0.0, 0.02, -0.1], [0.001, 0.002, std]));
+            assert_eq!(wording(&parameters, MeasurementUnit::NewtonMetre, names).detail, detail);
+        }
     }
 }

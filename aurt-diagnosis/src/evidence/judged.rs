@@ -1,7 +1,7 @@
 //! The model in question, judged by the noise that it would leave.
 
 use aurt_recording::Preprocessed;
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 use rayon::prelude::*;
 
 use crate::error::DiagnosisError;
@@ -63,7 +63,7 @@ impl Judged {
         for ((recording, rows), noise) in question.recordings.iter().zip(&own_rows).zip(&noise) {
             let mut floor = noise_floor(noise, &recording.data.data, rows)?;
             noise_exceeds_all |= exceeds_all(rows, &floor);
-            notes.extend(bounded(&rows.name, &mut floor, &left(question, &baseline, rows)));
+            notes.extend(bounded(&rows.name, &mut floor, &left(question, &baseline, rows), question.names()));
             floors.push(floor);
         }
         Ok(Self { baseline, own_rows, floors, noise, noise_exceeds_all, notes })
@@ -102,6 +102,7 @@ pub(crate) fn bound_floors(
     switches: &[Switch],
     coefficients: &[f64],
     floors: &mut [Vec<f64>],
+    names: RobotNames<'_>,
 ) -> Vec<String> {
     rows.iter()
         .zip(floors)
@@ -116,7 +117,7 @@ pub(crate) fn bound_floors(
                     (counted > 0.0).then(|| residual.iter().map(|e| e * e).sum::<f64>() / counted)
                 })
                 .collect();
-            bounded(&recording.name, floors, &left)
+            bounded(&recording.name, floors, &left, names)
         })
         .collect()
 }

@@ -9,6 +9,7 @@ use super::{Fault, log10_poisson_tail, resolution, windows_s};
 use crate::effects::saturation;
 use crate::parameters::{ParameterValue, Parameters};
 use aurt_recording::Recording;
+use aurt_traits::RobotNames;
 
 /// Fewest samples at a limit.
 const FEWEST: usize = 5;
@@ -81,8 +82,9 @@ pub(super) fn find(name: &str, recording: &Recording, spoilt: &[bool]) -> (Vec<F
             log10_probability: log10,
             suffices: share >= SUFFICIENT_SHARE,
             sentence: format!(
-                "{name}: the measurement of joint {joint} is clipped at ±{limit:.4} {unit} in {count} rows \
+                "{name}: the measurement of {} is clipped at ±{limit:.4} {unit} in {count} rows \
                  ({:.2} %)",
+                RobotNames::of_joints(recording.joints.names()).joint(joint),
                 100.0 * share
             ),
         });

@@ -68,9 +68,9 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
     }
     for gear in investigation.shaking.iter().filter(|s| s.confirmed) {
         improvement.notes.push(format!(
-            "the gear of joint {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
+            "the gear of {} ({:.3e} Nm/rad, play ± {:.1e} rad) is not in the improved experiment: no term that is linear \
              in its parameters describes a link that moves against its motor",
-            gear.joint, gear.stiffness_nm_rad[0], gear.gap_rad[0]
+            question.names().joint(gear.joint), gear.stiffness_nm_rad[0], gear.gap_rad[0]
         ));
     }
     for chosen in &investigation.selection.chosen {
@@ -94,9 +94,10 @@ pub fn improvement(question: &Question<'_>, investigation: &Investigation) -> Im
                 let found = value(candidate.columns[0], group.target_only());
                 if scope.is_some() {
                     improvement.notes.push(format!(
-                        "{} on joint {joint} is in the target recordings only; `[instrument]` holds for all \
+                        "{} on {} is in the target recordings only; `[instrument]` holds for all \
                          recordings, so it was not added",
-                        group.effect.id
+                        group.effect.id,
+                        question.names().joint(*joint)
                     ));
                     continue;
                 }

@@ -68,7 +68,14 @@ impl Prepared<'_> {
         let reference = &self.reference;
         let own: Vec<Switch> = crate::evidence::baseline::own_switches(self.question.model);
         if reference.baseline.frozen {
-            let _ = bound_floors(&anew.rows, &reference.layout, &[], &[], &mut anew.floors);
+            let _ = bound_floors(
+                &anew.rows,
+                &reference.layout,
+                &[],
+                &[],
+                &mut anew.floors,
+                self.question.names(),
+            );
             return;
         }
         let fitted = own_coefficients(self.question, reference, &anew.problem);
@@ -79,7 +86,14 @@ impl Prepared<'_> {
         for j in 0..reference.layout.rows.len() {
             self.predict_anew(anew, j, &change);
         }
-        let _ = bound_floors(&anew.rows, &reference.layout, &own, &anew.coefficients, &mut anew.floors);
+        let _ = bound_floors(
+            &anew.rows,
+            &reference.layout,
+            &own,
+            &anew.coefficients,
+            &mut anew.floors,
+            self.question.names(),
+        );
     }
 
     /// Changes the column of a joint's gain, which is the prediction of the model in question.

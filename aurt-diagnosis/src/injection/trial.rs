@@ -106,7 +106,8 @@ impl Prepared<'_> {
             }
         }
         let Selected { problem, mut selection, switches, coefficients, independent_share } = selected;
-        let noise_notes = bound_floors(&rows, layout, &switches, &coefficients, &mut floors);
+        let noise_notes =
+            bound_floors(&rows, layout, &switches, &coefficients, &mut floors, question.names());
         floor = mean_floor(&rows, partition, &floors);
         for chosen in &selection.chosen {
             let candidate = &candidates[groups[chosen.group].candidate];
@@ -145,7 +146,7 @@ impl Prepared<'_> {
             undetermined: reference.undetermined,
             late: None,
             shaking: reference.shaking.clone(),
-            gears_not_seen: Vec::new(),
+            gears_visible: Vec::new(),
             before_gears: reference.before_gears.clone(),
             contacts,
             selection,

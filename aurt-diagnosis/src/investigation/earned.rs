@@ -73,7 +73,8 @@ pub(crate) fn earn(question: &Question<'_>, investigation: &mut Investigation) -
         }
         for i in culprits {
             fails[i].push(format!(
-                "all selected effects together multiply the held-out error of joint {joint} by {times:.2}"
+                "all selected effects together multiply the held-out error of {} by {times:.2}",
+                question.names().joint(joint)
             ));
         }
     }
@@ -247,15 +248,11 @@ impl<'a> Trial<'a> {
             without > 0.0 && with > (1.0 + WORSE).powi(2) * without
         };
         let judged = self.joints[i].iter().filter(|j| self.confirmed_without[i][**j] > 0.0).count();
-        let worse: Vec<String> =
-            self.joints[i].iter().filter(|j| grows(j)).map(ToString::to_string).collect();
+        let worse: Vec<usize> = self.joints[i].iter().copied().filter(|j| grows(j)).collect();
         let most = if self.joints[i].len() > 2 { WORSE_JOINTS * judged as f64 } else { 0.0 };
         (!worse.is_empty() && worse.len() as f64 >= most).then(|| {
-            format!(
-                "held-out data are predicted better without it on joint{} {}",
-                if worse.len() == 1 { "" } else { "s" },
-                worse.join(", ")
-            )
+            let names = self.investigation.model.names();
+            format!("held-out data are predicted better without it on {}", names.joint_list(&worse))
         })
     }
 

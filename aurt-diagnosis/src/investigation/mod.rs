@@ -44,7 +44,7 @@ use crate::recordings::partition::Partition;
 use crate::recordings::rows::{Fit, Layout, RecordingRows, Role};
 use crate::request::{Question, QuestionedRecording, length};
 use crate::search::selection::Selection;
-use crate::transmission::Shaking;
+use crate::transmission::{Shaking, VisibleGear};
 use crate::vocabulary::Context;
 use gears::without_gears;
 use selecting::{Parts, Selected};
@@ -90,8 +90,8 @@ pub struct Investigation {
     pub faults_matter: bool,
     /// Gears that give way or have play; the torque of those that are confirmed was taken out of the measurement.
     pub shaking: Vec<Shaking>,
-    /// From which stiffness and play on gears would have shown, in sentences.
-    pub gears_not_seen: Vec<String>,
+    /// The gears that would have shown, joint by joint.
+    pub gears_visible: Vec<VisibleGear>,
     /// What the model left before that torque was taken out, if any was.
     pub before_gears: Option<BeforeGears>,
     /// The delay that was undone before everything else here, if any.
@@ -235,7 +235,7 @@ fn investigate_as_it_is(
     let freed =
         Question { recordings: gears.recordings.as_deref().unwrap_or(question.recordings), ..*question };
     let question = &freed;
-    let (shaking, gears_not_seen, before_gears) = (gears.gears.found, gears.gears.not_seen, gears.before);
+    let (shaking, gears_visible, before_gears) = (gears.gears.found, gears.gears.visible, gears.before);
     let Judged { baseline, own_rows, mut floors, noise, notes: mut noise_notes, .. } = gears.judged;
     if let Some(k) = baseline.coefficients.iter().position(|c| !c.is_finite()) {
         let figure = format!("coefficient {k} of the model in question");
@@ -340,7 +340,7 @@ fn investigate_as_it_is(
         mean_independent_share,
         misfit,
     } = selected;
-    noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors));
+    noise_notes.extend(bound_floors(&rows, &layout, &switches, &coefficients, &mut floors, question.names()));
     floor = mean_floor(&rows, &partition, &floors);
     let judge = Judge {
         problem: &problem,
@@ -375,7 +375,7 @@ fn investigate_as_it_is(
         undetermined,
         late: None,
         shaking,
-        gears_not_seen,
+        gears_visible,
         before_gears,
         contacts,
         selection,

@@ -1,6 +1,7 @@
 //! The noise floor: the residual that a right model would leave, from what is known of the noise.
 
 use aurt_recording::Preprocessed;
+use aurt_traits::RobotNames;
 
 use super::sign::wrong_sign;
 use super::spectrum::RecordingNoise;
@@ -45,20 +46,26 @@ pub fn noise_floor(
 /// Lowers floors to the mean square of what a model leaves, which noise is part of, and says of which joints they
 /// were too high by far. Joints without rows keep theirs.
 #[must_use]
-pub fn bounded(recording: &str, floors: &mut [f64], left: &[Option<f64>]) -> Option<String> {
-    let mut wrong = Vec::new();
+pub fn bounded(
+    recording: &str,
+    floors: &mut [f64],
+    left: &[Option<f64>],
+    names: RobotNames<'_>,
+) -> Option<String> {
+    let (mut wrong, mut said) = (Vec::new(), vec![String::new(); floors.len()]);
     for (joint, (floor, left)) in floors.iter_mut().zip(left).enumerate() {
         let Some(left) = left.filter(|left| *left < *floor) else { continue };
         if *floor > CONTRADICTION * left {
-            wrong.push(format!("{joint} ({:.3} of {:.3})", floor.sqrt(), left.sqrt()));
+            wrong.push(joint);
+            said[joint] = format!(" ({:.3} of {:.3})", floor.sqrt(), left.sqrt());
         }
         *floor = left;
     }
     (!wrong.is_empty()).then(|| {
         format!(
-            "{recording}: the estimated noise floor exceeds the residual of joint {}; the residual is used as the noise floor \
+            "{recording}: the estimated noise floor exceeds the residual of {}; the residual is used as the noise floor \
              there, which can hide a small effect",
-            wrong.join(", ")
+            names.joint_list_with(&wrong, |joint| said[joint].clone())
         )
     })
 }
@@ -70,10 +77,11 @@ mod tests {
     #[test]
     fn noise_is_never_more_than_what_is_left() {
         let mut floors = [1.0, 1.0, 1.0, 1.0];
-        let note = bounded("a.csv", &mut floors, &[Some(4.0), Some(0.95), Some(0.25), None]);
+        let note =
+            bounded("a.csv", &mut floors, &[Some(4.0), Some(0.95), Some(0.25), None], RobotNames::default());
         assert_eq!(floors, [1.0, 0.95, 0.25, 1.0]);
         let note = note.unwrap();
         assert!(note.contains("joint 2 (1.000 of 0.500)") && !note.contains("1 ("), "{note}");
-        assert_eq!(bounded("a.csv", &mut floors, &[None; 4]), None);
+        assert_eq!(bounded("a.csv", &mut floors, &[None; 4], RobotNames::default()), None);
     }
 }

@@ -1,14 +1,16 @@
 //! What the trees predict a joint's residual from.
 
+use aurt_traits::RobotNames;
+
 use crate::recordings::rows::RecordingRows;
 
 /// Velocity scale at which the direction of motion is clear, rad/s.
 const DIRECTION_RAD_S: f64 = 0.02;
 
 /// Names of the features of a joint, in the order of [`of_rows`].
-pub(super) fn names(joints: usize, joint: usize) -> Vec<String> {
+pub(super) fn names(joints: usize, joint: usize, robot: RobotNames<'_>) -> Vec<String> {
     let of = |what: &str, k: usize| {
-        if k == joint { what.to_owned() } else { format!("{what} of joint {k}") }
+        if k == joint { what.to_owned() } else { format!("{what} of {}", robot.joint(k)) }
     };
     let mut names: Vec<String> = (0..joints).map(|k| of("position", k)).collect();
     names.extend((0..joints).map(|k| of("velocity", k)));

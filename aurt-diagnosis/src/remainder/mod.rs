@@ -10,6 +10,7 @@
 mod boosting;
 mod features;
 
+use aurt_traits::RobotNames;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -154,6 +155,7 @@ pub(crate) fn remainders(
     fitted: &[Residual<'_>],
     held_out: &[Residual<'_>],
     has_claims: bool,
+    robot: RobotNames<'_>,
 ) -> (Vec<Remainder>, Option<Share>) {
     let joints = fitted.iter().chain(held_out).map(|r| r.rows.joints.len()).max().unwrap_or(0);
     let judge = |joint: usize| {
@@ -165,7 +167,7 @@ pub(crate) fn remainders(
         .enumerate()
         .map(|(joint, judged)| Remainder {
             explained: judged.as_ref().filter(|_| has_claims).and_then(|judged| explained(&judged.stretches)),
-            ..Remainder::of(joint, judged.as_ref(), || names(joints, joint))
+            ..Remainder::of(joint, judged.as_ref(), || names(joints, joint, robot))
         })
         .collect();
     let in_noise = |judged: &Judged| -> Vec<Squares> {

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use aurt_calibration::{Calibration, CalibrationOptions, NamedRecording};
 use aurt_recording::{PreprocessOptions, Recording, RecordingError, preprocess};
-use aurt_traits::{MeasurementUnit, RobotModel};
+use aurt_traits::{MeasurementUnit, RobotModel, RobotNames};
 
 use crate::error::DiagnosisError;
 use crate::faults::RecordingFaults;
@@ -161,6 +161,11 @@ pub struct Question<'a> {
 }
 
 impl Question<'_> {
+    /// Names of the robot's joints and links.
+    pub(crate) fn names(&self) -> RobotNames<'_> {
+        self.model.names()
+    }
+
     /// Whether an effect is considered.
     pub(crate) fn considers(&self, effect: &Effect) -> bool {
         considers(self.without, effect)

@@ -26,6 +26,7 @@ pub(crate) use undo::undone;
 
 use aurt_recording::Segment;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::effects::{backlash, joint_elasticity};
 use crate::error::DiagnosisError;
@@ -69,13 +70,24 @@ pub struct Shaking {
     simulated: (Shape, Inertia),
 }
 
+/// The gear of a joint that recordings would show.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct VisibleGear {
+    /// The joint.
+    pub joint: usize,
+    /// A gear softer than this would show, Nm/rad; absent where no gear of a robot would.
+    pub below_nm_rad: Option<f64>,
+    /// A play wider than ± this would show, rad; absent where none that was tried would.
+    pub beyond_rad: Option<f64>,
+}
+
 /// What was looked for in the gears of all joints.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Gears {
     /// What was found, the clearest first.
     pub found: Vec<Shaking>,
-    /// What could not have been seen, in sentences.
-    pub not_seen: Vec<String>,
+    /// The gears that would have been found, joint by joint.
+    pub visible: Vec<VisibleGear>,
 }
 
 /// A segment at full rate, with the recording that it belongs to.
@@ -155,7 +167,7 @@ pub fn find_gears(
         let mut round: Vec<Shaking> = of_joints.iter().flat_map(|o| o.found.iter().cloned()).collect();
         round.sort_by(|a, b| b.confirmed.cmp(&a.confirmed).then(b.score.total_cmp(&a.score)));
         if gears.found.is_empty() {
-            gears.not_seen = not_seen(&open, &of_joints, effects);
+            gears.visible = visible(&open, &of_joints);
         }
         let clearest = round.first().filter(|g| g.confirmed && gears.found.len() < MOST_GEARS).cloned();
         let Some(clearest) = clearest else {
@@ -295,31 +307,15 @@ impl Shaking {
     }
 }
 
-/// From which stiffness and which play on gears would have been found, joint by joint.
-fn not_seen(joints: &[usize], of_joints: &[OfJoint], effects: [bool; 2]) -> Vec<String> {
-    let list = |of: &dyn Fn(&OfJoint) -> Option<String>, nothing: &str| -> String {
-        let one = |(joint, of_joint): (&usize, &OfJoint)| {
-            format!("{} on joint {joint}", of(of_joint).unwrap_or_else(|| nothing.to_owned()))
-        };
-        joints.iter().zip(of_joints).map(one).collect::<Vec<_>>().join(", ")
+/// From which stiffness and which play on the gears of `joints` would have been found.
+fn visible(joints: &[usize], of_joints: &[OfJoint]) -> Vec<VisibleGear> {
+    let of_joint = |(joint, OfJoint { visible, .. }): (&usize, &OfJoint)| VisibleGear {
+        joint: *joint,
+        below_nm_rad: visible.hz.zip(visible.inertia).map(|(hz, inertia)| {
+            let omega = std::f64::consts::TAU * hz;
+            inertia.mean_kg_m2 * omega * omega
+        }),
+        beyond_rad: visible.half_gap_rad,
     };
-    let mut sentences = Vec::new();
-    if effects[0] {
-        let stiffness = |o: &OfJoint| {
-            let omega = std::f64::consts::TAU * o.visible.hz?;
-            Some(format!("{:.1e} Nm/rad", o.visible.inertia?.mean_kg_m2 * omega * omega))
-        };
-        sentences.push(format!(
-            "these recordings would show an elastic gear softer than {}",
-            list(&stiffness, "any robot's gear")
-        ));
-    }
-    if effects[1] {
-        let gap = |o: &OfJoint| Some(format!("± {:.1e} rad", o.visible.half_gap_rad?));
-        sentences.push(format!(
-            "these recordings would show backlash wider than {}",
-            list(&gap, "any that was tried")
-        ));
-    }
-    sentences
+    joints.iter().zip(of_joints).map(of_joint).collect()
 }

@@ -7,12 +7,12 @@ use crate::parameters::{ParameterValue, Parameters};
 use crate::recordings::rows::Role;
 use crate::request::Question;
 use crate::verdict::confidence::confidence;
-use crate::verdict::sentence::joint_list;
 use crate::verdict::{Evidence, Finding};
 
 /// Findings for contacts with the surroundings.
 pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investigation) -> Vec<Finding> {
     let threshold = ContactOptions::new(question.f_dyn_hz).score;
+    let names = question.names();
     let one = |contact: &Contact| {
         let recording = &question.recordings[contact.recording];
         let kind = if recording.role == Role::Target { "target" } else { "calibration" };
@@ -27,10 +27,10 @@ pub(crate) fn contact_findings(question: &Question<'_>, investigation: &Investig
                 ("window_s".to_owned(), ParameterValue::exact(contact.window_s)),
             ]),
             sentence: format!(
-                "a contact at link {} of {} from {from:.1} to {to:.1} s, felt by {}",
-                contact.link,
+                "a contact at {} from {from:.1} to {to:.1} s of {}, felt by {}",
+                names.link(contact.link),
                 recording.data.name,
-                joint_list(&contact.joints)
+                names.joint_list(&contact.joints)
             ),
             ..Finding::new(
                 &external_contact::EFFECT,

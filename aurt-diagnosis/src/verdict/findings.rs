@@ -35,7 +35,7 @@ pub(crate) fn delay_finding(question: &Question<'_>, investigation: &Investigati
         )]),
         ..Finding::new(&time_delay::EFFECT, joints, evidence, confidence(delay.score, false))
     };
-    finding.sentence = sentence(&finding, question.unit);
+    finding.sentence = sentence(&finding, question);
     Some(finding)
 }
 
@@ -69,7 +69,7 @@ pub(crate) fn findings(
         .into_iter()
         .map(|(mut finding, _)| {
             sort_by_joint(&mut finding);
-            finding.sentence = sentence(&finding, question.unit);
+            finding.sentence = sentence(&finding, question);
             finding
         })
         .collect()
@@ -85,7 +85,7 @@ pub(crate) fn indications(question: &Question<'_>, investigation: &Investigation
             let own = &investigation.groups[indicated.chosen.group];
             let fitted = Fitted::new(investigation, investigation.switches_of(kept.chain([own])));
             let mut finding = finding(question, investigation, &indicated.chosen, &fitted)?;
-            finding.sentence = sentence(&finding, question.unit);
+            finding.sentence = sentence(&finding, question);
             Some(Indication { finding, fails: indicated.fails.clone() })
         })
         .collect();

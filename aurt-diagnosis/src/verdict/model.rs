@@ -1,4 +1,4 @@
-use aurt_traits::{MeasurementUnit, Slot};
+use aurt_traits::{MeasurementUnit, RobotNames, Slot};
 use serde::{Deserialize, Serialize};
 
 use crate::investigation::WORSE;
@@ -6,6 +6,7 @@ use crate::parameters::Parameters;
 use crate::remainder::{Remainder, Share};
 use crate::request::SelectionOptions;
 use crate::search::selection::Chosen;
+use crate::transmission::VisibleGear;
 use crate::vocabulary::{Effect, Family};
 
 /// The answer in one word.
@@ -38,6 +39,9 @@ pub struct Verdict {
     /// Names of the joints, base first; empty where they have none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joint_names: Vec<String>,
+    /// Names of the links, that of the first joint first; empty where they have none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub link_names: Vec<String>,
     /// What an effect had to bring.
     #[serde(default)]
     pub settings: SelectionOptions,
@@ -58,6 +62,9 @@ pub struct Verdict {
     pub registered_models: Vec<RegisteredFinding>,
     /// Effects that these recordings can neither show nor exclude.
     pub not_decidable: Vec<NotDecidable>,
+    /// The gears that would have shown in these recordings, joint by joint, where gears were examined.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gears_visible: Vec<VisibleGear>,
     /// What could not be looked at in these recordings, and why.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_examined: Vec<NotExamined>,
@@ -79,6 +86,14 @@ pub struct Verdict {
     pub warnings: Vec<String>,
     /// What a reader should know of how this was found.
     pub notes: Vec<String>,
+}
+
+impl Verdict {
+    /// Names of the robot's joints and links.
+    #[must_use]
+    pub fn names(&self) -> RobotNames<'_> {
+        RobotNames { joints: &self.joint_names, links: &self.link_names }
+    }
 }
 
 /// An effect that was found.

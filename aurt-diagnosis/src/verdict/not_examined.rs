@@ -7,7 +7,6 @@ use crate::request::{Question, QuestionedRecording, length};
 use crate::transmission::LEAST_RATE_HZ;
 use crate::verdict::NotExamined;
 use crate::verdict::answer::UNRELATED;
-use crate::verdict::sentence::joint_list;
 use crate::vocabulary::Means;
 
 /// Joints at rest, recordings that are short or slow, and measurements that say nothing.
@@ -16,7 +15,7 @@ pub(crate) fn not_examined(question: &Question<'_>, investigation: &Investigatio
     found.extend(beside(question));
     found.extend(standing(question, investigation));
     found.extend(short(investigation));
-    found.extend(unrelated(investigation));
+    found.extend(unrelated(question, investigation));
     found.extend(slow(question));
     found
 }
@@ -32,7 +31,7 @@ fn constant(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
                 recording: Some(name.clone()),
                 reason: format!(
                     "the measurement of {} is constant in {name}: nothing was measured, and no claim is made",
-                    joint_list(&joints)
+                    question.names().joint_list(&joints)
                 ),
                 joints,
                 effects: Vec::new(),
@@ -44,6 +43,7 @@ fn constant(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
 
 /// Joints whose measurement contains a motion beside the chain.
 fn beside(question: &Question<'_>) -> Vec<NotExamined> {
+    let names = question.names();
     let of_recording = |recording: &QuestionedRecording| {
         let name = recording.data.name.clone();
         let branches = recording.raw.report.branches.clone();
@@ -52,7 +52,7 @@ fn beside(question: &Question<'_>) -> Vec<NotExamined> {
             reason: format!(
                 "{} moves beside the chain in {name}, and no claim is made on {} upstream of it",
                 branch.joint,
-                joint_list(&branch.upstream)
+                names.joint_list(&branch.upstream)
             ),
             joints: branch.upstream,
             effects: Vec::new(),
@@ -76,7 +76,7 @@ fn standing(question: &Question<'_>, investigation: &Investigation) -> Vec<NotEx
             recording: None,
             reason: format!(
                 "{} {} not move in the {name} recordings: a joint at rest shows neither friction nor inertia",
-                joint_list(&joints),
+                question.names().joint_list(&joints),
                 if joints.len() == 1 { "does" } else { "do" },
             ),
             joints,
@@ -100,7 +100,7 @@ fn short(investigation: &Investigation) -> Vec<NotExamined> {
     (0..investigation.rows.len()).filter_map(said).collect()
 }
 
-fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
+fn unrelated(question: &Question<'_>, investigation: &Investigation) -> Option<NotExamined> {
     let predicted = investigation.predicted.iter().enumerate();
     let joints: Vec<usize> =
         predicted.filter(|(_, share)| share.is_some_and(|s| s < UNRELATED)).map(|(j, _)| j).collect();
@@ -108,7 +108,7 @@ fn unrelated(investigation: &Investigation) -> Option<NotExamined> {
         recording: None,
         reason: format!(
             "the measurement of {} is hardly related to the motion: the model predicts less than {:.0} % of its held-out variance",
-            joint_list(&joints),
+            question.names().joint_list(&joints),
             100.0 * UNRELATED
         ),
         joints,

@@ -24,14 +24,13 @@ pub(crate) fn findings(
         let present_in = present_in(question, investigation, group.target_only());
         let loss = group.joints.iter().map(|j| chosen.joint_loss[*j]).fold(0.0, f64::max);
         let predicted_share = 1.0 - (-loss).exp();
-        let joints: Vec<String> = group.joints.iter().map(ToString::to_string).collect();
         let changed = present_in == ["target"];
         let sentence = format!(
-            "the registered {} model `{}` predicts {:.0} % of the residual of joint {}{}",
+            "the registered {} model `{}` predicts {:.0} % of the residual of {}{}",
             model.slot.name(),
             model.name,
             100.0 * predicted_share,
-            joints.join(", "),
+            question.names().joint_list(&group.joints),
             if changed { ", in the target recordings only" } else { "" },
         );
         found.push(RegisteredFinding {

@@ -1,27 +1,26 @@
 //! Findings in words.
 
 use aurt_calibration::with_deviation;
-use aurt_traits::MeasurementUnit;
 
 use crate::effects;
+use crate::request::Question;
 use crate::verdict::Finding;
+use crate::vocabulary::Wording;
 
 /// An effect in a sentence: what it is, on which joints, in which recordings, and its first parameters.
-pub(crate) fn sentence(finding: &Finding, unit: MeasurementUnit) -> String {
+pub(crate) fn sentence(finding: &Finding, question: &Question<'_>) -> String {
+    let (unit, names) = (question.unit, question.names());
     let changed = finding.present_in == ["target"];
     let when = if changed { ", in the target recordings only" } else { "" };
     let effect = effects::find(&finding.effect);
-    let phrase = effect.and_then(|e| e.phrase).and_then(|phrase| phrase(&finding.parameters, unit));
-    if let Some(phrase) = phrase {
-        return format!("{phrase}, seen on {}{when}", joint_list(&finding.joints));
+    let joints = names.joint_list(&finding.joints);
+    if let Some(wording) = effect.and_then(|e| e.wording) {
+        let Wording { phrase, detail } = wording(&finding.parameters, unit, names);
+        let detail = if detail.is_empty() { detail } else { format!(" ({detail})") };
+        return format!("{phrase}, seen on {joints}{when}{detail}");
     }
     let title = effect.map_or(finding.effect.as_str(), |e| e.title);
-    let plural = match (effect.is_some_and(|e| e.is_whole_arm), finding.joints.len()) {
-        (true, _) => "seen on joints",
-        (false, 1) => "on joint",
-        (false, _) => "on joints",
-    };
-    let joints = joint_numbers(&finding.joints);
+    let on = if effect.is_some_and(|e| e.is_whole_arm) { "seen on" } else { "on" };
     let key: Vec<String> = finding
         .parameters
         .iter()
@@ -37,7 +36,7 @@ pub(crate) fn sentence(finding: &Finding, unit: MeasurementUnit) -> String {
         .take(4)
         .collect();
     let key = if key.is_empty() { String::new() } else { format!(" ({})", key.join(", ")) };
-    format!("{title} {plural} {joints}{when}{key}")
+    format!("{title} {on} {joints}{when}{key}")
 }
 
 /// A value of which no deviation is known: numbers of things as they are, others to four digits.
@@ -47,15 +46,6 @@ fn short(value: f64) -> String {
     }
     let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.digits$}")
-}
-
-/// "joint 2", "joints 1, 2".
-pub(crate) fn joint_list(joints: &[usize]) -> String {
-    format!("joint{} {}", if joints.len() == 1 { "" } else { "s" }, joint_numbers(joints))
-}
-
-fn joint_numbers(joints: &[usize]) -> String {
-    joints.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -30,18 +30,18 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
         ("stiffness_nm_rad".to_owned(), number(shaking.stiffness_nm_rad)),
         ("damping_nm_s".to_owned(), number(shaking.damping_nm_s)),
     ]);
-    let joint = shaking.joint;
+    let joint = question.names().joint(shaking.joint);
     let play = shaking.gap_rad[0] > 0.0;
     let sentence = if play {
         parameters.insert("gap_rad".to_owned(), number(shaking.gap_rad));
         format!(
-            "{} on joint {joint}: a play of ± {:.2e} rad predicts the residual of the rigid model",
+            "{} on {joint}: a play of ± {:.2e} rad predicts the residual of the rigid model",
             shaking.effect.title, shaking.gap_rad[0]
         )
     } else {
         parameters.insert("frequency_hz".to_owned(), ParameterValue::exact(shaking.frequency_hz));
         format!(
-            "{} on joint {joint}: a stiffness of {:.3e} {} ({:.1} Hz) predicts the residual of the rigid model",
+            "{} on {joint}: a stiffness of {:.3e} {} ({:.1} Hz) predicts the residual of the rigid model",
             shaking.effect.title,
             shaking.stiffness_nm_rad[0],
             Unit::Stiffness.symbol(question.unit),
@@ -53,6 +53,6 @@ fn finding(question: &Question<'_>, shaking: &Shaking) -> Finding {
         present_in: kinds.iter().filter(|(_, is)| *is).map(|(kind, _)| (*kind).to_owned()).collect(),
         parameters,
         sentence,
-        ..Finding::new(shaking.effect, vec![joint], evidence, confidence(shaking.score, false))
+        ..Finding::new(shaking.effect, vec![shaking.joint], evidence, confidence(shaking.score, false))
     }
 }

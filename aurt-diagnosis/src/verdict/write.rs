@@ -71,7 +71,7 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     let fitted_rests = rests(investigation, &investigation.rows, own, full);
     let held_rests = rests(investigation, investigation.confirm.to_judge(), own, full);
     let has_claims = !investigation.selection.chosen.is_empty();
-    let (remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims);
+    let (remainder, explained) = remainders(&fitted_rests, &held_rests, has_claims, question.names());
     for (joint, of_trees) in residual.iter_mut().zip(&remainder) {
         joint.follows = of_trees.follows.first().map(|f| f.feature.clone());
         joint.follows_share =
@@ -92,7 +92,9 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
         schema: SCHEMA,
         settings: question.selection,
         unit: question.unit,
-        joint_names: question.model.rigid_body().joint_names().to_vec(),
+        gears_visible: investigation.gears_visible.clone(),
+        joint_names: question.names().joints.to_vec(),
+        link_names: question.names().links.to_vec(),
         verdict: answer,
         structure,
         effects,
@@ -129,20 +131,14 @@ pub fn verdict(question: &Question<'_>, investigation: &Investigation) -> Verdic
     }
     verdict.notes.extend(investigation.untried.iter().cloned());
     verdict.notes.extend(investigation.noise_notes.iter().cloned());
-    let wandering: Vec<String> = louder
-        .iter()
-        .enumerate()
-        .filter(|(_, factor)| **factor > STRUCTURE)
-        .map(|(joint, factor)| format!("{joint} ({factor:.1} times)"))
-        .collect();
+    let wandering: Vec<usize> = (0..louder.len()).filter(|joint| louder[*joint] > STRUCTURE).collect();
     if !wandering.is_empty() {
         verdict.notes.push(format!(
-            "the residual of joint {} exceeds the noise measured above the filters but shows no pattern in any coordinate, time window \
+            "the residual of {} exceeds the noise measured above the filters but shows no pattern in any coordinate, time window \
              or frequency; it is treated as slow noise, which can hide an effect of that size",
-            wandering.join(", ")
+            question.names().joint_list_with(&wandering, |joint| format!(" ({:.1} times)", louder[joint]))
         ));
     }
-    verdict.notes.extend(investigation.gears_not_seen.iter().cloned());
     for recording in question.recordings {
         let of_file = recording.raw.report.warnings();
         verdict.warnings.extend(of_file.map(|warning| format!("{}: {warning}", recording.data.name)));
@@ -191,11 +187,12 @@ fn worse_on_held_out(verdict: &Verdict) -> Option<String> {
     let found = !verdict.effects.is_empty() || !verdict.registered_models.is_empty();
     (2 * worse >= ratios.len() && found).then(|| {
         format!(
-            "the findings increase the error on {} on {worse} of {} joints (joint {worst}: {:.3} before, {:.3} after). \
+            "the findings increase the error on {} on {worse} of {} joints ({}: {:.3} before, {:.3} after). \
              Validation recordings are assumed to show the robot in the state of the targets; list one from before a change under \
              `calibration`. Without `validation` the last quarter of each target is held out",
             held.recordings.join(", "),
             ratios.len(),
+            verdict.names().joint(worst),
             held.rms_before[worst],
             held.rms_after[worst],
         )

@@ -1,6 +1,6 @@
 //! The descriptor of an effect.
 
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::{Deserialize, Serialize};
 
 use crate::parameters::{FittedColumn, ParameterValue, Parameters};
@@ -110,11 +110,20 @@ pub struct Effect {
     pub propose: fn(&Context<'_>) -> Vec<Proposal>,
     /// Its parameters beside the joint's own friction, where they are not the fitted coefficients themselves.
     pub estimate: Option<Estimate>,
-    /// The effect with its first parameters as a phrase, where title and a list of parameters are hard to read.
-    pub phrase: Option<fn(&Parameters, MeasurementUnit) -> Option<String>>,
+    /// The effect in words, where title and a list of parameters are hard to read.
+    pub wording: Option<fn(&Parameters, MeasurementUnit, RobotNames<'_>) -> Wording>,
     /// Why no machine has these parameters, beyond the signs of `Parameter::never_negative`. The length is the longest
     /// lever of the arm that the recordings show, m.
     pub excludes: fn(&Parameters, f64) -> Option<String>,
+}
+
+/// A found effect in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wording {
+    /// The effect with its first parameter: `a payload of 2 kg on wrist_3_link`.
+    pub phrase: String,
+    /// Further parameters; may be empty.
+    pub detail: String,
 }
 
 impl Effect {
@@ -140,7 +149,7 @@ impl Effect {
         is_essential: |_| true,
         propose: |_| Vec::new(),
         estimate: None,
-        phrase: None,
+        wording: None,
         excludes: |_, _| None,
     };
 

@@ -7,7 +7,7 @@ pub(crate) mod periodogram;
 pub mod proposal;
 pub mod shape;
 
-pub use effect::{Effect, Family, Kind, Means};
+pub use effect::{Effect, Family, Kind, Means, Wording};
 pub use own_friction::OwnFriction;
 pub use parameter::{Parameter, Unit};
 pub use proposal::{Addition, Context, Presence, Proposal};

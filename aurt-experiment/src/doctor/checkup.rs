@@ -21,7 +21,7 @@ use aurt_report::{
         text::wrapped,
     },
 };
-use aurt_traits::{MeasurementUnit, RigidBodyRegressor};
+use aurt_traits::{MeasurementUnit, RigidBodyRegressor, RobotNames};
 use serde_json::{Value, json};
 
 use crate::doctor::{
@@ -204,7 +204,8 @@ impl Checkup {
             .map(|j| several.iter().any(|s| s.one.joints.get(j).is_some_and(|r| r.moves())))
             .collect();
         let mut findings: Vec<String> = several.iter().flat_map(|s| s.one.faults()).collect();
-        findings.extend(rest(&moves));
+        let names = several.first().map_or_else(RobotNames::default, |s| s.one.names());
+        findings.extend(rest(&moves, names));
         findings.extend(self.together.iter().flat_map(Judged::findings));
         findings
     }
@@ -325,7 +326,8 @@ impl Seen {
     /// What should be heeded if it is calibrated on alone.
     fn findings(&self) -> Vec<String> {
         let mut findings = self.one.faults();
-        findings.extend(rest(&self.one.joints.iter().map(|j| j.moves()).collect::<Vec<_>>()));
+        let moves: Vec<bool> = self.one.joints.iter().map(|joint| joint.moves()).collect();
+        findings.extend(rest(&moves, self.one.names()));
         findings.extend(self.judged.iter().flat_map(Judged::findings));
         findings
     }

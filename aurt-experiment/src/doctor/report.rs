@@ -8,13 +8,12 @@ use aurt_report::{
     rendering::number::significant,
     reports::{
         figures::{Series, TimeFigure, file_name, points_per_series},
-        parts,
+        parts::{self, joint_column},
     },
     subsample,
 };
+use aurt_traits::RobotNames;
 use serde_json::Value;
-
-use aurt_report::rendering::joints::label;
 
 use crate::doctor::inspection::joints::JointReport;
 
@@ -99,6 +98,10 @@ impl Checked<'_> {
         }
     }
 
+    fn names(&self) -> RobotNames<'_> {
+        RobotNames::of_joints(self.recording.joints.names())
+    }
+
     /// Time since the first stamp, first samples of stretches, and a series of every stretch.
     fn on_grid<'s>(&'s self, of: impl Fn(usize) -> &'s [f64]) -> (Vec<f64>, Vec<usize>, Vec<f64>) {
         let origin = self.recording.time_s.first().copied().unwrap_or(0.0);
@@ -140,7 +143,7 @@ impl Checked<'_> {
                 }
                 let moves = if self.joints[j].moves() { "" } else { ", at rest" };
                 let figure = TimeFigure {
-                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
+                    title: format!("{}{moves}", self.names().joint(j)),
                     name: format!("recording_joint_{j}"),
                     caption: String::new(),
                     time_s: &time,
@@ -150,7 +153,7 @@ impl Checked<'_> {
                     link: "recording".into(),
                 };
                 Block::Folded {
-                    title: format!("{}{moves}", label(self.recording.joints.names(), j)),
+                    title: format!("{}{moves}", self.names().joint(j)),
                     open: self.joints[j].moves(),
                     blocks: vec![Block::Figure(figure.figure(points))],
                 }
@@ -189,7 +192,7 @@ impl Checked<'_> {
                 let position = self.on_grid(|k| motion(k).position_rad(j)).2;
                 let velocity = self.on_grid(|k| motion(k).velocity_rad_s(j)).2;
                 cloud(
-                    format!("joint {j}"),
+                    self.names().joint(j),
                     format!("coverage_joint_{j}"),
                     (Axis::new("position", "rad"), position),
                     (Axis::new("velocity", "rad/s"), velocity),
@@ -210,14 +213,15 @@ impl Checked<'_> {
         let short = |value: f64| significant(value, 3);
         let maybe = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
         let unit = self.recording.unit.symbol();
+        let joint = joint_column(self.names());
         let mut motion = Table::new(
             "motion",
-            ["joint", "from rad", "to rad", "|q̇| rad/s", "|q̈| rad/s²", "moving %", "reversals", "below Hz"],
+            [joint, "from rad", "to rad", "|q̇| rad/s", "|q̈| rad/s²", "moving %", "reversals", "below Hz"],
         );
         let mut sensors = Table::new(
             "sensors: steps and white noise",
             [
-                "joint".to_owned(),
+                joint.to_owned(),
                 "step rad".into(),
                 "noise rad".into(),
                 format!("from {unit}"),
@@ -229,7 +233,7 @@ impl Checked<'_> {
         );
         for (j, joint) in self.joints.iter().enumerate() {
             motion.row([
-                Cell::from(j.to_string()),
+                Cell::from(self.names().joint_cell(j)),
                 short(joint.position_rad[0]).into(),
                 short(joint.position_rad[1]).into(),
                 short(joint.max_velocity_rad_s).into(),
@@ -240,7 +244,7 @@ impl Checked<'_> {
             ]);
             let m = joint.measurement.as_ref();
             sensors.row([
-                j.to_string(),
+                self.names().joint_cell(j),
                 maybe(joint.position_step_rad),
                 maybe(joint.position_noise_rad),
                 maybe(m.map(|m| m.range[0])),

@@ -9,7 +9,7 @@ use aurt_plugins::Registry;
 use aurt_plugins::model::RigidBodyDynamics;
 use aurt_rbd::robots::{DescribedRobot, JointFriction};
 use aurt_rbd::{RobotDescription, carry_over};
-use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel};
+use aurt_traits::{ColumnGroup, JointStack, LoadTorque, MeasurementUnit, RobotModel, RobotNames};
 use serde_json::json;
 
 use crate::workbench::{
@@ -112,10 +112,11 @@ fn of_description(
     let worst = (0..joints).max_by(|a, b| carried.left[*a].total_cmp(&carried.left[*b])).unwrap_or(0);
     if carried.left[worst] > SAME_ARM {
         let left = 100.0 * carried.left[worst];
+        let joint = RobotNames::of(&*dynamics.rigid_body).joint(worst);
         let said = if left < 100.0 {
-            format!("{left:.0} % of the torque of joint {worst} are left by any masses")
+            format!("{left:.0} % of the torque of {joint} are left by any masses")
         } else {
-            format!("no masses explain anything of the torque of joint {worst}")
+            format!("no masses explain anything of the torque of {joint}")
         };
         return Err(refuse(
             format!("is of another arm than `[robot]`: with its lengths and axes {said}"),

@@ -99,7 +99,9 @@ impl Diagnosis {
     pub fn to_text(&self, style: Style) -> String {
         let about_physics = self.improved.as_ref().map_or(&[][..], |i| &i.model.calibration.about_physics);
         let Self { verdict, asked, held_out, .. } = self;
-        Shown { verdict, asked: *asked, unit: self.unit.symbol(), held_out, about_physics }.to_text(style)
+        let all_in = if self.improved.is_some() { "report.html" } else { "verdict.json" };
+        let unit = self.unit.symbol();
+        Shown { verdict, asked: *asked, unit, held_out, about_physics, all_in }.to_text(style)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::Experiment;
 use aurt::{Progress, data::Purpose, duplicates::SampleRegister};
 use aurt_calibration::{Decided, Gain, Gains, GainsOf, KnownLoad, with_deviation};
 use aurt_report::rendering::table::Table;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
 use crate::workbench::{experiments, failure::Failure};
@@ -31,6 +31,9 @@ pub struct DriveGains {
     pub torque_constants_nm_per_a: Option<Vec<f64>>,
     /// `gains` of `[instrument]`, where all are determined and torques were measured.
     pub instrument_gains: Option<Vec<f64>>,
+    /// Names of the joints; empty where they have none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joint_names: Vec<String>,
     /// Recordings that were used.
     pub recordings: Vec<String>,
     /// Whether this is what is expected, not what was estimated.
@@ -86,6 +89,7 @@ pub fn drive_gains(
         torque_constants_nm_per_a: constants.filter(|_| is_current),
         instrument_gains: instrument.filter(|_| !is_current),
         stated_nm_per_a: stated.filter(|_| is_current),
+        joint_names: job.model.rigid_body().joint_names().to_vec(),
         recordings: recordings.iter().map(|r| r.name.clone()).collect(),
         gains,
         question,
@@ -103,20 +107,23 @@ impl DriveGains {
     pub fn to_text(&self) -> String {
         let expected = self.question == Question::Expectation;
         let reference = self.gains.reference;
+        let names = RobotNames::of_joints(&self.joint_names);
         let scale = |j: usize| self.stated_nm_per_a.as_ref().map_or(1.0, |s| s[j]);
         let unit = if self.measured_in == "A" { "gain, Nm/A".to_owned() } else { "gain".to_owned() };
         let mut header = vec!["joint".to_owned(), unit];
         if self.stated_nm_per_a.is_some() {
             header.push("over the stated".into());
         }
-        header.push(format!("ratio to joint {reference}"));
+        header.push(format!("ratio to {}", names.joint(reference)));
         if self.stated_nm_per_a.is_some() {
             header.push("over the stated".into());
         }
-        let mut table = Table::new(header);
+        let mut table = Table::new(header).left(usize::from(!self.joint_names.is_empty()));
         for (j, gain) in self.gains.joints.iter().enumerate() {
-            let mut cells =
-                vec![j.to_string(), cell(gain.value * scale(j), self.absolute(gain, scale(j)), expected)];
+            let mut cells = vec![
+                names.joint_cell(j),
+                cell(gain.value * scale(j), self.absolute(gain, scale(j)), expected),
+            ];
             if self.stated_nm_per_a.is_some() {
                 cells.push(cell(gain.value, self.absolute(gain, 1.0), expected));
             }

@@ -153,6 +153,12 @@ impl Robot {
         &self.notes
     }
 
+    /// The same robot with these notes.
+    #[must_use]
+    pub fn with_notes(self, notes: Vec<String>) -> Self {
+        Self { notes, ..self }
+    }
+
     /// A model of this robot, with the friction F_C0 sgn q̇ + F_v1 q̇ in every joint unless another is chosen.
     #[must_use]
     pub fn model(&self) -> ModelBuilder {

@@ -2,11 +2,12 @@ use std::sync::Arc;
 
 use crate::{CoupledChain, Coupling, Joint, JointKind, RbdError, RobotDescription, SerialChain};
 use aurt_traits::{Branch, RigidBodyRegressor};
+use serde::{Deserialize, Serialize};
 
 use crate::robots::part::Part;
 
 /// How far, how fast and how hard a joint can go; in m, m/s and N for a prismatic joint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct JointLimits {
     /// Lowest and highest position in rad, as they are stated: plans of motions refuse a lowest that is not below the
     /// highest. `None` for a joint that turns without end, and where nothing is said.
@@ -18,7 +19,7 @@ pub struct JointLimits {
 }
 
 /// Friction that a description states; in N s/m and N for a prismatic joint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct JointFriction {
     /// Viscous friction in Nm s/rad.
     pub viscous_nm_s_rad: f64,
@@ -27,7 +28,7 @@ pub struct JointFriction {
 }
 
 /// A chain or tree of a robot description: geometry, limits, and inertial parameters where the description has them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DescribedRobot {
     /// The robot's name.
     pub name: String,
@@ -39,6 +40,8 @@ pub struct DescribedRobot {
     pub part: Part,
     /// The names of the N joints that move on their own, each after those that carry it.
     pub joint_names: Vec<String>,
+    /// The names of the M links, each of the link that its joint moves; empty where they have none.
+    pub link_names: Vec<String>,
     /// The M joints, each after those that carry it: the N and those that follow one of them.
     pub joints: Vec<Joint>,
     /// How each of the M joints moves; empty where none follows another.
@@ -74,6 +77,7 @@ impl RobotDescription for DescribedRobot {
         }
         SerialChain::new(self.joints.clone(), gravity_m_s2)?
             .with_joint_names(self.joint_names.clone())?
+            .with_link_names(self.link_names.clone())?
             .with_branches(self.branches.clone())
     }
 
@@ -81,7 +85,8 @@ impl RobotDescription for DescribedRobot {
         if self.couplings.is_empty() {
             return Ok(Arc::new(self.chain(gravity_m_s2)?));
         }
-        let chain = SerialChain::new(self.joints.clone(), gravity_m_s2)?;
+        let chain =
+            SerialChain::new(self.joints.clone(), gravity_m_s2)?.with_link_names(self.link_names.clone())?;
         let coupled = CoupledChain::new(chain, self.couplings.clone())?;
         let named = coupled.with_joint_names(self.joint_names.clone())?;
         Ok(Arc::new(named.with_branches(self.branches.clone())?))

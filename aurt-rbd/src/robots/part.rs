@@ -1,5 +1,7 @@
+use serde::{Deserialize, Serialize};
+
 /// Which joints of a description move on its base; all others are fixed at zero.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Part {
     /// All.
     #[default]

@@ -125,6 +125,7 @@ pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<Descr
         tip: selection.tip.map_or_else(String::new, |tip| tree.links[tip].name.clone()),
         part,
         joint_names: own.iter().map(|own| tree.joints[own.joint].name.clone()).collect(),
+        link_names: links.iter().map(|link| tree.links[tree.joints[link.joint].child].name.clone()).collect(),
         joints: links
             .iter()
             .enumerate()

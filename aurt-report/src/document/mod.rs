@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::{
     escape,
+    figure::Figure,
     page::{Block, Page, Section, Tone},
 };
 
@@ -87,7 +88,8 @@ fn block(html: &mut String, shown: &Block) {
         Block::Table(table) => html.push_str(&table.to_html()),
         Block::Figure(figure) => html.push_str(&figure.to_html()),
         Block::Figures(figures) => {
-            html.push_str("<div class=\"figures\">\n");
+            let wide = if figures.iter().any(Figure::is_wide) { " wide" } else { "" };
+            let _ = writeln!(html, "<div class=\"figures{wide}\">");
             figures.iter().for_each(|f| html.push_str(&f.to_html()));
             html.push_str("</div>\n");
         }

@@ -7,7 +7,7 @@ use super::{
     drawing::{self, Sample, text},
     scale::coordinate,
 };
-use crate::escape;
+use crate::{escape, noise_report::NOISE_LIMIT};
 
 /// An arm, drawn once for each state of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,12 +24,31 @@ pub struct Arm {
     pub points_m: Vec<[f64; 2]>,
     /// Of every joint the point to which its parent link leads: 0 the base, j + 1 joint j.
     pub from: Vec<usize>,
-    /// The states: a label, and a multiple for each joint, absent where there is none.
-    pub states: Vec<(String, Vec<Option<f64>>)>,
+    /// Of every joint what its circle shows, and its name.
+    pub joints: Vec<(String, String)>,
+    /// The states: a label, and a shade for each joint, absent where there is none.
+    pub states: Vec<(String, Vec<Option<Shade>>)>,
+}
+
+/// The shade of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shade {
+    /// The multiple of the level.
+    pub multiple: f64,
+    /// Its colour, from 0 to [`LEVELS`]`.len()`.
+    pub level: usize,
+}
+
+impl Shade {
+    /// The shade of a multiple.
+    #[must_use]
+    pub fn of(multiple: f64) -> Self {
+        Self { multiple, level: LEVELS.iter().filter(|l| multiple > **l).count() }
+    }
 }
 
 /// Multiples up to which each colour reaches; beyond the last one there is one more.
-pub const LEVELS: [f64; 3] = [1.5, 3.0, 6.0];
+pub const LEVELS: [f64; 3] = [NOISE_LIMIT, 3.0, 6.0];
 
 const WIDTH: f64 = 460.0;
 const HEIGHT: f64 = 300.0;
@@ -38,13 +57,9 @@ const MARGIN: f64 = 28.0;
 const LABEL: f64 = 20.0;
 const RADIUS: f64 = 9.5;
 
-/// The class of a multiple's colour.
-const fn class(level: usize) -> &'static str {
-    ["level0", "level1", "level2", "level3"][level]
-}
-
-fn level(multiple: f64) -> usize {
-    LEVELS.iter().filter(|l| multiple > **l).count()
+/// The class of a level's colour.
+fn class(level: usize) -> &'static str {
+    ["level0", "level1", "level2", "level3"][level.min(LEVELS.len())]
 }
 
 impl Arm {
@@ -60,7 +75,7 @@ impl Arm {
         let panel = WIDTH / self.states.len().max(1) as f64;
         let lines = self.placed(panel);
         let joints = apart(&lines[1.min(lines.len())..], panel);
-        for (k, (label, multiples)) in self.states.iter().enumerate() {
+        for (k, (label, shades)) in self.states.iter().enumerate() {
             let left = panel * k as f64;
             let _ = write!(svg, "<g transform=\"translate({} 0)\">", coordinate(left));
             svg.push_str(&text(panel / 2.0, 13.0, "middle", "axis", label));
@@ -78,18 +93,19 @@ impl Arm {
             }
             let _ = write!(svg, "<path class=\"link\" d=\"{path}\"/>");
             for (joint, [x, y]) in joints.iter().enumerate() {
-                let multiple = multiples.get(joint).copied().flatten().filter(|m| m.is_finite());
-                let colour = multiple.map_or("levelless", |m| class(level(m)));
-                let said =
-                    multiple.map_or_else(|| "no error known".into(), |m| format!("{m:.1} × {}", self.of));
+                let shade = shades.get(joint).copied().flatten().filter(|s| s.multiple.is_finite());
+                let colour = shade.map_or("levelless", |s| class(s.level));
+                let said = shade
+                    .map_or_else(|| "no error known".into(), |s| format!("{:.1} × {}", s.multiple, self.of));
+                let (mark, name) = self.joints.get(joint).map_or(("", ""), |(mark, name)| (mark, name));
                 let _ = write!(
                     svg,
                     "<g class=\"joint {colour}\"><title>{}</title><circle cx=\"{}\" cy=\"{}\" r=\"{RADIUS}\"/>",
-                    escape::text(&format!("joint {joint}, {label}: {said}")),
+                    escape::text(&format!("{name}, {label}: {said}")),
                     coordinate(*x),
                     coordinate(*y)
                 );
-                svg.push_str(&text(*x, y + 4.0, "middle", "number", &joint.to_string()));
+                svg.push_str(&text(*x, y + 4.0, "middle", "number", mark));
                 svg.push_str("</g>");
             }
             svg.push_str("</g>");
@@ -148,8 +164,9 @@ mod tests {
             of: "noise".into(),
             points_m,
             from: (0..joints).collect(),
+            joints: (0..joints).map(|j| (j.to_string(), format!("joint {j}"))).collect(),
             states: vec![
-                ("before".into(), (0..joints).map(|j| Some(1.0 + 3.0 * j as f64)).collect()),
+                ("before".into(), (0..joints).map(|j| Some(Shade::of(1.0 + 3.0 * j as f64))).collect()),
                 ("after".into(), vec![None; joints]),
             ],
         }

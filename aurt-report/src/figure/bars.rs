@@ -42,6 +42,8 @@ pub struct Bars {
 }
 
 const WIDTH: f64 = 360.0;
+/// Width of a group that is a drawing of its own.
+const GROUP_WIDTH: f64 = 280.0;
 const BAR: f64 = 15.0;
 const SPACE: f64 = 12.0;
 /// Room for the numbers behind the bars.
@@ -64,53 +66,79 @@ impl Bars {
         values.copied().filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
 
+    /// The figure: a file in one piece; on a page, groups on scales of their own as drawings of their own, which stand side
+    /// by side as far as there is room.
     pub(crate) fn draw(&self, target: Target) -> String {
         let length = WIDTH - NUMBERS - 4.0;
-        let all = Self::largest(&self.groups);
         let mut svg = String::new();
         let mut top = 0.0;
-        for group in &self.groups {
-            let largest =
-                if self.one_scale { all } else { Self::largest(std::slice::from_ref(group)) }.max(1e-300);
-            svg.push_str(&text(4.0, top + 12.0, "start", "axis", &group.label));
-            let first = top + LABEL;
-            top = first;
-            let mark = group.level.filter(|l| l.is_finite()).map(|l| 4.0 + length * l / largest);
-            for ((name, style), value) in self.series.iter().zip(&group.values) {
-                if let Some(value) = value.filter(|v| v.is_finite()) {
-                    let width = (length * value.max(0.0) / largest).max(0.5);
-                    let number = format!("{} {}", significant(value), self.unit);
-                    let _ = write!(
-                        svg,
-                        "<rect class=\"bar {}\" x=\"4\" y=\"{top}\" width=\"{}\" height=\"{}\">\
-                         <title>{}</title></rect>",
-                        class(*style),
-                        coordinate(width),
-                        BAR - 2.0,
-                        escape::text(&format!("{}, {name}: {number}", group.label)),
-                    );
-                    let mut behind = 8.0 + width;
-                    // A number stands behind the mark that would go through it.
-                    let end = behind + 7.0 * number.chars().count() as f64;
-                    if let Some(mark) = mark.filter(|m| (behind - 3.0..end).contains(m)) {
-                        behind = mark + 5.0;
-                    }
-                    svg.push_str(&text(behind, top + BAR - 4.5, "start", "tick", number.trim_end()));
-                }
-                top += BAR;
-            }
-            if let Some(x) = mark.map(coordinate) {
-                let _ = write!(svg, "<path class=\"mark\" d=\"M{x} {}V{}\"/>", first - 2.0, top);
-            }
-            top += SPACE;
-        }
         match target {
-            Target::File => drawing::file(WIDTH, top, &self.title, &self.legend(), &svg),
-            Target::Page => format!(
-                "<svg viewBox=\"0 0 {WIDTH} {top}\" role=\"img\" aria-label=\"{}\">{svg}</svg>",
-                escape::text(&self.title)
-            ),
+            Target::Page if self.is_divided() => {
+                let groups = self.groups.iter().map(|group| {
+                    let mut svg = String::new();
+                    let height = self.group(group, 0.0, GROUP_WIDTH - NUMBERS - 4.0, &mut svg);
+                    format!(
+                        "<svg viewBox=\"0 0 {GROUP_WIDTH} {height}\" role=\"img\" aria-label=\"{}\">{svg}</svg>",
+                        escape::text(&format!("{}, {}", self.title, group.label))
+                    )
+                });
+                format!("<div class=\"groups\">{}</div>", groups.collect::<String>())
+            }
+            _ => {
+                for group in &self.groups {
+                    top = self.group(group, top, length, &mut svg);
+                }
+                match target {
+                    Target::File => drawing::file(WIDTH, top, &self.title, &self.legend(), &svg),
+                    Target::Page => format!(
+                        "<svg viewBox=\"0 0 {WIDTH} {top}\" role=\"img\" aria-label=\"{}\">{svg}</svg>",
+                        escape::text(&self.title)
+                    ),
+                }
+            }
         }
+    }
+
+    /// Whether groups are drawings of their own on a page.
+    pub(crate) fn is_divided(&self) -> bool {
+        !self.one_scale && self.groups.len() > 1
+    }
+
+    /// Draws a group below `top`, its largest bar of that length; the end of the group.
+    fn group(&self, group: &BarGroup, top: f64, length: f64, svg: &mut String) -> f64 {
+        let of: &[BarGroup] = if self.one_scale { &self.groups } else { std::slice::from_ref(group) };
+        let largest = Self::largest(of).max(1e-300);
+        svg.push_str(&text(4.0, top + 12.0, "start", "axis", &group.label));
+        let first = top + LABEL;
+        let mut top = first;
+        let mark = group.level.filter(|l| l.is_finite()).map(|l| 4.0 + length * l / largest);
+        for ((name, style), value) in self.series.iter().zip(&group.values) {
+            if let Some(value) = value.filter(|v| v.is_finite()) {
+                let width = (length * value.max(0.0) / largest).max(0.5);
+                let number = format!("{} {}", significant(value), self.unit);
+                let _ = write!(
+                    svg,
+                    "<rect class=\"bar {}\" x=\"4\" y=\"{top}\" width=\"{}\" height=\"{}\">\
+                     <title>{}</title></rect>",
+                    class(*style),
+                    coordinate(width),
+                    BAR - 2.0,
+                    escape::text(&format!("{}, {name}: {number}", group.label)),
+                );
+                let mut behind = 8.0 + width;
+                // A number stands behind the mark that would go through it.
+                let end = behind + 7.0 * number.chars().count() as f64;
+                if let Some(mark) = mark.filter(|m| (behind - 3.0..end).contains(m)) {
+                    behind = mark + 5.0;
+                }
+                svg.push_str(&text(behind, top + BAR - 4.5, "start", "tick", number.trim_end()));
+            }
+            top += BAR;
+        }
+        if let Some(x) = mark.map(coordinate) {
+            let _ = write!(svg, "<path class=\"mark\" d=\"M{x} {}V{}\"/>", first - 2.0, top);
+        }
+        top + SPACE
     }
 }
 
@@ -128,4 +156,40 @@ fn significant(value: f64) -> String {
     }
     let decimals = (2.0 - magnitude).max(0.0) as usize;
     format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_on_scales_of_their_own_stand_side_by_side_on_a_page_and_in_one_piece_in_a_file() {
+        let group = |label: &str, value| BarGroup {
+            label: label.into(),
+            values: vec![Some(value), None],
+            level: Some(0.5 * value),
+        };
+        let mut bars = Bars {
+            title: "error".into(),
+            name: "errors".into(),
+            caption: String::new(),
+            unit: "Nm".into(),
+            series: vec![("before".into(), Style::Before), ("after".into(), Style::After)],
+            level_name: "noise".into(),
+            one_scale: false,
+            groups: vec![group("elbow <a>", 2.0), group("wrist", 0.01)],
+        };
+        let page = bars.draw(Target::Page);
+        assert!(page.starts_with("<div class=\"groups\">"), "{page}");
+        assert_eq!(
+            (page.matches("<svg").count(), page.matches("<rect class=\"bar before\"").count()),
+            (2, 2)
+        );
+        let widths: Vec<&str> = page.split(" width=\"").skip(1).filter_map(|w| w.split('"').next()).collect();
+        assert_eq!(widths[0], widths[1], "each group has a scale of its own: {page}");
+        assert!(page.contains("aria-label=\"error, elbow &lt;a&gt;\""), "{page}");
+        assert_eq!(bars.draw(Target::File).matches("<svg xmlns").count(), 1);
+        bars.one_scale = true;
+        assert_eq!(bars.draw(Target::Page).matches("<svg").count(), 1);
+    }
 }

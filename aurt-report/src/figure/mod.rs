@@ -8,7 +8,7 @@ mod reduce;
 mod scale;
 mod style;
 
-pub use arm::Arm;
+pub use arm::{Arm, Shade};
 pub use bars::{BarGroup, Bars};
 pub use plot::{Axis, Layer, Panel, Plot, Window};
 pub use reduce::{decimated, quantile_means, subsample};
@@ -59,6 +59,11 @@ impl Figure {
         }
     }
 
+    /// Whether it wants half of a wide page.
+    pub(crate) const fn is_wide(&self) -> bool {
+        matches!(self, Self::Bars(_) | Self::Arm(_))
+    }
+
     /// The figure as an element of a page.
     pub(crate) fn to_html(&self) -> String {
         let (svg, title, caption, legend) = match self {
@@ -77,6 +82,7 @@ impl Figure {
         let kind = match self {
             Self::Plot(plot) if plot.small => "small",
             Self::Plot(_) => "large",
+            Self::Bars(bars) if bars.is_divided() => "bars divided",
             Self::Bars(_) => "bars",
             Self::Arm(_) => "arm",
         };

@@ -1,14 +1,6 @@
-//! Joints as people and files read them: by number, and by name where they have names.
+//! Joints in files for programs: by number, and by name where they have names.
 
 use serde_json::{Value, json};
-
-/// `joint 2 (elbow_joint)`; `joint 2` where joints have no names.
-pub fn label(names: &[String], joint: usize) -> String {
-    match names.get(joint) {
-        Some(name) => format!("joint {joint} ({})", name.replace(char::is_control, " ")),
-        None => format!("joint {joint}"),
-    }
-}
 
 /// `document` with the name of every joint beside its number: `joint_name` at each `joint`, `joint_names` at each list
 /// `joints`. Tables of models, which are read again, stay as they are.
@@ -52,6 +44,5 @@ mod tests {
         assert_eq!(named["effects"][0]["term"], document["effects"][0]["term"]);
         assert_eq!((&named["joint_name"], &named["joints"][0]["joint_name"]), (&json!("<b>\""), &json!("a")));
         assert_eq!(with_names(document.clone(), &[]), document);
-        assert_eq!(label(&names, 1), "joint 1 (<b>\")");
     }
 }

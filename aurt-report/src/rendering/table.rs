@@ -9,8 +9,11 @@ pub struct Table {
     header: Vec<String>,
     rows: Vec<Vec<String>>,
     left_aligned: usize,
+    remark: bool,
 }
 
+/// The narrowest column of running text.
+const LEAST_REMARK: usize = 14;
 /// Spaces between two columns.
 const GAP: usize = 2;
 
@@ -29,6 +32,12 @@ impl Table {
     /// Aligns the first `columns` columns to the left.
     pub fn left(mut self, columns: usize) -> Self {
         self.left_aligned = columns;
+        self
+    }
+
+    /// Makes the last column running text: aligned to the left, wrapped at the end of the terminal.
+    pub fn remark(mut self) -> Self {
+        self.remark = true;
         self
     }
 
@@ -51,10 +60,10 @@ impl Table {
             }
         }
         let last = widths.len() - 1;
-        if self.left_aligned > last {
+        if self.left_aligned > last || self.remark {
             // The last column takes what is left of the terminal, and wraps.
             let taken = widths[..last].iter().map(|w| w + GAP).sum::<usize>() + GAP;
-            widths[last] = widths[last].min(WIDTH.saturating_sub(taken).max(24));
+            widths[last] = widths[last].min(WIDTH.saturating_sub(taken).max(LEAST_REMARK));
         }
         let mut out = String::new();
         if !self.groups.is_empty() {
@@ -81,7 +90,7 @@ impl Table {
                 let cell = pieces.remove(0);
                 further = pieces;
                 let padding = " ".repeat(w.saturating_sub(width(&cell)));
-                if k < self.left_aligned {
+                if k < self.left_aligned || (self.remark && k == last) {
                     line.push_str(&cell);
                     line.push_str(&padding);
                 } else {

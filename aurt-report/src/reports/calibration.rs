@@ -12,10 +12,7 @@ use super::{
 use crate::{
     figure::{Axis, BarGroup, Bars, Figure, Style},
     page::{Block, Page, Section, Tone, Verdict},
-    rendering::{
-        joints,
-        number::{percent, significant},
-    },
+    rendering::number::{percent, significant},
     results::metrics::Results,
     table::{Cell, Table},
 };
@@ -90,11 +87,11 @@ fn verdict(results: &Results<'_>) -> Verdict {
         .map(percent);
     let plural = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     let headline = if errors.is_empty() {
-        "The model is calibrated; nothing could be judged".to_owned()
+        "The model is calibrated; no error could be computed".to_owned()
     } else if held_out.is_empty() {
         format!(
-            "Calibrated on {}; its error there is {low} % to {high} % of the signal, joint by joint. Nothing was held \
-             out to judge it by",
+            "Calibrated on {}; its error there is {low} % to {high} % of the signal, joint by joint. No recording was \
+             held out",
             plural(fitted, "recording")
         )
     } else {
@@ -132,7 +129,7 @@ fn errors(results: &Results<'_>) -> Section {
     };
     let groups = (0..joints)
         .map(|j| BarGroup {
-            label: format!("joint {j}"),
+            label: results.names().joint(j),
             values: vec![pooled(Role::Calibration, j), pooled(Role::Validation, j)],
             level: None,
         })
@@ -148,7 +145,7 @@ fn errors(results: &Results<'_>) -> Section {
         groups,
     })));
     for recording in results.recordings {
-        blocks.push(Block::Table(table(recording, unit, results.calibration.options.rest_velocity_rad_s)));
+        blocks.push(Block::Table(table(recording, results)));
     }
     Section {
         title: "Errors".into(),
@@ -160,7 +157,9 @@ fn errors(results: &Results<'_>) -> Section {
     }
 }
 
-fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
+fn table(recording: &RecordingResult, results: &Results<'_>) -> Table {
+    let (unit, names) = (results.calibration.unit.symbol(), results.names());
+    let threshold = results.calibration.options.rest_velocity_rad_s;
     let validation = &recording.validation;
     let mut table = Table::new(
         format!(
@@ -170,7 +169,7 @@ fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
             validation.samples
         ),
         [
-            "joint".to_owned(),
+            parts::joint_column(names).to_owned(),
             format!("MSE {unit}²"),
             format!("NMSE {unit}"),
             "NRMS %".into(),
@@ -181,7 +180,7 @@ fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
         ],
     );
     for j in 0..validation.all.mse.len() {
-        let mut cells = vec![Cell::from(j.to_string())];
+        let mut cells = vec![Cell::from(names.joint_cell(j))];
         for (k, m) in [&validation.all, &validation.moving].into_iter().enumerate() {
             if k == 1 {
                 cells.push(m.samples[j].to_string().into());
@@ -198,7 +197,7 @@ fn table(recording: &RecordingResult, unit: &str, threshold: f64) -> Table {
 fn series(results: &Results<'_>) -> Section {
     let unit = results.calibration.unit;
     let joints = results.model.joints();
-    let names = results.model.rigid_body().joint_names();
+    let names = results.names();
     let points = points_per_series(3 * joints * results.recordings.len());
     let mut order: Vec<&RecordingResult> = results.recordings.iter().collect();
     order.sort_by_key(|r| r.role == Role::Calibration);
@@ -212,7 +211,7 @@ fn series(results: &Results<'_>) -> Section {
                 joint.measured.iter().zip(&joint.predicted).map(|(y, p)| y - p).collect();
             let label = |name, style, values| Series { name, style, values };
             let figure = TimeFigure {
-                title: format!("{}, {}", joints::label(names, j), stem(&recording.label)),
+                title: format!("{}, {}", names.joint(j), stem(&recording.label)),
                 name: format!("{}_{}_joint_{j}", stem(&recording.label), recording.role.name()),
                 caption: String::new(),
                 time_s: &time,
@@ -250,7 +249,7 @@ fn series(results: &Results<'_>) -> Section {
 
 fn residuals(results: &Results<'_>) -> Section {
     let judged = judged(results);
-    let names = results.model.rigid_body().joint_names();
+    let names = results.names();
     let unit = results.calibration.unit.symbol();
     let blocks = (0..results.model.joints())
         .map(|j| {
@@ -271,7 +270,7 @@ fn residuals(results: &Results<'_>) -> Section {
             ];
             let figures = coordinates.into_iter().map(|(name, x_unit, x)| {
                 residual_over(
-                    format!("joint {j} over {name}"),
+                    format!("{} over {name}", names.joint(j)),
                     format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
                     Axis::new(name, x_unit),
                     &x,
@@ -280,7 +279,7 @@ fn residuals(results: &Results<'_>) -> Section {
                 )
             });
             Block::Folded {
-                title: joints::label(names, j),
+                title: names.joint(j),
                 open: j == 0,
                 blocks: vec![Block::Figures(figures.collect())],
             }
@@ -290,9 +289,9 @@ fn residuals(results: &Results<'_>) -> Section {
     Section {
         title: "What the residual follows".into(),
         introduction: format!(
-            "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. A complete \
-             model leaves means near zero everywhere; where they bend away, physics is missing, and aurt diagnose looks \
-             for its name."
+            "Residuals of the {of} recordings over each coordinate, with means over classes of equal count. With a \
+             complete model all means are near zero; where they deviate, physics is missing, and aurt diagnose \
+             searches for it."
         ),
         blocks,
     }

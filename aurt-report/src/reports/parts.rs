@@ -2,7 +2,7 @@
 
 use aurt_calibration::{CalibratedParameter, Calibration, Estimator, LoadTorqueChoice};
 use aurt_plugins::model::BASE_PARAMETER_SEED;
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 
 use crate::{
     page::Block,
@@ -39,14 +39,19 @@ pub fn parameters(title: &str, parameters: &[CalibratedParameter], open: bool) -
     let mut blocks = vec![Block::Table(table)];
     if parameters.iter().any(|p| p.relative_std_dev_percent.is_some_and(|r| r > 50.0)) {
         blocks.push(Block::Text(
-            "Bold: the standard deviation exceeds half the value; these motions hardly need the parameter."
+            "Bold: the standard deviation exceeds half the value; these motions hardly excite the parameter."
                 .into(),
         ));
     }
     if !unexcited.is_empty() {
-        blocks.push(Block::Text(format!("Not excited, and so zero: {}.", unexcited.join(", "))));
+        blocks.push(Block::Text(format!("Not excited, set to zero: {}.", unexcited.join(", "))));
     }
     Block::Folded { title: title.to_owned(), open, blocks }
+}
+
+/// The title of a column of joints: names stand left, numbers right.
+pub const fn joint_column(names: RobotNames<'_>) -> &'static str {
+    if names.joints.is_empty() { "joint" } else { "<joint" }
 }
 
 /// How a calibration was computed.
@@ -54,11 +59,12 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
     let options = &calibration.options;
     let unit = calibration.unit.symbol();
     let sigma: Vec<String> = calibration.sigma.iter().map(|s| significant(*s, 3)).collect();
+    let names = model.names();
     let joints = (0..model.joints()).map(|j| {
         let stack = &model.stacks()[j];
         format!(
             "{}: {} × {} + {}",
-            j,
+            names.joint_cell(j),
             stack.coulomb().name(),
             stack.hysteresis().name(),
             stack.viscous().name()
@@ -84,7 +90,7 @@ pub fn calibration_provenance(model: &RobotModel, calibration: &Calibration) -> 
                 Estimator::Wls => "weighted least squares, weights 1/σ² of each joint".into(),
                 Estimator::Ols => "ordinary least squares".to_owned(),
                 Estimator::Consistent => {
-                    "weighted least squares, then the nearest machine that can exist".into()
+                    "weighted least squares, then the nearest physically consistent parameters".into()
                 }
                 Estimator::Essential => {
                     "weighted least squares of the fewest parameters that predict as well as all".into()

@@ -2,7 +2,7 @@
 
 use aurt::RecordingResult;
 use aurt_calibration::{Calibration, Estimator, LoadTorqueChoice, Metrics, Rest, Validation};
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 use serde_json::{Map, Value, json};
 
 use super::shapes;
@@ -28,6 +28,11 @@ pub struct Results<'a> {
 }
 
 impl Results<'_> {
+    /// Names of the robot's joints and links.
+    pub fn names(&self) -> RobotNames<'_> {
+        self.model.names()
+    }
+
     /// The contents of `metrics.json`.
     pub fn to_json(&self) -> Value {
         let Calibration { options, .. } = self.calibration;
@@ -117,9 +122,10 @@ impl Results<'_> {
             self.calibration.f_dyn_hz,
             significant(self.calibration.condition_number, 3),
         );
-        let names = self.model.rigid_body().joint_names();
-        if !names.is_empty() {
-            text.push_str(&wrapped(&format!("joints, from 0: {}", names.join(", "))));
+        let names = self.names();
+        if !names.joints.is_empty() {
+            // Coefficients carry numbers.
+            text.push_str(&wrapped(&format!("joints, from 0: {}", names.joints.join(", "))));
         }
         for note in self.notes {
             text.push_str(&wrapped(&format!("note: {note}")));
@@ -129,7 +135,7 @@ impl Results<'_> {
             text.extend(sentences.iter().map(|s| wrapped(&format!("{warning}: {s}"))));
         };
         if let Some(report) = &self.calibration.shape_fit {
-            text.push_str(&shapes::to_text(report, self.calibration.unit));
+            text.push_str(&shapes::to_text(report, self.calibration.unit, names));
         }
         if let Some(report) = &self.calibration.consistent {
             let open = report.standard.iter().filter(|s| !s.determined).count();
@@ -151,10 +157,10 @@ impl Results<'_> {
             text.push_str(&super::essential::to_text(report));
         }
         if let Some(report) = &self.calibration.robust {
-            text.push_str(&wrapped(&super::robust::sentence(report)));
+            text.push_str(&wrapped(&super::robust::sentence(report, names)));
         }
         if let Some(report) = &self.calibration.position_bias {
-            text.push_str(&wrapped(&super::position_bias::sentence(report)));
+            text.push_str(&wrapped(&super::position_bias::sentence(report, names)));
         }
         warn(&mut text, &self.calibration.warnings);
         for recording in self.recordings {
@@ -191,7 +197,7 @@ impl Results<'_> {
 
     /// One row per joint: errors over all rows and over those at which the joint moves.
     fn table(&self, validation: &Validation) -> String {
-        let unit = self.calibration.unit.symbol();
+        let (unit, names) = (self.calibration.unit.symbol(), self.names());
         let titles = [
             "joint".to_owned(),
             format!("MSE {unit}²"),
@@ -206,14 +212,24 @@ impl Results<'_> {
         let mut table = Table::new(titles)
             .group(1, "")
             .group(3, format!("all {} rows", validation.samples))
-            .group(4, format!("moving, |q̇| > {threshold} rad/s"));
+            .group(4, format!("moving, |q̇| > {threshold} rad/s"))
+            .left(usize::from(!names.joints.is_empty()));
         for joint in 0..validation.all.mse.len() {
             let errors = |m: &Metrics| {
                 [significant(m.mse[joint], 4), significant(m.nmse[joint], 4), percent(m.nrmse[joint])]
             };
             let [a, b, c] = errors(&validation.all);
             let [d, e, f] = errors(&validation.moving);
-            table.row([joint.to_string(), a, b, c, validation.moving.samples[joint].to_string(), d, e, f]);
+            table.row([
+                names.joint_cell(joint),
+                a,
+                b,
+                c,
+                validation.moving.samples[joint].to_string(),
+                d,
+                e,
+                f,
+            ]);
         }
         table.render()
     }

@@ -1,11 +1,12 @@
 //! What noise of the positions does to least squares, in a sentence.
 
 use aurt_calibration::PositionBias;
+use aurt_traits::RobotNames;
 
 use crate::rendering::number::significant;
 
 /// The noise of the worst joint and the largest bias.
-pub fn sentence(report: &PositionBias) -> String {
+pub fn sentence(report: &PositionBias, names: RobotNames<'_>) -> String {
     let worst = report
         .joints
         .iter()
@@ -13,8 +14,9 @@ pub fn sentence(report: &PositionBias) -> String {
         .max_by(|a, b| a.1.acceleration_share.total_cmp(&b.1.acceleration_share));
     let noise = worst.map_or_else(String::new, |(joint, noise)| {
         format!(
-            "noise of the positions is at most {} % of the power of the accelerations (joint {joint})",
-            significant(100.0 * noise.acceleration_share, 2)
+            "noise of the positions is at most {} % of the power of the accelerations ({})",
+            significant(100.0 * noise.acceleration_share, 2),
+            names.joint(joint)
         )
     });
     let test = report.hausman.as_ref().map_or_else(String::new, |test| {

@@ -1,18 +1,18 @@
 //! Shape parameters that a calibration searched, as a table.
 
 use aurt_calibration::ShapeReport;
-use aurt_traits::{ColumnGroup, MeasurementUnit};
+use aurt_traits::{ColumnGroup, MeasurementUnit, RobotNames};
 
 use crate::rendering::{number::significant, table::Table};
 
 /// The shapes with their precision and how the search went.
-pub fn to_text(report: &ShapeReport, unit: MeasurementUnit) -> String {
+pub fn to_text(report: &ShapeReport, unit: MeasurementUnit, names: RobotNames<'_>) -> String {
     let mut table =
         Table::new(["of", "model", "shape parameter", "value", "95 % interval", "starts"]).left(3);
     for shape in &report.shapes {
         let owner = match shape.group {
             ColumnGroup::RigidBody => String::new(),
-            ColumnGroup::JointDynamics(joint) => format!("joint {joint}"),
+            ColumnGroup::JointDynamics(joint) => names.joint(joint),
             ColumnGroup::ArmTerm(k) => format!("arm term {k}"),
         };
         let interval = match shape.interval_95 {
@@ -72,7 +72,7 @@ mod tests {
             cost_before: 2.0,
             cost_after: 1.0,
         };
-        let text = to_text(&report, MeasurementUnit::NewtonMetre);
+        let text = to_text(&report, MeasurementUnit::NewtonMetre, RobotNames::default());
         assert!(
             text.contains("joint 2  dahl   presliding_rad   0.5000 rad     at a bound     3/3"),
             "{text}"

@@ -6,13 +6,15 @@ use aurt::{Asked, Diagnosis, Explanation};
 use aurt_diagnosis::{Answer, Verdict};
 
 use crate::{
+    noise_report::NoiseReport,
     rendering::{
         style::{Emphasis, Style},
+        table::Table,
         text::{WIDTH, wrapped, wrapped_with},
     },
     words::{
         Group, HOW_LARGE, claim, explained, follows, groups, headline, indicated, nothing, objection,
-        undecidable,
+        undecidable, visible_gears,
     },
 };
 
@@ -29,7 +31,12 @@ pub struct Shown<'a> {
     pub held_out: &'a [String],
     /// Warnings about the physics of the improved model, if there is one.
     pub about_physics: &'a [String],
+    /// Where all indications stand.
+    pub all_in: &'a str,
 }
+
+/// A terminal shows at most this many indications.
+const SHOWN_INDICATIONS: usize = 3;
 
 impl<'a> Shown<'a> {
     /// Of a diagnosis of recordings in memory.
@@ -38,7 +45,7 @@ impl<'a> Shown<'a> {
         let Diagnosis { verdict, asked, unit } = &explanation.diagnosis;
         let held_out = &verdict.held_out.recordings;
         let about_physics = &explanation.model.calibration.about_physics;
-        Self { verdict, asked: *asked, unit: unit.symbol(), held_out, about_physics }
+        Self { verdict, asked: *asked, unit: unit.symbol(), held_out, about_physics, all_in: "the report" }
     }
 }
 
@@ -56,9 +63,7 @@ impl Shown<'_> {
             let said = format!("{} (score {:.0})", model.sentence, model.evidence.score);
             text.push_str(&wrapped_with(&said, WIDTH, "  + ", "     "));
         }
-        for indication in &verdict.indications {
-            text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
-        }
+        self.indications(&mut text);
         let warning = style.emphasise(Emphasis::Warning, "warning");
         for w in &verdict.warnings {
             text.push_str(&wrapped(&format!("{warning}: {w}")));
@@ -71,11 +76,13 @@ impl Shown<'_> {
         text.push_str(&wrapped(&format!("held out: {}", self.held_out.join(", "))));
         text.extend(explained(verdict).map(|said| wrapped(&said)));
         if !verdict.not_decidable.is_empty() {
-            let names: Vec<String> = verdict.not_decidable.iter().map(undecidable).collect();
+            let names: Vec<String> =
+                verdict.not_decidable.iter().map(|n| undecidable(n, verdict.names())).collect();
             text.push_str(&wrapped(&format!("not decidable here: {}", names.join(", "))));
         }
         text.extend(verdict.not_examined.iter().map(|n| wrapped(&format!("not examined: {}", n.reason))));
         text.extend(verdict.notes.iter().map(|n| wrapped(&format!("note: {n}"))));
+        text.extend(visible_gears(verdict).map(|said| wrapped(&format!("note: {said}"))));
         if verdict.verdict == Answer::NoMismatch {
             text.push_str(&wrapped(HOW_LARGE));
         }
@@ -106,25 +113,111 @@ impl Shown<'_> {
     }
 
     fn table(&self, text: &mut String) {
-        let (verdict, unit) = (self.verdict, self.unit);
-        let _ = writeln!(text, "\n  joint   residual rms [{unit}]            held out [{unit}]");
-        let _ = writeln!(text, "          before    after    noise    before    after  follows");
+        let Self { verdict, unit, .. } = *self;
+        let (names, errors) = (verdict.names(), NoiseReport::of(verdict));
+        let mut table = Table::new(["joint", "before", "after", "noise", "before", "after", "follows"])
+            .group(1, "")
+            .group(3, format!("residual rms [{unit}]"))
+            .group(2, format!("held out [{unit}]"))
+            .group(1, "")
+            .left(usize::from(!names.joints.is_empty()))
+            .remark();
         for residual in &verdict.residual {
             let j = residual.joint;
             let held = |list: &[f64]| {
                 // A joint without rows has no error.
                 list.get(j).filter(|v| **v > 0.0).map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"))
             };
-            let line = format!(
-                "  {j:>5} {:>9.4}{:>9.4}{:>9.4}{:>10}{:>9}  {}",
-                residual.baseline_rms,
-                residual.unexplained_rms,
-                residual.floor_rms,
+            table.row([
+                names.joint_cell(j),
+                format!("{:.4}", residual.baseline_rms),
+                format!("{:.4}", residual.unexplained_rms),
+                format!("{:.4}", residual.floor_rms),
                 held(&verdict.held_out.rms_before),
                 held(&verdict.held_out.rms_after),
-                follows(residual),
-            );
-            let _ = writeln!(text, "{}", line.trim_end());
+                follows(residual, errors.joints.get(j)),
+            ]);
         }
+        let _ = write!(text, "\n{}", table.render());
+    }
+
+    /// The first indications, and how many more there are.
+    fn indications(&self, text: &mut String) {
+        let all = &self.verdict.indications;
+        for indication in all.iter().take(SHOWN_INDICATIONS) {
+            text.push_str(&wrapped_with(&indicated(indication, self.asked), WIDTH, "  ? ", "     "));
+        }
+        match all.len().saturating_sub(SHOWN_INDICATIONS) {
+            0 => {}
+            1 => text.push_str(&wrapped(&format!("1 more indication is in {}", self.all_in))),
+            more => text.push_str(&wrapped(&format!("{more} more indications are in {}", self.all_in))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use aurt_diagnosis::{Indication, JointResidual, vocabulary::Family};
+
+    use super::*;
+    use crate::words::tests::{finding, verdict};
+
+    fn text(verdict: &Verdict) -> String {
+        let held_out = ["tuesday.mcap".to_owned()];
+        let shown = Shown {
+            verdict,
+            asked: Asked::Lack,
+            unit: "Nm",
+            held_out: &held_out,
+            about_physics: &[],
+            all_in: "report.html",
+        };
+        shown.to_text(Style::PLAIN)
+    }
+
+    fn with_indications(count: usize) -> Verdict {
+        let mut found = verdict(Answer::NoMismatch, Vec::new(), &[0.1], &[0.1]);
+        let indication = || Indication {
+            finding: finding("stribeck", Family::F, &[0], &["calibration"]),
+            fails: vec!["it is 1.2 σ from zero".into()],
+        };
+        found.indications = (0..count).map(|_| indication()).collect();
+        found
+    }
+
+    #[test]
+    fn three_indications_are_shown_and_the_others_counted() {
+        for (count, shown, more) in [
+            (0, 0, None),
+            (3, 3, None),
+            (4, 3, Some("1 more indication is in report.html")),
+            (9, 3, Some("6 more indications are in report.html")),
+        ] {
+            let said = text(&with_indications(count));
+            assert_eq!(said.matches("\n  ? ").count(), shown, "{said}");
+            let line = said.lines().map(str::trim).find(|line| line.contains("more indication"));
+            assert_eq!(line, more);
+        }
+    }
+
+    #[test]
+    fn a_table_of_joints_with_names_has_no_numbers_of_joints_and_fits_a_terminal() {
+        let mut found = verdict(Answer::NoMismatch, Vec::new(), &[12.5, 0.2], &[12.5, 0.1]);
+        found.joint_names = ["shoulder_pan_joint", "elbow"].map(str::to_owned).to_vec();
+        let residual = |joint, rms| JointResidual {
+            joint,
+            baseline_rms: rms,
+            unexplained_rms: rms,
+            floor_rms: 0.1,
+            structure_left: joint == 0,
+            follows: None,
+            follows_share: 0.0,
+            windows_s: Vec::new(),
+        };
+        found.residual = vec![residual(0, 12.5), residual(1, 0.1)];
+        let said = text(&found);
+        assert!(said.lines().all(|line| line.chars().count() <= WIDTH), "{said}");
+        assert!(said.contains("\n  shoulder_pan_joint  12.5000"), "{said}");
+        assert!(said.contains("\n  elbow                0.1000"), "{said}");
     }
 }

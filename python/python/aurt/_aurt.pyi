@@ -93,6 +93,9 @@ class Robot:
     def by_name(name: str, *, gravity: Sequence[float] = ...) -> Robot:
         """A robot that is known by name: geometry and limits."""
 
+    @staticmethod
+    def _restored(name: str, state: str) -> Robot: ...
+
     @property
     def name(self) -> str: ...
     @property
@@ -169,6 +172,8 @@ class Recording:
         name: str | None = None,
         joint_names: Sequence[str] | None = None,
     ) -> Recording: ...
+    @staticmethod
+    def _restored(t: Any, q: Any, dq: Any | None, measured: Any | None, state: str) -> Recording: ...
     @property
     def joint_names(self) -> list[str]: ...
     @property
@@ -281,6 +286,10 @@ class Predictor:
 class Verdict:
     """What a diagnosis found: where model and recordings differ, and what physics is missing."""
 
+    @staticmethod
+    def _restored(
+        said: tuple[bool, str, str], added: list[str], notes: list[str], model: Model, html: str, title: str
+    ) -> Verdict: ...
     @property
     def answer(self) -> str: ...
     @property

@@ -139,3 +139,24 @@ def unpickled(contents: bytes) -> Any:
         path = Path(folder) / "rd_calibrated.json"
         path.write_bytes(contents)
         return Model.load(path)
+
+
+def restored_recording(*parts: Any) -> Any:
+    """The recording that `pickle` took apart."""
+    from ._aurt import Recording
+
+    return Recording._restored(*parts)
+
+
+def restored_robot(*parts: Any) -> Any:
+    """The robot that `pickle` took apart."""
+    from ._aurt import Robot
+
+    return Robot._restored(*parts)
+
+
+def restored_verdict(*parts: Any) -> Any:
+    """The verdict that `pickle` took apart."""
+    from ._aurt import Verdict
+
+    return Verdict._restored(*parts)

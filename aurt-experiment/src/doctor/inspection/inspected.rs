@@ -9,7 +9,7 @@ use aurt_report::rendering::{
     style::{Emphasis, Style},
     text::wrapped,
 };
-use aurt_traits::{ModelError, Motion};
+use aurt_traits::{ModelError, Motion, RobotNames};
 use serde_json::{Value, json};
 
 use super::{
@@ -91,6 +91,11 @@ impl Inspected {
         notes
     }
 
+    /// Names of the joints.
+    pub fn names(&self) -> RobotNames<'_> {
+        RobotNames::of_joints(self.loaded.recording.joints.names())
+    }
+
     /// What should be heeded of the file and its sensors, in sentences.
     pub fn faults(&self) -> Vec<String> {
         let name = self.loaded.source.file.file_name().unwrap_or_default().to_string_lossy();
@@ -101,10 +106,12 @@ impl Inspected {
         findings.extend(oddities(&name, &self.loaded.recording));
         // Rows that were left out and gaps that split the recording are cared for: notes say so.
         findings.extend(self.loaded.recording.report.irregularities.iter().cloned());
+        let names = self.names();
         for (joint, scale) in self.prepared.report.velocity_scale.iter().enumerate() {
             if let Some(scale) = scale.filter(|s| (s - 1.0).abs() > 0.05) {
                 findings.push(format!(
-                    "the logged velocity of joint {joint} is {scale:.2} times the derivative of its position"
+                    "the logged velocity of {} is {scale:.2} times the derivative of its position",
+                    names.joint(joint)
                 ));
             }
         }
@@ -151,7 +158,7 @@ impl Inspected {
             }
         );
         text.extend(self.notes().iter().map(|n| wrapped(n)));
-        let [motion, sensors] = tables(&self.joints, unit);
+        let [motion, sensors] = tables(&self.joints, unit, self.names());
         text.push_str(&format!("\n{}\n{}", title("motion"), motion.render()));
         text.push_str(&format!("\n{}\n{}", title("sensors: steps and white noise"), sensors.render()));
         if let Some(judged) = judged {
@@ -179,11 +186,9 @@ impl Inspected {
 }
 
 /// What should be heeded of which joints move, in one recording or in any of several.
-pub fn rest(moves: &[bool]) -> Option<String> {
-    let numbers = |wanted: bool| -> Vec<String> {
-        (0..moves.len()).filter(|j| moves[*j] == wanted).map(|j| j.to_string()).collect()
-    };
-    let (moving, resting) = (numbers(true), numbers(false));
+pub fn rest(moves: &[bool], names: RobotNames<'_>) -> Option<String> {
+    let joints = |wanted: bool| -> Vec<usize> { (0..moves.len()).filter(|j| moves[*j] == wanted).collect() };
+    let (moving, resting) = (joints(true), joints(false));
     if moving.is_empty() {
         return Some("no joint moves: nothing can be calibrated on it".into());
     }
@@ -191,16 +196,11 @@ pub fn rest(moves: &[bool]) -> Option<String> {
     (!resting.is_empty()).then(|| {
         format!(
             "only {} {verb}; the friction of {} is out of reach, and so are inertial parameters that need {} motion",
-            numbered(&moving),
-            numbered(&resting),
+            names.joint_list(&moving),
+            names.joint_list(&resting),
             if resting.len() == 1 { "its" } else { "their" }
         )
     })
-}
-
-/// `joint 1`, `joints 0, 2`.
-fn numbered(joints: &[String]) -> String {
-    format!("{} {}", if joints.len() == 1 { "joint" } else { "joints" }, joints.join(", "))
 }
 
 fn without_resting_joints(segment: &Segment, reports: &[JointReport]) -> Result<Segment, ModelError> {

@@ -2,7 +2,7 @@
 
 use aurt_recording::{PositionNoise, Preprocessed, Recording};
 use aurt_report::rendering::{number::significant, table::Table};
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 use serde::Serialize;
 
 use super::series::{resolution, reversals, white_noise};
@@ -100,9 +100,10 @@ fn range(values: &[f64]) -> [f64; 2] {
 }
 
 /// Motion and sensors as two tables.
-pub fn tables(joints: &[JointReport], unit: MeasurementUnit) -> [Table; 2] {
+pub fn tables(joints: &[JointReport], unit: MeasurementUnit, names: RobotNames<'_>) -> [Table; 2] {
     let short = |value: f64| significant(value, 3);
     let maybe = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), short);
+    let named = usize::from(!names.joints.is_empty());
     let mut motion = Table::new([
         "joint",
         "from rad",
@@ -112,7 +113,8 @@ pub fn tables(joints: &[JointReport], unit: MeasurementUnit) -> [Table; 2] {
         "moving %",
         "reversals",
         "below Hz",
-    ]);
+    ])
+    .left(named);
     let symbol = unit.symbol();
     let mut sensors = Table::new([
         "joint".to_owned(),
@@ -123,10 +125,11 @@ pub fn tables(joints: &[JointReport], unit: MeasurementUnit) -> [Table; 2] {
         format!("rms {symbol}"),
         format!("step {symbol}"),
         format!("noise {symbol}"),
-    ]);
+    ])
+    .left(named);
     for (j, joint) in joints.iter().enumerate() {
         motion.row([
-            j.to_string(),
+            names.joint_cell(j),
             short(joint.position_rad[0]),
             short(joint.position_rad[1]),
             short(joint.max_velocity_rad_s),
@@ -137,7 +140,7 @@ pub fn tables(joints: &[JointReport], unit: MeasurementUnit) -> [Table; 2] {
         ]);
         let m = joint.measurement.as_ref();
         sensors.row([
-            j.to_string(),
+            names.joint_cell(j),
             maybe(joint.position_step_rad),
             maybe(joint.position_noise_rad),
             maybe(m.map(|m| m.range[0])),

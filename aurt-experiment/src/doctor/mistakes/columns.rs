@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use aurt_recording::Recording;
-use aurt_traits::MeasurementUnit;
+use aurt_traits::{MeasurementUnit, RobotNames};
 
 /// A joint that moves no more than this rests, rad.
 const REST_RAD: f64 = 1e-4;
@@ -19,6 +19,7 @@ const ALIKE: f64 = 1e-9;
 /// What should be heeded of a recording's columns.
 pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
     let mut said = Vec::new();
+    let names = RobotNames::of_joints(recording.joints.names());
     let joints = recording.joints();
     let spans: Vec<f64> = recording.position_rad.iter().map(|q| span(q)).collect();
     for joint in 0..joints {
@@ -26,8 +27,8 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
             if spans[joint] > REST_RAD && same(&recording.position_rad[joint], &recording.position_rad[other])
             {
                 said.push(format!(
-                    "{name}: the positions of joints {joint} and {other} are the same column; select each joint's own \
-                     with `columns`"
+                    "{name}: the positions of {} are the same column; select each joint's own with `columns`",
+                    names.joint_list(&[joint, other])
                 ));
             }
         }
@@ -36,9 +37,10 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
     if fastest > MANY_TURNS * TAU {
         let joint = spans.iter().position(|s| *s == fastest).unwrap_or_default();
         said.push(format!(
-            "{name}: joint {joint} covers {fastest:.0} rad, {:.1} turns; if positions are in degrees, write \
+            "{name}: {} covers {fastest:.0} rad, {:.1} turns; if positions are in degrees, write \
              `angle = \"deg\"` in `[recordings]`, if they are the motors', `gear_ratio`, if they are counts, \
              `counts_per_revolution`",
+            names.joint(joint),
             fastest / TAU
         ));
     }
@@ -46,8 +48,9 @@ pub fn oddities(name: &str, recording: &Recording) -> Vec<String> {
         for joint in 0..joints {
             if spans[joint] <= REST_RAD && span(&velocity[joint]) > 0.1 {
                 said.push(format!(
-                    "{name}: the position of joint {joint} stands still while its velocity column varies by {:.2} rad/s; \
+                    "{name}: the position of {} stands still while its velocity column varies by {:.2} rad/s; \
                      its position column is another's or was not logged",
+                    names.joint(joint),
                     span(&velocity[joint])
                 ));
             }
@@ -66,6 +69,7 @@ fn of_measurements(
     spans: &[f64],
 ) -> Vec<String> {
     let mut said = Vec::new();
+    let names = RobotNames::of_joints(recording.joints.names());
     let joints = measurement.len();
     let constant: Vec<usize> =
         (0..joints).filter(|j| span(&measurement[*j]) == 0.0 && recording.samples() > 10).collect();
@@ -79,8 +83,9 @@ fn of_measurements(
     }
     for joint in constant.iter().filter(|j| spans[**j] > REST_RAD && all.len() < joints.max(2)) {
         said.push(format!(
-            "{name}: the measurement of joint {joint} is constantly {}, though the joint moves: it was not logged, or \
+            "{name}: the measurement of {} is constantly {}, though the joint moves: it was not logged, or \
              `columns` select another column; nothing can be said of its friction",
+            names.joint(*joint),
             // Not −0.
             measurement[*joint].first().copied().unwrap_or_default() + 0.0
         ));
@@ -89,8 +94,8 @@ fn of_measurements(
         for other in joint + 1..joints {
             if !constant.contains(&joint) && same(&measurement[joint], &measurement[other]) {
                 said.push(format!(
-                    "{name}: the measurements of joints {joint} and {other} are the same column; select each joint's own \
-                     with `columns`"
+                    "{name}: the measurements of {} are the same column; select each joint's own with `columns`",
+                    names.joint_list(&[joint, other])
                 ));
             }
         }
@@ -101,8 +106,10 @@ fn of_measurements(
                 .and_then(|f| f.iter().position(|s| span(s) > REST_RAD && same(s, &measurement[joint])));
             if let Some(twin) = twin {
                 said.push(format!(
-                    "{name}: the measurement of joint {joint} is the {what} of joint {twin}; select the columns of \
-                     currents or torques with `columns`"
+                    "{name}: the measurement of {} is the {what} of {}; select the columns of currents or torques with \
+                     `columns`",
+                    names.joint(joint),
+                    names.joint(twin)
                 ));
             }
         }

@@ -9,6 +9,7 @@ use aurt_report::{
     rendering::number::significant, reports::parts,
 };
 use aurt_simulation::inject::Presence;
+use aurt_traits::RobotNames;
 use serde_json::Value;
 
 use crate::workbench::sensitivity::{Check, DRAWS, Limit, NAMED_IN, Row, Status, Subject};
@@ -83,7 +84,7 @@ impl Answered<'_> {
         ];
         if self.said == Answer::Unexplained {
             sentences.push(
-                "What is left of the recordings as they are has no name: nothing beside it is named before it outweighs that."
+                "The recordings as they are leave an unexplained residual: an added effect is named only once it exceeds that residual."
                     .into(),
             );
         }
@@ -101,7 +102,7 @@ impl Answered<'_> {
                 |limit: Option<Limit>| limit.map_or_else(|| "–".to_owned(), |l| significant(l.size, 2));
             table.row([
                 Cell::from(row.effect.as_str()),
-                Cell::from(place(row)),
+                Cell::from(place(row.joint, self.subject.names())),
                 Cell::from(row.quantity.as_str()),
                 Cell { text: size(row.named_from), strong: row.named_from.is_some() },
                 Cell::from(size(row.noticed_from)),
@@ -112,7 +113,7 @@ impl Answered<'_> {
         Section {
             title: "Sizes".into(),
             introduction:
-                "What is smaller than this may be there and was not seen; what is larger would have been."
+                "A smaller effect may be present and undetected; a larger one would have been detected."
                     .into(),
             blocks: vec![Block::Table(table)],
         }
@@ -123,13 +124,15 @@ impl Answered<'_> {
         let mut places: Vec<Option<usize>> = self.rows.iter().map(|r| r.joint).collect();
         places.sort_unstable();
         places.dedup();
+        let names = self.subject.names();
         let figures = places
             .into_iter()
             .map(|joint| {
                 let strength = |limit: Option<Limit>| limit.map(|l| l.strength);
-                let label = joint.map_or_else(|| "whole arm".to_owned(), |j| format!("joint {j}"));
+                let label = joint.map_or_else(|| "whole arm".to_owned(), |j| names.joint(j));
+                let stem = joint.map_or_else(|| "whole_arm".to_owned(), |j| format!("joint_{j}"));
                 Figure::Bars(Bars {
-                    name: format!("sensitivity_{}", label.replace(' ', "_")),
+                    name: format!("sensitivity_{stem}"),
                     title: label,
                     caption: String::new(),
                     unit: "×".into(),
@@ -168,7 +171,7 @@ impl Answered<'_> {
         for check in self.checks {
             table.row([
                 Cell::from(check.effect.as_str()),
-                Cell::from(joint_or_arm(check.joint)),
+                Cell::from(place(check.joint, self.subject.names())),
                 Cell::from(significant(check.named_from, 2)),
                 Cell::from(check.unit.as_str()),
                 Cell::from(word(check.named_at_double)),
@@ -187,9 +190,12 @@ impl Answered<'_> {
     /// The table for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n", self.verdict().headline);
+        let names = self.subject.names();
+        let places = self.rows.iter().map(|row| place(row.joint, names).chars().count());
+        let width = places.chain(["joint".len()]).max().unwrap_or(0);
         let _ = writeln!(
             text,
-            "{:<32} {:>5} {:>12} {:>12}  {:<9} remark",
+            "{:<32} {:>width$} {:>12} {:>12}  {:<9} remark",
             "effect", "joint", "named from", "noticed from", "unit"
         );
         for row in self.rows {
@@ -197,9 +203,9 @@ impl Answered<'_> {
                 |limit: Option<Limit>| limit.map_or_else(|| "-".to_owned(), |l| significant(l.size, 2));
             let _ = writeln!(
                 text,
-                "{:<32} {:>5} {:>12} {:>12}  {:<9} {}",
+                "{:<32} {:>width$} {:>12} {:>12}  {:<9} {}",
                 row.effect,
-                place(row),
+                place(row.joint, names),
                 size(row.named_from),
                 size(row.noticed_from),
                 row.unit,
@@ -209,16 +215,16 @@ impl Answered<'_> {
         if !self.checks.is_empty() {
             let _ = writeln!(
                 text,
-                "\n{:<32} {:>5} {:>12}  {:<9} {:<10} half",
+                "\n{:<32} {:>width$} {:>12}  {:<9} {:<10} half",
                 "checked with whole diagnoses", "joint", "named from", "unit", "twice"
             );
         }
         for check in self.checks {
             let _ = writeln!(
                 text,
-                "{:<32} {:>5} {:>12}  {:<9} {:<10} {}",
+                "{:<32} {:>width$} {:>12}  {:<9} {:<10} {}",
                 check.effect,
-                joint_or_arm(check.joint),
+                place(check.joint, names),
                 significant(check.named_from, 2),
                 check.unit,
                 word(check.named_at_double),
@@ -229,12 +235,8 @@ impl Answered<'_> {
     }
 }
 
-fn place(row: &Row) -> String {
-    joint_or_arm(row.joint)
-}
-
-fn joint_or_arm(joint: Option<usize>) -> String {
-    joint.map_or_else(|| "arm".to_owned(), |j| j.to_string())
+fn place(joint: Option<usize>, names: RobotNames<'_>) -> String {
+    joint.map_or_else(|| "arm".to_owned(), |j| names.joint_cell(j))
 }
 
 const fn word(named: bool) -> &'static str {

@@ -92,10 +92,7 @@ fn headline(tracked: &Tracked) -> String {
 /// An alarm in words.
 #[must_use]
 pub fn sentence(alarm: &Alarm) -> String {
-    let of = |joint: usize| match &alarm.joint_name {
-        Some(name) => format!("joint {joint} ({name})"),
-        None => format!("joint {joint}"),
-    };
+    let of = |joint: usize| alarm.joint_name.clone().unwrap_or_else(|| format!("joint {joint}"));
     let what = match (alarm.group, alarm.joint) {
         (DriftGroup::Friction, Some(joint)) => format!("the friction of {}", of(joint)),
         (DriftGroup::Gain, Some(joint)) => format!("the gain of {}", of(joint)),

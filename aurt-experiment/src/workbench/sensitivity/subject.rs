@@ -4,7 +4,7 @@ use aurt_diagnosis::{Question, QuestionedRecording, Role, SelectionOptions, inve
 use aurt_plugins::Registry;
 use aurt_recording::Recording;
 use aurt_simulation::inject::{Added, Injection, Presence, Split, applied};
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 
 use super::claims::Claims;
 use crate::workbench::{diagnosing::selection, experiments::calibration_options, failure::Failure, injected};
@@ -35,6 +35,12 @@ pub struct Place {
 }
 
 impl Subject {
+    /// Names of the robot's joints and links.
+    #[must_use]
+    pub fn names(&self) -> RobotNames<'_> {
+        self.model.names()
+    }
+
     /// The subject of an experiment.
     ///
     /// # Errors

@@ -98,6 +98,7 @@ impl KnownRobot {
                 JointNames::Each(names) => names.iter().map(|&name| name.to_owned()).collect(),
                 JointNames::Numbered(name) => (1..=self.joints.len()).map(|j| format!("{name}{j}")).collect(),
             },
+            link_names: Vec::new(),
             joints,
             couplings: Vec::new(),
             limits: limits.collect(),

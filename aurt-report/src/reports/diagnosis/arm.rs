@@ -2,11 +2,12 @@
 
 use std::any::Any;
 
-use aurt_diagnosis::{QuestionedRecording, Verdict};
+use aurt_diagnosis::QuestionedRecording;
 use aurt_rbd::SerialChain;
-use aurt_traits::RobotModel;
+use aurt_traits::{RobotModel, RobotNames};
 
-use crate::figure::Arm;
+use crate::figure::{Arm, Shade};
+use crate::noise_report::{JointNoise, NoiseReport};
 
 /// Samples of each recording among which the pose is chosen.
 const POSES: usize = 40;
@@ -93,39 +94,50 @@ fn seen(points: &[[f64; 3]], gravity: [f64; 3]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The drawing: errors on held-out data over the noise, or, without such data, on the rows that were fitted.
-pub fn figure(verdict: &Verdict, outline: &Outline) -> Arm {
-    let points_m = &outline.points_m;
-    let held = &verdict.held_out;
-    let joints = points_m.len().saturating_sub(1);
-    let is_held_out = [&held.rms_before, &held.rms_after, &held.rms_floor].iter().all(|l| l.len() == joints);
-    let multiple = |error: f64, noise: f64| Some(error / noise).filter(|m| m.is_finite());
-    let state = |before: bool| -> Vec<Option<f64>> {
-        if is_held_out {
-            let errors = if before { &held.rms_before } else { &held.rms_after };
-            return errors.iter().zip(&held.rms_floor).map(|(e, n)| multiple(*e, *n)).collect();
-        }
-        let of = |joint| verdict.residual.iter().find(|r| r.joint == joint);
-        (0..joints)
-            .map(|joint| {
-                let r = of(joint)?;
-                multiple(if before { r.baseline_rms } else { r.unexplained_rms }, r.floor_rms)
-            })
-            .collect()
+/// The drawing: errors over the noise floor.
+pub fn figure(names: RobotNames<'_>, errors: &NoiseReport, outline: &Outline) -> Arm {
+    let joints = outline.points_m.len().saturating_sub(1);
+    let shades = |shade: &dyn Fn(&JointNoise) -> Option<Shade>| -> Vec<Option<Shade>> {
+        (0..joints).map(|joint| errors.joints.get(joint).and_then(shade)).collect()
     };
-    let rows = if is_held_out { "on held-out data" } else { "on the rows that were fitted" };
+    let rows = if errors.is_held_out { "on held-out data" } else { "on the rows that were fitted" };
+    let marks = marks(names, joints);
+    let key: Vec<String> = (0..joints)
+        .filter(|j| !names.joints.is_empty() && !names.joint_cell(*j).ends_with(&marks[*j]))
+        .map(|j| format!("{} {}", marks[j], names.joint_cell(j)))
+        .collect();
+    let key = if key.is_empty() { String::new() } else { format!(" {}.", key.join(", ")) };
     Arm {
         title: "where the error is".into(),
         name: "arm".into(),
         caption: format!(
             "Joints by their error {rows}, in multiples of the noise floor. A pose of the recordings; joints at one place \
-             are drawn side by side."
+             are drawn side by side.{key}"
         ),
         of: "noise".into(),
-        points_m: points_m.clone(),
+        points_m: outline.points_m.clone(),
         from: outline.from.clone(),
-        states: vec![("before".into(), state(true)), ("after".into(), state(false))],
+        joints: (0..joints).map(|j| (marks[j].clone(), names.joint(j))).collect(),
+        states: vec![
+            ("before".into(), shades(&|error| error.before.map(Shade::of))),
+            ("after".into(), shades(&JointNoise::shade)),
+        ],
     }
+}
+
+/// Characters that a circle has room for.
+const ROOM: usize = 2;
+
+/// What circles of joints show: that by which names differ, where there is room, else the number.
+fn marks(names: RobotNames<'_>, joints: usize) -> Vec<String> {
+    let numbers = || (0..joints).map(|j| j.to_string()).collect();
+    let names = names.joints;
+    let Some(first) = names.first().filter(|_| names.len() == joints) else { return numbers() };
+    let common = |name: &String| first.chars().zip(name.chars()).take_while(|(a, b)| a == b).count();
+    let same = names[1..].iter().map(common).min().unwrap_or(0);
+    let marks: Vec<String> = names.iter().map(|name| name.chars().skip(same).collect()).collect();
+    let fits = |mark: &String| !mark.is_empty() && mark.chars().count() <= ROOM;
+    if marks.iter().all(fits) { marks } else { numbers() }
 }
 
 #[cfg(test)]

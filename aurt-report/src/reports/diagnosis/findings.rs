@@ -1,6 +1,7 @@
 //! What was found, effect by effect.
 
 use aurt_diagnosis::{Evidence, Finding, RegisteredFinding, effects};
+use aurt_traits::RobotNames;
 use serde_json::Value;
 
 use super::{Diagnosed, capital};
@@ -38,8 +39,8 @@ impl Diagnosed<'_> {
         }));
         if !self.verdict.indications.is_empty() {
             blocks.push(Block::Text(
-                "Indications. These describe the recordings and fail a test; they are not claimed, and the improved model \
-                 does without them:"
+                "Indications. These describe the recordings but fail a test; they are not claimed and are not in the improved \
+                 model:"
                     .into(),
             ));
             let lines =
@@ -57,23 +58,27 @@ impl Diagnosed<'_> {
     }
 
     fn finding(&self, finding: &Finding) -> Vec<Block> {
+        let names = self.verdict.names();
         let mut table = Table::new("", ["<parameter", "<of", "value", "± 1 σ"]);
         for (name, parameter) in &finding.parameters {
             match (&parameter.value, &parameter.std) {
                 (Value::Array(values), stds) => {
                     for (k, value) in values.iter().enumerate() {
-                        let of = component(finding, name, values.len(), k);
+                        let of = component(finding, name, values.len(), k, names);
                         table.row([name.clone(), of, text(value), text(stds.get(k).unwrap_or(&Value::Null))]);
                     }
                 }
-                (value, std) => table.row([name.clone(), String::new(), text(value), text(std)]),
+                (value, std) => {
+                    let link = value.as_f64().filter(|_| name == "link" && !names.links.is_empty());
+                    let shown = link.map_or_else(|| text(value), |link| names.link(link as usize));
+                    table.row([name.clone(), String::new(), shown, text(std)]);
+                }
             }
         }
-        let joints: Vec<String> = finding.joints.iter().map(ToString::to_string).collect();
         let mut facts = vec![format!(
-            "{} on joints {}, in {} recordings; {}",
+            "{} on {}, in {} recordings; {}",
             finding.effect,
-            listed(&joints),
+            names.joint_list(&finding.joints),
             listed(&finding.present_in),
             evidence(&finding.evidence)
         )];
@@ -120,11 +125,17 @@ fn evidence(evidence: &Evidence) -> String {
 }
 
 /// What an entry of a list is of: a component of a vector or tensor, or a joint.
-fn component(finding: &Finding, parameter: &str, length: usize, entry: usize) -> String {
+fn component(
+    finding: &Finding,
+    parameter: &str,
+    length: usize,
+    entry: usize,
+    names: RobotNames<'_>,
+) -> String {
     let known = effects::find(&finding.effect).and_then(|e| e.parameter(parameter));
     match known.map(|p| p.components).filter(|c| c.len() == length) {
         Some(components) => components[entry].into(),
-        None if length == finding.joints.len() => format!("joint {}", finding.joints[entry]),
+        None if length == finding.joints.len() => names.joint(finding.joints[entry]),
         None => (entry + 1).to_string(),
     }
 }

@@ -14,8 +14,9 @@ use serde_json::Value;
 use super::{figures::file_name, parts};
 use crate::{
     figure::{BarGroup, Bars, Figure, Style},
-    page::{Block, Page, Section, Tone, Verdict},
-    rendering::{number::significant, text::listed},
+    noise_report::{NoiseReport, NoiseState},
+    page::{Block, Page, Section, Verdict},
+    rendering::number::significant,
     table::{Cell, Table},
     words::{self, Group, claim, follows, groups, nothing, objection},
 };
@@ -88,8 +89,8 @@ impl Diagnosed<'_> {
         let mut provenance = parts::program("diagnose");
         provenance.push(parts::entry(
             "Method",
-            "candidates of all known effects, selected by cross-validation over six blocks of time; held-out rows took \
-             no part in selection or fitting",
+            "candidates of all known effects, selected by cross-validation over six blocks of time; held-out rows are used \
+             neither for selection nor for fitting",
         ));
         for (series, notes) in self.series.iter().zip(&self.recording_notes) {
             provenance
@@ -128,38 +129,35 @@ impl Diagnosed<'_> {
         let held = &self.verdict.held_out;
         let ratio = |j: usize| held.rms_after[j] / held.rms_before[j];
         let joints = held.rms_before.len().min(held.rms_after.len());
+        let (names, errors) = (self.verdict.names(), NoiseReport::of(self.verdict));
         let most =
             (0..joints).filter(|j| ratio(*j).is_finite()).min_by(|a, b| ratio(*a).total_cmp(&ratio(*b)));
         if let Some(j) = most.filter(|_| self.found()) {
             let lower = (0..joints).filter(|j| ratio(*j) < 1.0).count();
             sentences.push(format!(
-                "On held-out data the error falls on {lower} of {joints} joints; on joint {j}, which gains most, it \
+                "On held-out data the error falls on {lower} of {joints} joints; on {}, which gains most, it \
                  goes from {} {unit} to {} {unit}, and the noise floor is {} {unit}.",
+                names.joint(j),
                 significant(held.rms_before[j], 3),
                 significant(held.rms_after[j], 3),
                 significant(held.rms_floor.get(j).copied().unwrap_or(f64::NAN), 3),
                 unit = self.unit.symbol()
             ));
         }
-        let left: Vec<String> =
-            self.verdict.residual.iter().filter(|r| r.structure_left).map(|r| r.joint.to_string()).collect();
-        if !left.is_empty() {
-            sentences.push(format!(
-                "More than noise is left on joint{} {}.",
-                if left.len() == 1 { "" } else { "s" },
-                listed(&left)
-            ));
+        let structured = errors.in_state(NoiseState::Structured);
+        if !structured.is_empty() {
+            sentences.push(format!("More than noise is left on {}.", names.joint_list(&structured)));
+        }
+        let above = errors.in_state(NoiseState::AboveNoise);
+        if !above.is_empty() {
+            let said = names.joint_list_with(&above, |j| times(errors.joints[j].after.unwrap_or(f64::NAN)));
+            sentences.push(format!("Above the noise floor, with no claim: {said}."));
         }
         sentences.extend(words::explained(self.verdict).map(|said| format!("{}.", capital(&said))));
         if self.verdict.verdict == Answer::NoMismatch {
             sentences.push(words::HOW_LARGE.to_owned());
         }
-        let tone = match self.verdict.verdict {
-            Answer::NoMismatch => Tone::Good,
-            Answer::Named | Answer::PartlyExplained => Tone::Found,
-            Answer::Unexplained => Tone::Attention,
-        };
-        Verdict { tone, headline, sentences }
+        Verdict { tone: errors.tone(self.verdict, self.asked), headline, sentences }
     }
 
     /// A group of findings in a sentence, or, where nothing is to be told apart, one for each; then what held-out data
@@ -183,10 +181,11 @@ impl Diagnosed<'_> {
     fn improvement(&self) -> Section {
         let unit = self.unit.symbol();
         let held = &self.verdict.held_out;
+        let (names, errors) = (self.verdict.names(), NoiseReport::of(self.verdict));
         let value = |list: &[f64], j: usize| list.get(j).copied().filter(|v| v.is_finite());
         let groups = (0..held.rms_before.len())
             .map(|j| BarGroup {
-                label: format!("joint {j}"),
+                label: names.joint(j),
                 values: vec![value(&held.rms_before, j), value(&held.rms_after, j)],
                 level: value(&held.rms_floor, j),
             })
@@ -194,7 +193,7 @@ impl Diagnosed<'_> {
         let bars = Bars {
             title: "held-out error, root mean square".into(),
             name: "held_out".into(),
-            caption: format!("Each joint on its own scale. Held out: {}.", names(self.held_out)),
+            caption: format!("Each joint on its own scale. Held out: {}.", file_names(self.held_out)),
             unit: unit.into(),
             series: vec![("before".into(), Style::Before), ("after".into(), Style::After)],
             level_name: "noise alone".into(),
@@ -204,7 +203,7 @@ impl Diagnosed<'_> {
         let mut table = Table::new(
             format!("residual, root mean square in {unit}"),
             [
-                "joint",
+                parts::joint_column(names),
                 "before",
                 "after",
                 "noise",
@@ -215,6 +214,8 @@ impl Diagnosed<'_> {
                 "explained",
             ],
         );
+        let beyond = errors.beyond_noise();
+        let is_beyond = |joint: usize| beyond.contains(&joint);
         let share = |share: Option<Share>| {
             share.map_or_else(|| "–".into(), |s| format!("{:.0} ± {:.0} %", 100.0 * s.value, 100.0 * s.std))
         };
@@ -222,14 +223,14 @@ impl Diagnosed<'_> {
             let explained = self.verdict.remainder.get(r.joint).and_then(|of| of.explained);
             let of = |list: &[f64]| value(list, r.joint).map_or_else(|| "–".into(), |v| significant(v, 4));
             table.row([
-                Cell::from(r.joint.to_string()),
+                Cell::from(names.joint_cell(r.joint)),
                 Cell::from(significant(r.baseline_rms, 4)),
-                Cell { text: significant(r.unexplained_rms, 4), strong: r.structure_left },
+                Cell { text: significant(r.unexplained_rms, 4), strong: is_beyond(r.joint) },
                 Cell::from(significant(r.floor_rms, 4)),
                 Cell::from(of(&held.rms_before)),
-                Cell::from(of(&held.rms_after)),
+                Cell { text: of(&held.rms_after), strong: is_beyond(r.joint) },
                 Cell::from(of(&held.rms_floor)),
-                Cell::from(follows(r)),
+                Cell::from(follows(r, errors.joints.get(r.joint))),
                 Cell::from(share(explained)),
             ]);
         }
@@ -237,16 +238,18 @@ impl Diagnosed<'_> {
             title: "Before and after".into(),
             introduction: "Before: the model in question. After: with what was found. The left columns are of the rows \
                            that were fitted, where both models were fitted to all of them; on held-out rows the model \
-                           in question is as it was calibrated."
+                           in question is as it was calibrated. Bold: more than noise."
                 .into(),
-            blocks: vec![self.where_it_is(Figure::Bars(bars)), Block::Table(table)],
+            blocks: vec![self.where_it_is(Figure::Bars(bars), &errors), Block::Table(table)],
         }
     }
 
     /// The bars, beside the arm if it can be drawn.
-    fn where_it_is(&self, bars: Figure) -> Block {
+    fn where_it_is(&self, bars: Figure, errors: &NoiseReport) -> Block {
         match &self.arm {
-            Some(outline) => Block::Figures(vec![Figure::Arm(arm::figure(self.verdict, outline)), bars]),
+            Some(outline) => {
+                Block::Figures(vec![Figure::Arm(arm::figure(self.verdict.names(), errors, outline)), bars])
+            }
             None => Block::Figure(bars),
         }
     }
@@ -278,6 +281,18 @@ impl Diagnosed<'_> {
         }
     }
 
+    /// The gears that would have shown, joint by joint.
+    fn visible_gears(&self) -> Option<Block> {
+        let (gears, names) = (&self.verdict.gears_visible, self.verdict.names());
+        let columns = [parts::joint_column(names), "stiffness below, Nm/rad", "play beyond ±, rad"];
+        let mut table = Table::new("gears that these recordings would show; –: none", columns);
+        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| significant(v, 2));
+        for gear in gears {
+            table.row([names.joint_cell(gear.joint), number(gear.below_nm_rad), number(gear.beyond_rad)]);
+        }
+        (!gears.is_empty()).then_some(Block::Table(table))
+    }
+
     fn limits(&self) -> Section {
         let mut blocks = Vec::new();
         if !self.verdict.not_decidable.is_empty() {
@@ -286,10 +301,9 @@ impl Diagnosed<'_> {
                 ["<effect", "<joints", "absorbed by the model %", "<what would decide it"],
             );
             for n in &self.verdict.not_decidable {
-                let joints: Vec<String> = n.joints.iter().map(ToString::to_string).collect();
                 table.row([
                     n.effect.clone(),
-                    joints.join(", "),
+                    self.verdict.names().joint_list(&n.joints),
                     format!("{:.1}", 100.0 * n.absorbed),
                     n.record.clone(),
                 ]);
@@ -311,6 +325,7 @@ impl Diagnosed<'_> {
             }
             blocks.push(Block::Table(table));
         }
+        blocks.extend(self.visible_gears());
         if !self.verdict.not_examined.is_empty() {
             blocks.push(Block::Text("Not examined:".into()));
             let reasons = self.verdict.not_examined.iter().map(|n| format!("{}.", capital(&n.reason)));
@@ -323,7 +338,7 @@ impl Diagnosed<'_> {
         }
         if blocks.is_empty() {
             blocks.push(Block::Text(
-                "Every effect that is known would have shown in these recordings, had it been there.".into(),
+                "Every known effect would be visible in these recordings if it were present.".into(),
             ));
         }
         Section {
@@ -337,7 +352,11 @@ impl Diagnosed<'_> {
     }
 }
 
-fn names(recordings: &[String]) -> String {
+fn times(multiple: f64) -> String {
+    format!(" ({multiple:.2} × noise)")
+}
+
+fn file_names(recordings: &[String]) -> String {
     recordings.iter().map(|r| file_name(r)).collect::<Vec<_>>().join(", ")
 }
 

@@ -6,7 +6,6 @@ use super::{Diagnosed, role};
 use crate::{
     figure::{Axis, Style},
     page::{Block, Section},
-    rendering::joints::label,
     reports::figures::{Series, TimeFigure, file_name, points_per_series, residual_over, stem},
 };
 
@@ -32,7 +31,7 @@ impl Diagnosed<'_> {
             Role::Target => 1,
             Role::Calibration => 2,
         });
-        let names = &self.verdict.joint_names;
+        let names = self.verdict.names();
         let mut blocks = Vec::new();
         for (k, series) in order.into_iter().enumerate() {
             let figures = series.joints.iter().enumerate().map(|(j, joint)| {
@@ -62,7 +61,7 @@ impl Diagnosed<'_> {
                     ],
                 ));
                 let figure = TimeFigure {
-                    title: format!("{}, {}", label(names, j), stem(&series.name)),
+                    title: format!("{}, {}", names.joint(j), stem(&series.name)),
                     name: format!("{}_{}_joint_{j}", stem(&series.name), role(series.role)),
                     caption: String::new(),
                     time_s: &series.time_s,
@@ -91,7 +90,7 @@ impl Diagnosed<'_> {
         Section {
             title: "Measured and predicted".into(),
             introduction: "Filtered and decimated as in the fit. Interrupted lines: rows that do not count, because the \
-                           joint stands or the recording is faulty. Drag over a stretch to look closer, drag with Shift \
+                           joint is at rest or the recording is faulty. Drag over a stretch to look closer, drag with Shift \
                            to move, double-click for all; + − ← → 0 do the same once a plot has the focus."
                 .into(),
             blocks,
@@ -107,7 +106,7 @@ impl Diagnosed<'_> {
             .filter(|(s, from)| *from < s.time_s.len())
             .collect();
         let joints = self.series.first().map_or(0, |s| s.joints.len());
-        let names = &self.verdict.joint_names;
+        let names = self.verdict.names();
         let worst = self
             .verdict
             .residual
@@ -130,7 +129,7 @@ impl Diagnosed<'_> {
                 ];
                 let figures = coordinates.map(|(name, x_unit, of)| {
                     residual_over(
-                        format!("joint {j} over {name}"),
+                        format!("{} over {name}", names.joint(j)),
                         format!("residual_joint_{j}_over_{}", name.replace(' ', "_")),
                         Axis::new(name, x_unit),
                         &all(of),
@@ -142,7 +141,7 @@ impl Diagnosed<'_> {
                     )
                 });
                 Block::Folded {
-                    title: label(names, j),
+                    title: names.joint(j),
                     open: worst.is_some_and(|w| w.joint == j),
                     blocks: vec![Block::Figures(figures.into())],
                 }
@@ -151,7 +150,7 @@ impl Diagnosed<'_> {
         Section {
             title: "What the residual follows".into(),
             introduction: "Residuals of the held-out rows over each coordinate, with means over classes of equal count. \
-                           What bends before and is flat after has been explained; what bends after is still missing."
+                           A trend that is present before and absent after is explained; one that remains after is still missing."
                 .into(),
             blocks,
         }
