@@ -146,6 +146,14 @@ fn wait_for_writer(pipe: &File) -> Result<()> {
 /// # Errors
 /// As [`open`]; [`ErrorKind::FileTooLarge`]; [`ErrorKind::InvalidData`] as [`text_of`].
 pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
+    text_of(read_bytes(path, most_bytes)?)
+}
+
+/// The bytes of a file, at most `most_bytes`.
+///
+/// # Errors
+/// As [`open`]; [`ErrorKind::FileTooLarge`].
+pub fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata().map_or(0, |m| if m.is_file() { m.len() } else { 0 });
     let too_large = || {
@@ -161,7 +169,7 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     if bytes.len() as u64 > most_bytes {
         return Err(too_large());
     }
-    text_of(bytes)
+    Ok(bytes)
 }
 
 /// Bytes as text, without a byte order mark.

@@ -9,5 +9,7 @@
 mod input;
 mod shown;
 
-pub use input::{MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_pieces, read_text, text_of};
+pub use input::{
+    MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_bytes, read_pieces, read_text, text_of,
+};
 pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_coloured, harmless_json, is_harmful};

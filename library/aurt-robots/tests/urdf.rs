@@ -454,3 +454,17 @@ fn more_of_something_than_a_robot_has_is_refused_before_it_is_parsed() {
     assert_eq!(parse(&text, "a.urdf", None, Some("wrist")).unwrap().tip, "wrist");
     assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
 }
+
+#[test]
+fn geometry_that_no_arm_has_is_refused_with_its_place() {
+    let arm = |name: &str, x: &str| {
+        format!(
+            "<robot name='r'><link name='a'/><link name='b'/>\n<joint name='{name}' type='revolute'><parent link='a'/>\
+             <child link='b'/><origin xyz='{x} 0 0'/><axis xyz='0 0 1'/></joint></robot>"
+        )
+    };
+    let error = refused(&arm("elbow", "1e300"), None);
+    assert!(error.contains("arm.urdf:2: joint elbow: ") && error.contains("metres"), "{error}");
+    let error = refused(&arm("", "1"), None);
+    assert!(error.contains("arm.urdf: ") && error.contains("name"), "{error}");
+}
