@@ -120,9 +120,9 @@ fn no_command_hands_on_names_that_command_a_terminal() {
     let folder = hostile();
     for line in LINES {
         for json in [&["--json"][..], &[]] {
-            if line.starts_with("init") {
-                let _ = fs::remove_file(folder.path("first.toml"));
-            }
+            // Neither is written over.
+            let _ = fs::remove_file(folder.path("first.toml"));
+            let _ = fs::remove_dir_all(folder.path("fmu"));
             let words = arguments(line, MODEL);
             let run = folder.aurt(words.iter().map(String::as_str).chain(json.iter().copied()));
             let (out, err) = (run.stdout(), run.stderr());
@@ -137,7 +137,7 @@ fn no_command_hands_on_names_that_command_a_terminal() {
     // What programs read has the names as they are.
     let document = folder.aurt(["check", "experiment.toml", "--json"]).stdout();
     let document: Value = serde_json::from_str(&document).unwrap();
-    assert!(document.to_string().contains("el\u{202e}bow"), "{document}");
+    assert!(document.to_string().contains('\u{202e}'), "{document}");
 
     // A model whose coefficients have such names.
     let model = folder.read(MODEL).replace("F_v1.", "F\\u001b[8m\u{202e}v1.");

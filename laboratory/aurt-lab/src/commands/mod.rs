@@ -107,12 +107,12 @@ pub fn main() -> ExitCode {
     });
     let (text, status) = match run(&arguments) {
         Ok(report) => {
-            let text =
-                if arguments.json { harmless_json(&pretty(&report.json)) } else { harmless(&report.text) };
-            (
-                if arguments.quiet && !arguments.json { String::new() } else { text.into_owned() },
-                u8::from(report.findings),
-            )
+            let text = if arguments.json {
+                harmless_json(&pretty(&report.json)).into_owned()
+            } else {
+                harmless(&report.text).into_owned()
+            };
+            (if arguments.quiet && !arguments.json { String::new() } else { text }, u8::from(report.findings))
         }
         Err(failure) => {
             // What a file says can be much longer.
