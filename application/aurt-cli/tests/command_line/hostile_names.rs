@@ -51,7 +51,7 @@ const LINES: [&str; 31] = [
     "explain",
     "trust",
     "completions bash",
-    "man",
+    "man --out man",
 ];
 
 /// Command lines without a part that a test can have.
