@@ -1,10 +1,11 @@
 //! Ctrl-C: what is being written goes, what is written stays.
 
 use std::{
-    io::Write,
     process::Command,
     sync::atomic::{AtomicU32, Ordering},
 };
+
+use crate::rendering::terminal::print_error;
 
 /// Exit status of a command that was interrupted, as shells have it for SIGINT.
 const INTERRUPTED: i32 = 130;
@@ -33,11 +34,7 @@ pub fn listen() {
             1 => "one file had been written before and is whole".to_owned(),
             kept => format!("{kept} files had been written before and are whole"),
         };
-        // Nothing is left to do where standard error is closed.
-        let _ = writeln!(
-            std::io::stderr(),
-            "\ninterrupted: {said}; a sweep or a proof goes on when it is run again"
-        );
+        print_error(&format!("\ninterrupted: {said}; a sweep or a proof goes on when it is run again\n"));
         std::process::exit(INTERRUPTED);
     });
     // Without it an interruption ends the command all the same, and the next one removes what it left.

@@ -56,8 +56,7 @@ fn refuse(error: &clap::Error) -> ExitCode {
         let words: Vec<&str> = paragraph.flat_map(str::split_whitespace).collect();
         Terminal::new(true, false).print_problem(&words.join(" "));
     }
-    // Nothing is left to do where standard error is closed.
-    let _ = error.print();
+    Terminal::new(false, false).print_usage(error);
     if asked_for { ExitCode::SUCCESS } else { ExitCode::from(FAILURE) }
 }
 

@@ -6,12 +6,13 @@
 
 use std::{
     env, fs,
-    io::Write,
     path::{Path, PathBuf},
     process::{Command, ExitStatus},
     sync::OnceLock,
     time::Duration,
 };
+
+use crate::rendering::terminal::print_error;
 
 /// Names the file in which the process below notes what it calls; also says that it is the one below.
 const NOTE: &str = "AURT_LIBRARY_NOTE";
@@ -99,8 +100,7 @@ fn watch_time() {
 }
 
 fn say(what: &str) {
-    // Nothing is left to do where standard error is closed.
-    let _ = writeln!(std::io::stderr(), "Error: {}", aurt_files::harmless(what));
+    print_error(&format!("Error: {what}\n"));
 }
 
 #[cfg(unix)]

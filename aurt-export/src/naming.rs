@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use aurt_files::is_harmful;
 use aurt_rbd::SerialChain;
 
 use crate::ExportError;
@@ -63,11 +64,13 @@ pub(crate) fn check_identifier(name: &str) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Text for a comment of C or XML: nothing in it ends the comment, begins another or is a trigraph.
+/// Text for a comment of C or XML: nothing in it ends the comment, begins another, is a trigraph or turns the direction of
+/// writing, which compilers of Rust refuse.
 pub(crate) fn for_comment(text: &str) -> String {
     let safe = |c: char| match c {
         '*' | '?' | '\\' | '<' | '>' => '_',
         c if c.is_control() => ' ',
+        c if is_harmful(c) => '_',
         c => c,
     };
     let mut out: String = text.chars().map(safe).collect();
@@ -110,6 +113,8 @@ pub(crate) fn attribute(text: &str) -> String {
             // No document may have these.
             '\u{fffe}' | '\u{ffff}' => out.push('_'),
             c if c.is_control() => out.push(' '),
+            // The same text to every reader of XML, and no turn of the direction of writing to people.
+            c if is_harmful(c) => out.push_str(&format!("&#x{:x};", u32::from(c))),
             c => out.push(c),
         }
     }
@@ -165,5 +170,7 @@ mod tests {
             assert!(check_crate(name).is_err(), "{name}");
         }
         assert_eq!(for_comment("a*/b\n--->c??/"), "a_/b -_-_c__/");
+        assert_eq!(for_comment("a\u{202e}b\u{1b}[8m"), "a_b [8m");
+        assert_eq!(attribute("a\u{202e}b"), "a&#x202e;b");
     }
 }

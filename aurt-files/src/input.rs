@@ -1,22 +1,23 @@
 //! Opening and reading the files of users.
 
 use std::{
-    fs::{self, File},
+    fs::{self, File, FileType},
     io::{Error, ErrorKind, Read, Result},
     path::Path,
 };
 #[cfg(unix)]
 use std::{
-    io::{Write, copy, pipe},
-    os::fd::OwnedFd,
-    sync::mpsc,
-    time::Duration,
+    os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt},
+    time::{Duration, Instant},
 };
 
 /// Largest text that is written by hand: experiments, scenarios, plans, limits, geometries.
 pub const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Largest saved model, verdict or plan of a sweep.
 pub const MOST_MODEL_BYTES: u64 = 1 << 30;
+
+/// Bytes of a file that are held at once where it is not needed as a whole.
+const PIECE_BYTES: usize = 1 << 16;
 
 /// How long a pipe may be without a writer, or its writer without a word.
 #[cfg(unix)]
@@ -28,75 +29,116 @@ const PIPE_PATIENCE: Duration = Duration::from_secs(5);
 /// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices, sockets and files
 /// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds.
 pub fn open(path: &Path) -> Result<File> {
-    let metadata = fs::metadata(path)?;
-    let kind = metadata.file_type();
-    if kind.is_file() {
-        #[cfg(unix)]
-        if is_of_kernel(&metadata) {
-            let reason =
-                "it is not a regular file but one of the kernel; save its contents to a file and name that";
-            return Err(Error::new(ErrorKind::InvalidInput, reason));
-        }
-        return File::open(path);
-    }
-    if kind.is_dir() {
-        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder; name a file in it"));
-    }
+    let (file, kind) = open_at_once(path)?;
     #[cfg(unix)]
-    if is_pipe(kind) {
-        return open_pipe(path);
+    if kind.is_fifo() {
+        wait_for_writer(&file)?;
     }
-    Err(Error::new(
-        ErrorKind::InvalidInput,
-        "it is a device or a socket; save its contents to a file and name that",
-    ))
+    let _ = kind;
+    Ok(file)
 }
 
-#[cfg(unix)]
-fn is_pipe(kind: fs::FileType) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    kind.is_fifo()
+/// As [`open`] for what is read more than once: a regular file, and no pipe.
+///
+/// # Errors
+/// As [`open`]; [`ErrorKind::InvalidInput`] for pipes.
+pub fn open_regular(path: &Path) -> Result<File> {
+    let (file, kind) = open_at_once(path)?;
+    if kind.is_file() {
+        return Ok(file);
+    }
+    let reason = "it is a pipe, which can be read once only; save its contents to a file and name that";
+    Err(Error::new(ErrorKind::InvalidInput, reason))
+}
+
+/// Hands the bytes of a regular file to `take`, piece by piece.
+///
+/// # Errors
+/// As [`open_regular`]; what reading says.
+pub fn read_pieces(path: &Path, mut take: impl FnMut(&[u8])) -> Result<()> {
+    let mut file = open_regular(path)?;
+    let mut piece = vec![0; PIECE_BYTES];
+    loop {
+        match file.read(&mut piece) {
+            Ok(0) => return Ok(()),
+            Ok(length) => take(&piece[..length]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// Opens a regular file or a pipe without waiting for anybody. Opening a device can have an effect, so its name is looked at
+/// first; what was opened is looked at again, since the name may have come to mean another file in between.
+fn open_at_once(path: &Path) -> Result<(File, FileType)> {
+    readable(&fs::metadata(path)?)?;
+    let mut options = fs::OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
+    let file = options.open(path)?;
+    let metadata = file.metadata()?;
+    readable(&metadata)?;
+    Ok((file, metadata.file_type()))
+}
+
+/// Refuses all but regular files and pipes.
+fn readable(metadata: &fs::Metadata) -> Result<()> {
+    let refuse = |kind, reason: &str| Err(Error::new(kind, reason));
+    let kind = metadata.file_type();
+    if kind.is_dir() {
+        return refuse(ErrorKind::IsADirectory, "it is a folder; name a file in it");
+    }
+    #[cfg(unix)]
+    if kind.is_fifo() {
+        return Ok(());
+    }
+    if !kind.is_file() {
+        let reason = "it is a device or a socket; save its contents to a file and name that";
+        return refuse(ErrorKind::InvalidInput, reason);
+    }
+    #[cfg(unix)]
+    if is_of_kernel(metadata) {
+        let reason =
+            "it is not a regular file but one of the kernel; save its contents to a file and name that";
+        return refuse(ErrorKind::InvalidInput, reason);
+    }
+    Ok(())
 }
 
 /// Whether a file that calls itself regular is made up by the kernel while it is read; some wait for events.
 #[cfg(unix)]
 fn is_of_kernel(metadata: &fs::Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
     let device = |folder: &str| fs::metadata(folder).ok().map(|folder| folder.dev());
     // Without these file systems their folders, if there are any, are of an ordinary one.
     let of_kernel = ["/proc", "/sys"].map(device).contains(&Some(metadata.dev()));
     of_kernel && device("/") != Some(metadata.dev())
 }
 
-/// Opening a pipe waits until somebody writes to it, and reading it until something was written, so another thread waits
-/// and hands on what comes. It is left behind where nothing comes; it holds nothing but the path.
+/// Waits until a pipe that was opened without waiting has a first byte; later ones may take as long as they take.
 #[cfg(unix)]
-fn open_pipe(path: &Path) -> Result<File> {
-    let (send, opened) = mpsc::channel();
-    let owned = path.to_owned();
-    std::thread::spawn(move || {
-        let begun = File::open(owned).and_then(|mut source| {
-            let mut first = vec![0; 1 << 16];
-            let bytes = source.read(&mut first)?;
-            first.truncate(bytes);
-            let (reader, writer) = pipe()?;
-            Ok((source, first, writer, File::from(OwnedFd::from(reader))))
-        });
-        // In every case below nobody may listen any more: it took too long, or has read enough.
-        let _ = match begun {
-            Err(error) => send.send(Err(error)).map_err(Error::other),
-            Ok((mut source, first, mut writer, file)) => send
-                .send(Ok(file))
-                .map_err(Error::other)
-                .and_then(|()| writer.write_all(&first))
-                .and_then(|()| copy(&mut source, &mut writer).map(drop)),
-        };
-    });
-    opened.recv_timeout(PIPE_PATIENCE).unwrap_or_else(|_| {
-        let seconds = PIPE_PATIENCE.as_secs();
-        let reason = format!("it is a pipe that nobody writes to within {seconds} s; start its writer first");
-        Err(Error::new(ErrorKind::TimedOut, reason))
-    })
+fn wait_for_writer(pipe: &File) -> Result<()> {
+    use rustix::{
+        event::{PollFd, PollFlags, Timespec, poll},
+        fs::{OFlags, fcntl_getfl, fcntl_setfl},
+    };
+    let end = Instant::now() + PIPE_PATIENCE;
+    loop {
+        let left = end.saturating_duration_since(Instant::now());
+        let mut looked_at = [PollFd::new(pipe, PollFlags::IN)];
+        match poll(&mut looked_at, Timespec::try_from(left).ok().as_ref()) {
+            Err(rustix::io::Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
+            Ok(0) => break,
+            Ok(_) => {
+                fcntl_setfl(pipe, fcntl_getfl(pipe)? - OFlags::NONBLOCK)?;
+                return Ok(());
+            }
+        }
+    }
+    let seconds = PIPE_PATIENCE.as_secs();
+    let reason = format!("it is a pipe that nobody writes to within {seconds} s; start its writer first");
+    Err(Error::new(ErrorKind::TimedOut, reason))
 }
 
 /// The text of a file of at most `most_bytes` bytes, without a byte order mark.
@@ -104,6 +146,14 @@ fn open_pipe(path: &Path) -> Result<File> {
 /// # Errors
 /// As [`open`]; [`ErrorKind::FileTooLarge`]; [`ErrorKind::InvalidData`] as [`text_of`].
 pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
+    text_of(read_bytes(path, most_bytes)?)
+}
+
+/// The bytes of a file, at most `most_bytes`.
+///
+/// # Errors
+/// As [`open`]; [`ErrorKind::FileTooLarge`].
+pub fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     let file = open(path)?;
     let length = file.metadata().map_or(0, |m| if m.is_file() { m.len() } else { 0 });
     let too_large = || {
@@ -119,7 +169,7 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     if bytes.len() as u64 > most_bytes {
         return Err(too_large());
     }
-    text_of(bytes)
+    Ok(bytes)
 }
 
 /// Bytes as text, without a byte order mark.
@@ -191,9 +241,9 @@ mod tests {
         let begin = std::time::Instant::now();
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
-        // The thread that was left behind is still in open, and would take what a writer sends.
-        fs::remove_file(&path).unwrap();
-        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let once = open_regular(&path).unwrap_err();
+        assert_eq!(once.kind(), ErrorKind::InvalidInput);
+        assert!(once.to_string().contains("once"), "{once}");
         let writer = std::thread::spawn({
             let path = path.clone();
             move || fs::write(path, "schema = 1").unwrap()

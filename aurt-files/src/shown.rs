@@ -35,17 +35,51 @@ pub fn escaped(path: &str) -> String {
     path.replace('$', "$$")
 }
 
-/// Whether a terminal obeys a character rather than showing it, or shows it so that other text seems to stand elsewhere.
+/// Whether a terminal obeys a character rather than showing it, or shows it so that other text seems to stand elsewhere: all
+/// controls but line feed and tab, and the controls of writing direction (Unicode's `Bidi_Control`).
 #[must_use]
 pub fn is_harmful(c: char) -> bool {
-    let direction = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let direction =
+        matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     direction || c.is_control() && c != '\n' && c != '\t'
 }
 
-/// Text for a terminal: control characters other than line feeds and tabs are escaped. Our own emphasis (`ESC [ 1 m`)
-/// remains.
+/// Text for a terminal, a page or a comment: harmful characters are escaped, those of escape sequences too.
+///
+/// ```
+/// assert_eq!(aurt_files::harmless("a\u{1b}[8mb\u{202e}c"), "a\\u{1b}[8mb\\u{202e}c");
+/// ```
 #[must_use]
 pub fn harmless(text: &str) -> Cow<'_, str> {
+    harmless_but(text, |_| None)
+}
+
+/// As [`harmless`], of text that has colours of our own: sequences that set a colour or a weight remain (`ESC [ 1 m`), those
+/// that hide or invert what follows do not.
+#[must_use]
+pub fn harmless_coloured(text: &str) -> Cow<'_, str> {
+    harmless_but(text, emphasis)
+}
+
+/// A JSON document of the same value without harmful characters: they can only stand in its texts, where each has an escape.
+#[must_use]
+pub fn harmless_json(document: &str) -> Cow<'_, str> {
+    if !document.contains(is_harmful) {
+        return Cow::Borrowed(document);
+    }
+    let mut shown = String::with_capacity(document.len());
+    for c in document.chars() {
+        if is_harmful(c) {
+            let _ = write!(shown, "\\u{:04x}", u32::from(c));
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Escapes harmful characters outside of what `own` tells the length of.
+fn harmless_but(text: &str, own: impl Fn(&str) -> Option<usize>) -> Cow<'_, str> {
     if !text.contains(is_harmful) {
         return Cow::Borrowed(text);
     }
@@ -54,7 +88,7 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     while let Some(at) = rest.find(is_harmful) {
         shown.push_str(&rest[..at]);
         rest = &rest[at..];
-        if let Some(length) = emphasis(rest) {
+        if let Some(length) = own(rest) {
             shown.push_str(&rest[..length]);
             rest = &rest[length..];
             continue;
@@ -74,7 +108,15 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
 fn emphasis(text: &str) -> Option<usize> {
     let parameters = text.strip_prefix("\u{1b}[")?;
     let end = parameters.find(|c: char| !c.is_ascii_digit() && c != ';')?;
-    (end <= 16 && parameters[end..].starts_with('m')).then_some("\u{1b}[".len() + end + 1)
+    let (parameters, rest) = parameters.split_at(end);
+    // What follows 38 names a colour; 5 to 8 blink, invert and hide.
+    let before_colour = parameters.split(';').take_while(|p| *p != "38");
+    let is_visible = |p: &str| {
+        matches!(p, "" | "0" | "1" | "2" | "3" | "4" | "22" | "23" | "24" | "39")
+            || p.parse().is_ok_and(|colour: u8| matches!(colour, 31..=37 | 91..=97))
+    };
+    let sets = end <= 24 && rest.starts_with('m') && before_colour.into_iter().all(is_visible);
+    sets.then_some("\u{1b}[".len() + end + 1)
 }
 
 #[cfg(test)]
@@ -86,12 +128,27 @@ mod tests {
     #[test]
     fn terminals_are_not_commanded_by_what_is_shown() {
         assert_eq!(harmless("a\tb\nc"), "a\tb\nc");
-        assert_eq!(harmless("\u{1b}[1mtitle\u{1b}[0m\r\n"), "\u{1b}[1mtitle\u{1b}[0m\n");
+        assert_eq!(harmless("a\r\n"), "a\n");
+        assert_eq!(harmless("\u{1b}[1mtitle\u{1b}[0m"), "\\u{1b}[1mtitle\\u{1b}[0m");
+        let coloured = "\u{1b}[1mtitle\u{1b}[0m \u{1b}[38;2;8;7;5mcolour\u{1b}[31;1m";
+        assert_eq!(harmless_coloured(coloured), coloured);
+        for hidden in ["\u{1b}[8m", "\u{1b}[1;8m", "\u{1b}[7m", "\u{1b}[30m", "\u{1b}[2J", "\u{9b}1m"] {
+            assert!(!harmless_coloured(hidden).contains(is_harmful), "{hidden:?}");
+        }
         assert_eq!(
             harmless("x\u{1b}]0;title\u{7}\u{1b}[2J\u{9b}31m"),
             "x\\u{1b}]0;title\\u{7}\\u{1b}[2J\\u{9b}31m"
         );
-        assert_eq!(harmless("a\u{202e}b"), "a\\u{202e}b");
+        for c in ['\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{7f}']
+        {
+            assert_eq!(harmless(&format!("a{c}b")), format!("a\\u{{{:x}}}b", u32::from(c)));
+        }
+    }
+
+    #[test]
+    fn documents_for_programs_keep_their_values() {
+        let document = "{\"a\u{202e}\u{7f}\u{9b}\": \"\\u001b[8m\"}\n";
+        assert_eq!(harmless_json(document), "{\"a\\u202e\\u007f\\u009b\": \"\\u001b[8m\"}\n");
     }
 
     proptest! {

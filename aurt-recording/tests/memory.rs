@@ -141,3 +141,73 @@ fn a_table_is_refused_by_the_rows_that_its_footer_states() {
     assert!(needed(&path, 3 * MEGABYTE) >= 8 * 2 * 200_000);
     assert_eq!(read(&path, 32 * MEGABYTE).unwrap(), stamps.len());
 }
+
+/// Messages with so many joints, three of them.
+fn bag(folder: &Path, joints: usize) -> PathBuf {
+    let path = folder.join("many.mcap");
+    let names: Vec<String> = (0..joints).map(|k| format!("j{k}")).collect();
+    let position = vec![vec![0.0; 3]; joints];
+    let topic =
+        aurt_recording::JointTopic { name: "/joint_states", position: &position, velocity: &[], effort: &[] };
+    let bytes = aurt_recording::mcap(&path, &[0.0, 0.1, 0.2], 0.0, &names, &[topic], &[]).unwrap();
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn messages_of_more_joints_than_a_machine_has_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let begin = std::time::Instant::now();
+    for (joints, said) in
+        [(50_000, "more than 1000 joints"), (120, "120 joints, and robots have at most 100")]
+    {
+        let error = read(&bag(folder.path(), joints), 64 * MEGABYTE).unwrap_err().to_string();
+        assert!(error.contains(said) && error.contains("many.mcap"), "{error}");
+    }
+    // With the robot's joints named, there may be others.
+    let options = ReadOptions {
+        recorded: aurt_recording::RecordedAs {
+            joint_names: Some(vec!["j119".to_owned(), "j3".to_owned()]),
+            ..Default::default()
+        },
+        needs_measurement: false,
+        ..ReadOptions::default()
+    };
+    assert_eq!(read_recording(&folder.path().join("many.mcap"), &options).unwrap().joints(), 2);
+    assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+}
+
+/// Names of topics and types are kept for all of a file, so they are kept short.
+#[test]
+fn long_names_of_types_are_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = |kind: u8, body: Vec<u8>| [&[kind][..], &(body.len() as u64).to_le_bytes(), &body].concat();
+    let text = |text: &[u8]| [&(text.len() as u32).to_le_bytes()[..], text].concat();
+    let mut file = b"\x89MCAP0\r\n".to_vec();
+    for id in 1..=20_u16 {
+        file.extend(record(3, [&id.to_le_bytes()[..], &text(&vec![b's'; 1 << 20]), &[0; 8]].concat()));
+        let channel =
+            [&id.to_le_bytes()[..], &id.to_le_bytes(), &text(&[b'0' + id as u8]), &text(b"cdr"), &[0; 4]];
+        file.extend(record(4, channel.concat()));
+    }
+    file.extend(record(2, vec![0; 20]));
+    let path = folder.path().join("types.mcap");
+    std::fs::write(&path, file).unwrap();
+    let error = read(&path, 64 * MEGABYTE).unwrap_err().to_string();
+    assert!(error.contains("no topic has messages") && error.len() < 20_000, "{} bytes", error.len());
+}
+
+/// Room is made for numbers, not for rows: a row may have thousands.
+#[test]
+fn wide_rows_are_counted_before_many_are_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wide.parquet");
+    let zeros = vec![0.0; 9000];
+    let stamps: Vec<f64> = (0..9000).map(|k| 1e-3 * f64::from(k)).collect();
+    let names = |k: usize| format!("q_{k}");
+    let columns: Vec<(String, &[f64])> = std::iter::once(("time".to_owned(), stamps.as_slice()))
+        .chain((0..100).map(|k| (names(k), zeros.as_slice())))
+        .collect();
+    std::fs::write(&path, aurt_recording::parquet(&columns, &[])).unwrap();
+    assert!(needed(&path, 3 * MEGABYTE) < 16 * MEGABYTE);
+}

@@ -1,6 +1,9 @@
 //! From files to what calibration and prediction take: reading, units, preprocessing.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
 
 use aurt_calibration::NamedRecording;
 use aurt_diagnosis::without_unusable_rows;
@@ -154,11 +157,15 @@ impl Loaded {
         if report.line_is_row {
             return Ok(with_dropped((1..=report.rows).collect::<Vec<_>>().as_slice(), kept, report));
         }
-        let bytes = std::fs::read(&self.source.file).map_err(|source| RecordingError::Unreadable {
+        let unreadable = |source| RecordingError::Unreadable {
             path: self.source.file.clone(),
             remedy: "it cannot be read again",
             source,
-        })?;
+        };
+        let mut bytes = Vec::new();
+        aurt_files::open_regular(&self.source.file)
+            .and_then(|mut file| file.read_to_end(&mut bytes))
+            .map_err(unreadable)?;
         // Rows are the last lines that are neither blank nor comments; what else there is, is the header.
         let lines: Vec<usize> = bytes
             .split(|b| *b == b'\n')

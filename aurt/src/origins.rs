@@ -1,6 +1,6 @@
 //! Which files a calibrated model comes from.
 
-use std::{io::Read, path::Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
@@ -69,18 +69,10 @@ impl Origins {
 
 /// BLAKE3 of the bytes of a regular file; none of others, and of those that cannot be read.
 pub fn hash_of_file(path: &Path) -> Option<String> {
-    if !std::fs::metadata(path).ok()?.is_file() {
-        return None;
-    }
     let mut hasher = blake3::Hasher::new();
-    let mut file = std::fs::File::open(path).ok()?;
-    let mut piece = vec![0; 1 << 16];
-    loop {
-        let length = file.read(&mut piece).ok()?;
-        if length == 0 {
-            break;
-        }
-        hasher.update(&piece[..length]);
-    }
+    let mut add = |piece: &[u8]| {
+        hasher.update(piece);
+    };
+    aurt_files::read_pieces(path, &mut add).ok()?;
     Some(hasher.finalize().to_hex().to_string())
 }

@@ -76,7 +76,7 @@ impl Demo {
 fn refuse_foreign_experiment(folder: &Path) -> Result<(), Failure> {
     let path = folder.join("experiment.toml");
     let ours = demo::EXPERIMENT.lines().next().unwrap_or_default();
-    match std::fs::read_to_string(&path) {
+    match aurt_files::read_text(&path, aurt_files::MOST_TEXT_BYTES) {
         Ok(text) if !text.starts_with(ours) => Err(Failure::Output {
             option: "--out",
             path,

@@ -1,9 +1,6 @@
 //! `aurt init`: an experiment that runs, from a robot and its logs.
 
-use std::{
-    io::{BufRead, IsTerminal, Write},
-    path::PathBuf,
-};
+use std::{io::BufRead, path::PathBuf};
 
 use aurt_experiment::doctor::{
     first_experiment::{Known, draft},
@@ -17,7 +14,7 @@ use serde_json::json;
 
 use super::{Session, compile_rbd::Rows, data_options::ReadingOptions};
 use crate::{
-    rendering::terminal::Report,
+    rendering::terminal::{Report, can_ask, print_error},
     values::{Constants, Gravity, parse_gravity, parse_torque_constants},
 };
 
@@ -133,11 +130,10 @@ impl Init {
 
 /// An answer of a person, if one is there and says something.
 fn ask(question: &str) -> Option<String> {
-    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+    if !can_ask() {
         return None;
     }
-    let mut out = std::io::stderr().lock();
-    out.write_all(question.as_bytes()).and_then(|()| out.flush()).ok()?;
+    print_error(question);
     let mut answer = String::new();
     std::io::stdin().lock().read_line(&mut answer).ok()?;
     Some(answer.trim().to_owned()).filter(|a| !a.is_empty())

@@ -284,7 +284,8 @@ fn collected(
     let ranking = Ranking::of(folder, plan, Rows::All);
     let document = format!("{:#}\n", json!(ranking));
     let plots = plots.folder()?;
-    let definition = std::fs::read_to_string(folder.path().join("experiment.toml")).ok();
+    let definition = folder.path().join("experiment.toml");
+    let definition = aurt_files::read_text(&definition, aurt_files::MOST_TEXT_BYTES).ok();
     let page = aurt_experiment::workbench::reports::sweep::page(&ranking, plan, definition.as_deref());
     let mut outputs = Outputs::default();
     outputs.folder(

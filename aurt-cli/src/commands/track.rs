@@ -1,6 +1,6 @@
 //! `aurt track`: how a machine has changed since its calibration.
 
-use std::{io::Write, path::PathBuf};
+use std::path::PathBuf;
 
 use aurt::CalibratedModel;
 use aurt_experiment::Experiment;
@@ -18,7 +18,7 @@ use serde_json::json;
 use super::{Session, data_options::JointOptions, plots::PlotOptions};
 use crate::{
     commands::run::{drawn_text, written_text},
-    rendering::terminal::Report,
+    rendering::terminal::{Report, print_error},
     values::parse_positive,
 };
 
@@ -92,8 +92,7 @@ impl Track {
         let is_running = recordings.iter().any(Followed::is_running);
         let mut said = |alarm: &Alarm| {
             if is_running {
-                // The exit status tells all the same where standard error is closed.
-                let _ = writeln!(std::io::stderr(), "alarm: {}", track::sentence(alarm));
+                print_error(&format!("alarm: {}\n", track::sentence(alarm)));
             }
         };
         let tracked = track(&experiment, &calibrated, registry, &recordings, options, &progress, &mut said)?;

@@ -2,7 +2,6 @@
 
 use std::{
     borrow::Cow,
-    fs::File,
     io::{BufRead, BufReader, Read},
     ops::Range,
     path::Path,
@@ -104,10 +103,7 @@ impl Excerpt {
 
 fn read_line(path: &Path, line: usize) -> Option<String> {
     // A pipe cannot be read again.
-    if !path.metadata().ok()?.is_file() {
-        return None;
-    }
-    let mut reader = BufReader::new(File::open(path).ok()?);
+    let mut reader = BufReader::new(aurt_files::open_regular(path).ok()?);
     let mut bytes = Vec::new();
     for _ in 0..line {
         bytes.clear();

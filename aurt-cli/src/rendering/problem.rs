@@ -120,6 +120,10 @@ fn problems(failure: &Failure) -> Vec<Problem> {
     for problem in &mut problems {
         problem.message = shown(&problem.message);
         problem.help = problem.help.as_deref().map(shown);
+        // The theme's colours come after, so that those of a file's name are none of them.
+        if let Some(excerpt) = &mut problem.excerpt {
+            excerpt.name = shown(&excerpt.name);
+        }
     }
     problems
 }

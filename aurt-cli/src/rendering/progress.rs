@@ -38,7 +38,7 @@ struct Bar {
 
 impl Observer for Bar {
     fn step(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
+        self.bar.set_message(harmless(what).into_owned());
         self.bar.inc(1);
     }
 

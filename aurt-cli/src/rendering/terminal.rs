@@ -1,13 +1,15 @@
-//! Where reports, notes and failures go, and whether they are coloured.
+//! Where reports, notes and failures go, and whether they are coloured. Nothing else writes to standard output and error, so that
+//! no text of a file reaches a terminal with characters that command it.
 
 use std::{
+    borrow::Cow,
     collections::{BTreeMap, BTreeSet},
     io::{ErrorKind, IsTerminal, Write},
     path::PathBuf,
 };
 
 use aurt::Progress;
-use aurt_files::harmless;
+use aurt_files::{harmless, harmless_coloured, harmless_json};
 pub use aurt_report::rendering::style::Emphasis;
 use aurt_report::rendering::style::Style;
 use serde_json::Value;
@@ -65,15 +67,14 @@ impl Terminal {
     /// # Errors
     /// [`aurt::Error::Write`] if standard output takes no more (a full disk): half a document is none.
     pub fn print_report(&self, report: &Report) -> Result<(), Failure> {
-        let text = if self.json {
-            pretty(&report.json)
+        let written = if self.json {
+            write_document(&report.json)
         } else if self.quiet {
             return Ok(());
         } else {
-            harmless(&report.text).into_owned()
+            write_unless_closed(&mut std::io::stdout().lock(), &shown(&report.text, self.colour_out))
         };
-        write_unless_closed(&mut std::io::stdout().lock(), &text)
-            .map_err(|source| Failure::write("standard output", source))
+        written.map_err(|source| Failure::write("standard output", source))
     }
 
     /// Says on standard error where killed commands had left parts of files.
@@ -82,36 +83,46 @@ impl Terminal {
             let parts = if *parts == 1 { "one part".to_owned() } else { format!("{parts} parts") };
             let text =
                 format!("{}: removed {parts} of files that a killed command had left\n", folder.display());
-            // Nothing is left to do where standard error is closed.
-            let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(&text));
+            print_error(&text);
         }
     }
 
     /// Says what to know of files that were read.
     pub fn print_notes(&self, notes: &BTreeSet<String>) {
         for note in notes.iter().filter(|_| !self.quiet) {
-            // Nothing is left to do where standard error is closed.
-            let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(&format!("note: {note}\n")));
+            print_error(&format!("note: {note}\n"));
         }
     }
 
     /// Prints why a command failed: for people to standard error, for programs to standard output.
     pub fn print_failure(&self, failure: &Failure) {
         if self.json {
-            let document = pretty(&problem::to_json(failure));
             // What went wrong is said on standard error all the same, and the exit status tells.
-            let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
+            let _ = write_document(&problem::to_json(failure));
         }
         let text = problem::render(failure, self.colour_err);
         // Nothing is left to do where standard error is closed.
-        let _ = write_unless_closed(&mut std::io::stderr().lock(), &text);
+        let _ = write_unless_closed(&mut std::io::stderr().lock(), &shown(&text, self.colour_err));
     }
 
     /// Prints a problem with the arguments for programs.
     pub fn print_problem(&self, message: &str) {
-        let document = pretty(&problem::plain_to_json(message));
         // The exit status tells all the same.
-        let _ = write_unless_closed(&mut std::io::stdout().lock(), &document);
+        let _ = write_document(&problem::plain_to_json(message));
+    }
+
+    /// Shows help that was asked for, or what is wrong with the arguments.
+    pub fn print_usage(&self, message: &clap::Error) {
+        let coloured = if message.use_stderr() { self.colour_err } else { self.colour_out };
+        let text = message.render();
+        let text = if coloured { text.ansi().to_string() } else { text.to_string() };
+        let text = shown(&text, coloured);
+        // Nothing is left to do where the output is closed.
+        let _ = if message.use_stderr() {
+            write_unless_closed(&mut std::io::stderr().lock(), &text)
+        } else {
+            write_unless_closed(&mut std::io::stdout().lock(), &text)
+        };
     }
 
     /// The progress over `steps` steps on standard error: a bar where a person looks at it, else a line from time to time.
@@ -127,6 +138,27 @@ impl Terminal {
     fn bar(&self, steps: usize, template: &str) -> Progress {
         if self.json || self.quiet { Progress::silent() } else { progress::shown(steps, template) }
     }
+}
+
+/// Writes text of no colours to standard error.
+pub fn print_error(text: &str) {
+    // Nothing is left to do where standard error is closed.
+    let _ = write_unless_closed(&mut std::io::stderr().lock(), &harmless(text));
+}
+
+/// Whether a person can be asked.
+pub fn can_ask() -> bool {
+    std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
+}
+
+/// Text with colours of our own, if any are wanted, and without others.
+fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
+    if coloured { harmless_coloured(text) } else { harmless(text) }
+}
+
+/// Writes a document for programs to standard output, which may be a terminal.
+fn write_document(document: &Value) -> std::io::Result<()> {
+    write_unless_closed(&mut std::io::stdout().lock(), &harmless_json(&pretty(document)))
 }
 
 /// A reader that has seen enough (`aurt models | head`) is no failure.

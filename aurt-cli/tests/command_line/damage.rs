@@ -313,14 +313,25 @@ fn pipes_and_devices_end() {
     let folder = experiment();
     assert!(Command::new("mkfifo").arg(folder.path("pipe")).status().unwrap().success());
     symlink("/dev/zero", folder.path("zero")).unwrap();
+    symlink("/proc/kmsg", folder.path("kernel")).unwrap();
+    // Of files of a sweep a hash is taken first, for which they are read once more.
+    let sweep = folder.read("experiment.toml").replace("exciting_motion.csv", "pipe");
+    folder.write("sweep.toml", &(sweep + "\n[sweep.grid]\n\"preprocess.f_dyn_hz\" = [5.0, 6.0]\n"));
     for (line, said) in [
         ("run zero --out out", "device"),
         ("check zero", "device"),
         ("compile-rbd --mdh zero --gravity 0 0 -9.81 --out r.json", "device"),
-        ("predict --model zero --data other_motion.csv --out p.csv", "device"),
         ("simulate --scenario zero --out p.csv", "device"),
         ("run pipe --out out", "nobody writes"),
         ("check pipe", "nobody writes"),
+        ("predict --model pipe --data other_motion.csv --out p.csv", "nobody writes"),
+        ("export c pipe --name a --out out", "nobody writes"),
+        ("sweep run sweep.toml --out out", "pipe"),
+        ("run kernel --out out", "kernel"),
+        ("check kernel", "kernel"),
+        ("compile-rbd --mdh kernel --gravity 0 0 -9.81 --out r.json", "kernel"),
+        ("predict --model kernel --data other_motion.csv --out p.csv", "kernel"),
+        ("predict --model zero --data other_motion.csv --out p.csv", "device"),
     ] {
         let begin = Instant::now();
         folder.aurt(words(line)).refused(&[said]);

@@ -15,6 +15,7 @@ mod estimators;
 mod exports;
 mod first_experiment;
 mod gains;
+mod hostile_names;
 mod instruction_sets;
 mod joined;
 mod learnt;

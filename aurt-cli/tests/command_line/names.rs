@@ -9,7 +9,7 @@ const IN_ORDER: [BagJoint; 2] = [("shoulder", Some(0)), ("elbow", Some(1))];
 const MODEL: [&str; 2] = ["--model", "results/rd_calibrated.json"];
 
 /// A joint of a bag: its name, and which of the arm's two joints it is; another one rests.
-type BagJoint = (&'static str, Option<usize>);
+pub type BagJoint = (&'static str, Option<usize>);
 
 /// A bag with these joints of a recording.
 fn write_bag(folder: &Folder, name: &str, recording: &Recording, joints: &[BagJoint]) {
@@ -31,7 +31,7 @@ fn write_bag(folder: &Folder, name: &str, recording: &Recording, joints: &[BagJo
 }
 
 /// Two recordings of the two-link arm as bags with these joints, and an experiment on them.
-fn recorded(joints: &[BagJoint]) -> Folder {
+pub fn recorded(joints: &[BagJoint]) -> Folder {
     let folder = Folder::new();
     for (name, seed) in [("monday", 1), ("tuesday", 2)] {
         let scenario = format!(
@@ -48,7 +48,7 @@ fn recorded(joints: &[BagJoint]) -> Folder {
     folder
 }
 
-fn experiment(robot: &str, recordings: &str) -> String {
+pub fn experiment(robot: &str, recordings: &str) -> String {
     format!(
         "schema = 1\n[robot]\nmdh = 'mdh.csv'\ngravity_m_s2 = [0.0, -9.81, 0.0]\n{robot}\n[joint_dynamics]\n\
          coulomb = {{ model = 'none' }}\nhysteresis = {{ model = 'sign' }}\n\

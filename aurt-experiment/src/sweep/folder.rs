@@ -228,7 +228,7 @@ impl Folder {
     /// [`Self::damaged`].
     #[must_use]
     pub fn result(&self, key: &str) -> Option<PointResult> {
-        let bytes = fs::read(self.result_file(key)).ok()?;
+        let bytes = aurt_files::read_bytes(&self.result_file(key), aurt_files::MOST_MODEL_BYTES).ok()?;
         match kept::from_bytes(&bytes, key) {
             Found::Whole(result) => Some(*result),
             Found::Damaged => {
@@ -278,7 +278,7 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), SweepError> {
 
 /// Writes a file so that nobody ever sees half of it.
 fn write_whole(path: &Path, contents: &[u8]) -> Result<(), SweepError> {
-    if fs::read(path).is_ok_and(|old| old == contents) {
+    if aurt_files::read_bytes(path, aurt_files::MOST_MODEL_BYTES).is_ok_and(|old| old == contents) {
         return Ok(());
     }
     // A point can be judged again; a hundred thousand waits for the disk would take longer.

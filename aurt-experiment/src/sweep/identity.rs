@@ -33,7 +33,12 @@ impl Digests {
             return Ok(*digest);
         }
         let fail = |source| SweepError::Read { path: path.to_owned(), source };
-        let digest = *blake3::hash(&std::fs::read(path).map_err(fail)?).as_bytes();
+        let mut hasher = Hasher::new();
+        let mut add = |piece: &[u8]| {
+            hasher.update(piece);
+        };
+        aurt_files::read_pieces(path, &mut add).map_err(fail)?;
+        let digest = *hasher.finalize().as_bytes();
         known.insert(path.to_owned(), digest);
         Ok(digest)
     }

@@ -118,4 +118,11 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
     assert!(refused.contains("gear") && refused.contains("gains at the joint"), "{refused}");
     let refused = judge("none.json", "{}").unwrap_err();
     assert!(refused.contains("neither `kt`"), "{refused}");
+    // Numbers as text would count as absent, here friction of the load.
+    let bam = "{\"kt\": 0.2, \"R\": 2.0, \"vin\": 12.0, \"load_friction_base\": \"0.1\"}";
+    let refused = judge("bam.json", bam).unwrap_err();
+    assert!(
+        refused.contains("`load_friction_base` is \"0.1\"") && refused.contains("no number"),
+        "{refused}"
+    );
 }

@@ -13,7 +13,7 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
-use aurt_files::harmless;
+use aurt_files::{harmless, harmless_json};
 use aurt_plugins::{Registry, Trust};
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
@@ -107,15 +107,25 @@ pub fn main() -> ExitCode {
     });
     let (text, status) = match run(&arguments) {
         Ok(report) => {
-            let text =
-                if arguments.json { pretty(&report.json) } else { harmless(&report.text).into_owned() };
+            let text = if arguments.json {
+                harmless_json(&pretty(&report.json)).into_owned()
+            } else {
+                harmless(&report.text).into_owned()
+            };
             (if arguments.quiet && !arguments.json { String::new() } else { text }, u8::from(report.findings))
         }
         Err(failure) => {
             // What a file says can be much longer.
             let message: String = failure.to_string().chars().take(MOST_CHARACTERS).collect();
             let _ = writeln!(std::io::stderr(), "Error: {}", harmless(&message));
-            (if arguments.json { pretty(&json!({ "error": message })) } else { String::new() }, 2)
+            (
+                if arguments.json {
+                    harmless_json(&pretty(&json!({ "error": message }))).into_owned()
+                } else {
+                    String::new()
+                },
+                2,
+            )
         }
     };
     match std::io::stdout().write_all(text.as_bytes()) {

@@ -7,12 +7,74 @@ use roxmltree::{Document, Node, ParsingOptions};
 use crate::robots::RobotError;
 
 /// Nodes of a file that are read; a humanoid has some ten thousand.
-const MOST_NODES: u32 = 1 << 22;
+const MOST_NODES: u32 = 1 << 20;
+/// Attributes of an element that are read; the parser compares each with all others.
+const MOST_ATTRIBUTES: usize = 128;
+/// Declarations of namespaces that are read; each is handed down to all elements within.
+const MOST_NAMESPACES: usize = 1000;
+/// Elements within each other that are read.
+const MOST_NESTED: usize = 256;
 
 /// The elements of a file.
 pub(crate) fn document<'t>(text: &'t str, path: &Path) -> Result<Document<'t>, RobotError> {
+    if let Some((at, reason)) = excess(text) {
+        let line = u32::try_from(text[..at].matches('\n').count() + 1).unwrap_or(u32::MAX);
+        return Err(RobotError::Xml {
+            path: path.into(),
+            line,
+            reason: format!("{reason}; that is no robot"),
+        });
+    }
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| not_xml(&error, path))
+}
+
+/// The first place at which a text has more of something than a robot has, before a parser takes time and memory for it.
+/// What is no XML ends the search: the parser says so at the same place.
+fn excess(text: &str) -> Option<(usize, String)> {
+    let bytes = text.as_bytes();
+    let (mut at, mut nodes, mut nested) = (0, 0, 0_usize);
+    if text.matches("xmlns").nth(MOST_NAMESPACES).is_some() {
+        return Some((0, format!("the file declares more than {MOST_NAMESPACES} namespaces")));
+    }
+    while let Some(begin) = text[at..].find('<').map(|begin| at + begin) {
+        nodes += 1;
+        if nodes > MOST_NODES {
+            return Some((begin, format!("the file has more than {MOST_NODES} elements")));
+        }
+        let rest = &text[begin..];
+        let other = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("</", ">")];
+        if let Some((mark, end)) = other.into_iter().find(|(mark, _)| rest.starts_with(mark)) {
+            nested = nested.saturating_sub(usize::from(mark == "</"));
+            at = begin + mark.len() + rest[mark.len()..].find(end)? + end.len();
+            continue;
+        }
+        let (mut attributes, mut quote) = (0, None);
+        at = begin + 1;
+        loop {
+            match (*bytes.get(at)?, quote) {
+                (byte, Some(open)) if byte == open => quote = None,
+                (_, Some(_)) => {}
+                (byte @ (b'"' | b'\''), None) => quote = Some(byte),
+                (b'>', None) => break,
+                (b'=', None) => attributes += 1,
+                (_, None) => {}
+            }
+            at += 1;
+        }
+        if attributes > MOST_ATTRIBUTES {
+            return Some((
+                begin,
+                format!("an element has {attributes} attributes, at most {MOST_ATTRIBUTES} are read"),
+            ));
+        }
+        nested += usize::from(bytes[at - 1] != b'/');
+        if nested > MOST_NESTED {
+            return Some((begin, format!("elements are nested more than {MOST_NESTED} deep")));
+        }
+        at += 1;
+    }
+    None
 }
 
 fn not_xml(error: &roxmltree::Error, path: &Path) -> RobotError {

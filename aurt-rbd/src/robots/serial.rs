@@ -2,14 +2,16 @@
 
 use std::collections::HashMap;
 
-use crate::{Coupling, INERTIAL_PARAMETERS, Joint, JointKind, Parent, inconsistencies};
+use crate::{
+    Coupling, INERTIAL_PARAMETERS, Joint, JointKind, Parent, RbdError, RobotDescription, inconsistencies,
+};
 use aurt_traits::Branch;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::robots::pose::{Pose, along};
 use crate::robots::selection::{Selection, select};
 use crate::robots::tree::{Followed, Freedom, Tree, TreeJoint};
-use crate::robots::{DescribedRobot, JointFriction, JointLimits, Part, RobotErrors};
+use crate::robots::{DescribedRobot, JointFriction, JointLimits, Part, RobotError, RobotErrors};
 
 /// A link of a selection: everything between one of its moving joints and the next ones.
 pub(crate) struct ChainLink {
@@ -119,7 +121,7 @@ pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<Descr
         offset: followed.offset,
     });
     let couplings = if followers.is_empty() { Vec::new() } else { coupled.collect() };
-    Ok(DescribedRobot {
+    let described = DescribedRobot {
         name: tree.name.clone(),
         base: tree.links[selection.base].name.clone(),
         tip: selection.tip.map_or_else(String::new, |tip| tree.links[tip].name.clone()),
@@ -154,7 +156,24 @@ pub(crate) fn robot(tree: &Tree, base: Option<&str>, part: Part) -> Result<Descr
             .map(|link| std::array::from_fn(|r| std::array::from_fn(|c| link.turn[(r, c)])))
             .collect(),
         notes,
-    })
+    };
+    match described.rigid_body([0.0; 3]) {
+        Ok(_) => Ok(described),
+        Err(error) => Err(impossible(tree, &links, error).into()),
+    }
+}
+
+/// A complaint about the joints, with the place of the joint in the file.
+fn impossible(tree: &Tree, links: &[ChainLink], error: RbdError) -> RobotError {
+    let path = tree.path.clone();
+    match error {
+        RbdError::Joint { joint, what, reason } if joint < links.len() => {
+            let of = &tree.joints[links[joint].joint];
+            let reason = format!("{what} {reason}");
+            RobotError::Element { path, line: of.line, what: format!("joint {}", of.name), reason }
+        }
+        other => RobotError::NoChain { path, reason: other.to_string() },
+    }
 }
 
 /// A joint beside the selection, and what hangs on it with all further joints at rest.

@@ -233,6 +233,24 @@ fn files_of_many_bodies_are_read_at_once() {
     assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
 
+/// Classes inherit: copies of what they inherit would take gigabytes here.
+#[test]
+fn classes_within_classes_take_no_more_than_they_state() {
+    let begin = std::time::Instant::now();
+    let of = |class: usize, inside: &str| {
+        let stated: String = (0..100).map(|k| format!(" c{class}_{k}=\"1\"")).collect();
+        format!("<default class=\"c{class}\"><joint{stated}/><geom{stated}/>{inside}</default>")
+    };
+    let leaves: String = (0..20_000).map(|k| format!("<default class=\"l{k}\"/>")).collect();
+    let classes = (1..200).rev().fold(leaves, |inside, class| of(class, &inside));
+    let classes = format!("<default><joint armature=\"0.5\"/>{classes}</default>");
+    let body = "<worldbody><body name=\"a\"><joint name=\"j\" class=\"l7\"/>\
+                <inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody>";
+    let arm = parse(&format!("<mujoco>{classes}{body}</mujoco>"), "deep.xml", None, None).unwrap();
+    assert_eq!(arm.armature_kg_m2, [0.5]);
+    assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+}
+
 const SHAPES: &str = include_str!("reference/shapes.xml");
 
 /// What MuJoCo computes of a body's shapes (`tests/reference/make_shapes.py`), in the frame of the body.

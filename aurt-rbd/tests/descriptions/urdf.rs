@@ -439,3 +439,49 @@ fn files_of_many_links_are_read_at_once() {
     assert_eq!(parse(&twice, "many.urdf", None, None).unwrap_err().0.len(), MANY + 1);
     assert!(begin.elapsed().as_secs() < 60, "{:?}", begin.elapsed());
 }
+
+/// What a parser needs the square of, or memory for before it looks.
+#[test]
+fn more_of_something_than_a_robot_has_is_refused_before_it_is_parsed() {
+    let begin = std::time::Instant::now();
+    let attributes: String = (0..300_000).map(|k| format!(" a{k}='='")).collect();
+    let error = refused(&format!("<robot>\n<link name='a'{attributes}/></robot>"), None);
+    assert!(error.contains("arm.urdf:2: ") && error.contains("300001 attributes"), "{error}");
+    let nested = |n: usize| format!("{}{}", "<g>".repeat(n), "</g>".repeat(n));
+    let error = refused(&format!("<robot name=\"r\">\n{}</robot>", nested(100_000)), None);
+    assert!(error.contains("arm.urdf:2: ") && error.contains("nested"), "{error}");
+    let spaces: String = (0..2000).map(|k| format!("<link name='l{k}' xmlns:a{k}='b'/>")).collect();
+    let error = refused(&format!("<robot>{spaces}</robot>"), None);
+    assert!(error.contains("namespaces"), "{error}");
+    let error = refused(&format!("<robot>{}</robot>", "<a/>".repeat(1_100_000)), None);
+    assert!(error.contains("more than 1048576 elements"), "{error}");
+    // Comments, quoted text and elements beside each other are none of it.
+    let quiet = format!(
+        "<?xml version='1.0'?><!-- <a {} -->\n<!-- {} -->{}<![CDATA[<{}]]><h a='>{}'/>",
+        "= ".repeat(1000),
+        "<a>".repeat(1000),
+        "<g></g>".repeat(1000),
+        "= ".repeat(1000),
+        "= ".repeat(1000)
+    );
+    let (declaration, inside) = quiet.split_at("<?xml version='1.0'?>".len());
+    let text = GANTRY.split_once("<robot").unwrap().1;
+    let (head, rest) = text.split_once('>').unwrap();
+    let text = format!("{declaration}<robot{head}>{inside}{}{rest}", nested(200));
+    assert_eq!(parse(&text, "a.urdf", None, Some("wrist")).unwrap().tip, "wrist");
+    assert!(begin.elapsed().as_secs() < 20, "{:?}", begin.elapsed());
+}
+
+#[test]
+fn geometry_that_no_arm_has_is_refused_with_its_place() {
+    let arm = |name: &str, x: &str| {
+        format!(
+            "<robot name='r'><link name='a'/><link name='b'/>\n<joint name='{name}' type='revolute'><parent link='a'/>\
+             <child link='b'/><origin xyz='{x} 0 0'/><axis xyz='0 0 1'/></joint></robot>"
+        )
+    };
+    let error = refused(&arm("elbow", "1e300"), None);
+    assert!(error.contains("arm.urdf:2: joint elbow: ") && error.contains("metres"), "{error}");
+    let error = refused(&arm("", "1"), None);
+    assert!(error.contains("arm.urdf: ") && error.contains("name"), "{error}");
+}

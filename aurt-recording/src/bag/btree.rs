@@ -39,17 +39,13 @@ pub(super) enum Value<'a> {
     Other,
 }
 
-impl Value<'_> {
+impl<'a> Value<'a> {
     pub(super) const fn integer(self) -> Option<i64> {
         if let Self::Integer(value) = self { Some(value) } else { None }
     }
 
-    pub(super) fn text(self) -> String {
-        if let Self::Bytes(bytes) = self {
-            String::from_utf8_lossy(bytes).into_owned()
-        } else {
-            String::new()
-        }
+    pub(super) const fn bytes(self) -> &'a [u8] {
+        if let Self::Bytes(bytes) = self { bytes } else { &[] }
     }
 }
 
@@ -88,7 +84,7 @@ impl<'a> Database<'a> {
             let Some(&[kind, of, _, root, sql]) = row.first_chunk() else { continue };
             if kind == Value::Bytes(b"table") && of == Value::Bytes(name.as_bytes()) {
                 let root = root.integer().and_then(|page| u64::try_from(page).ok());
-                return Ok(root.map(|root| (root, columns(&sql.text()))));
+                return Ok(root.map(|root| (root, columns(&String::from_utf8_lossy(sql.bytes())))));
             }
         }
         Ok(None)

@@ -2,6 +2,10 @@
 //!
 //! Source: OMG, "DDS Interoperability Wire Protocol" 2.5, section 10; ROS 2 `sensor_msgs/msg/JointState.msg`.
 
+/// Joints of a message that are read, and bytes of the name of each: what a machine says of itself has some dozens.
+pub(super) const MOST_JOINTS: usize = 1000;
+const MOST_NAME_BYTES: usize = 512;
+
 /// A message: what each of its joints does, by name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct JointState {
@@ -26,6 +30,7 @@ impl JointState {
     /// What is wrong with them.
     pub(crate) fn decode(&mut self, bytes: &[u8]) -> Result<(), &'static str> {
         const BREAKS_OFF: &str = "it is truncated";
+        const TOO_MANY: &str = "it has more than 1000 joints, or a name of more than 512 bytes";
         let (encapsulation, body) = bytes.split_at_checked(4).ok_or(BREAKS_OFF)?;
         let big_endian = match encapsulation {
             [0, 0, ..] => true,
@@ -33,15 +38,17 @@ impl JointState {
             _ => return Err("it is not in the encoding CDR of ROS 2"),
         };
         let mut body = Body { bytes: body, at: 0, big_endian };
-        let mut take = || {
-            let seconds = i64::from(body.word()? as i32);
-            self.stamp_ns = seconds * 1_000_000_000 + i64::from(body.word()?);
-            body.text()?;
-            let count = body.word()? as usize;
-            let start = body.at;
-            for _ in 0..count {
-                body.text()?;
+        let seconds = i64::from(body.word().ok_or(BREAKS_OFF)? as i32);
+        self.stamp_ns = seconds * 1_000_000_000 + i64::from(body.word().ok_or(BREAKS_OFF)?);
+        body.text().ok_or(BREAKS_OFF)?;
+        let count = body.word().ok_or(BREAKS_OFF)? as usize;
+        let start = body.at;
+        for place in 0..count {
+            if place == MOST_JOINTS || body.text().ok_or(BREAKS_OFF)?.len() > MOST_NAME_BYTES {
+                return Err(TOO_MANY);
             }
+        }
+        let mut take = || {
             let written = body.bytes.get(start..body.at)?;
             if written != self.names_written || count != self.names.len() {
                 self.names_written = written.to_vec();
@@ -55,7 +62,15 @@ impl JointState {
             body.numbers(&mut self.velocity)?;
             body.numbers(&mut self.effort)
         };
-        take().ok_or(BREAKS_OFF)
+        take().ok_or(BREAKS_OFF)?;
+        let most = self.position.len().max(self.velocity.len()).max(self.effort.len());
+        if most > MOST_JOINTS { Err(TOO_MANY) } else { Ok(()) }
+    }
+
+    /// Bytes that the message holds.
+    pub(super) fn bytes(&self) -> usize {
+        let names = self.names.len() * size_of::<String>() + 2 * self.names_written.len();
+        names + size_of::<f64>() * (self.position.len() + self.velocity.len() + self.effort.len())
     }
 }
 
@@ -153,5 +168,17 @@ mod tests {
         let mut huge = whole;
         huge[24..28].copy_from_slice(&[0xff; 4]);
         assert!(JointState::default().decode(&huge).is_err());
+    }
+
+    #[test]
+    fn more_joints_than_a_machine_has_are_refused_before_they_are_held() {
+        let head = [&[0, 1, 0, 0][..], &[0; 8], &[0; 4]].concat();
+        let nameless = [&head[..], &4_000_000_u32.to_le_bytes(), &vec![0; 16_000_000]].concat();
+        let mut state = JointState::default();
+        assert!(state.decode(&nameless).unwrap_err().contains("1000 joints"));
+        assert_eq!(state.names.capacity(), 0);
+        let long = [&head[..], &1_u32.to_le_bytes(), &600_u32.to_le_bytes(), &[b'a'; 600]].concat();
+        assert!(state.decode(&long).unwrap_err().contains("512 bytes"));
+        assert!(state.names_written.is_empty());
     }
 }

@@ -1,7 +1,7 @@
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 use std::path::Path;
 
-use crate::bag::joint_state::JointState;
+use crate::bag::joint_state::{JointState, MOST_JOINTS};
 use crate::bag::messages::Messages;
 use crate::bag::topics::Topic;
 use crate::branches::{BranchMotion, BranchTrack};
@@ -10,8 +10,11 @@ use crate::read_options::ReadOptions;
 
 /// Integers beyond this are not all numbers of double precision.
 const EXACT: i64 = 1 << 53;
-/// Messages among which one with efforts is looked for.
+/// Messages among which one with efforts is looked for, and bytes that they may take.
 const LOOKED_AT: usize = 1000;
+const LOOKED_AT_BYTES: usize = 1 << 24;
+/// Joints of a robot; a message may have more if the robot's are named.
+const MOST_OF_ROBOT: usize = 100;
 const SECOND_NS: i64 = 1_000_000_000;
 
 /// The rows of a topic: stamp, then positions, velocities and efforts of the wanted joints.
@@ -78,8 +81,16 @@ impl<'a> Joints<'a> {
             return Err(refuse("it has no messages".to_owned(), "record it again".to_owned()));
         }
         let mut seen = joints.state.names.clone();
+        let mut known: HashSet<String> = seen.iter().cloned().collect();
         if joints.names.is_empty() {
             joints.names.clone_from(&seen);
+            if seen.len() > MOST_OF_ROBOT {
+                let reason = format!(
+                    "its messages have {} joints, and robots have at most {MOST_OF_ROBOT}",
+                    seen.len()
+                );
+                return Err(refuse(reason, "name those of the robot with joint_names".to_owned()));
+            }
             if let Some(robot) = options.joint_count().filter(|n| *n != seen.len()) {
                 let remedy =
                     "name those of the robot in its order, e.g. joint_names = [\"shoulder\", \"elbow\"]";
@@ -101,8 +112,17 @@ impl<'a> Joints<'a> {
                     wanted: joints.names,
                 });
             }
-            let new = joints.state.names.iter().filter(|name| !seen.contains(name));
-            seen.extend(new.cloned().collect::<Vec<_>>());
+            for name in joints.state.names.iter().filter(|_| joints.known != joints.state.names_written) {
+                if known.insert(name.clone()) {
+                    seen.push(name.clone());
+                }
+            }
+            if seen.len() > MOST_JOINTS {
+                let reason = format!(
+                    "its messages name more than {MOST_JOINTS} joints, none of them with all of the robot's"
+                );
+                return Err(refuse(reason, "record the robot's own topic".to_owned()));
+            }
         }
         let count = joints.state.names.len();
         joints.position = options.needs_position || joints.state.position.len() == count;
@@ -113,10 +133,14 @@ impl<'a> Joints<'a> {
             state.effort.len() == state.names.len() && names.iter().all(|n| state.names.contains(n))
         };
         joints.effort = has_efforts(&joints.state);
-        while joints.ahead.len() < 2 || !joints.effort && joints.ahead.len() < LOOKED_AT {
+        let mut ahead_bytes = joints.state.bytes();
+        while joints.ahead.len() < 2
+            || !joints.effort && joints.ahead.len() < LOOKED_AT && ahead_bytes < LOOKED_AT_BYTES
+        {
             if !joints.decode_next()? {
                 break;
             }
+            ahead_bytes += joints.state.bytes();
             joints.ahead.push_back((joints.state.clone(), joints.messages.log_ns));
             joints.effort |= has_efforts(&joints.state);
         }

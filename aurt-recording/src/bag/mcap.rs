@@ -10,7 +10,7 @@ use std::path::Path;
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
-use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan};
+use crate::bag::records::{Container, Ending, RECORD_LIMIT, Record, Records, Scan, name_of};
 use crate::error::RecordingError;
 use crate::format::RecordingInput;
 use crate::memory::Memory;
@@ -261,6 +261,6 @@ impl Fields<'_> {
         let short = || Ending::Wrong("a text is longer than its record".to_owned());
         let (text, rest) = self.0.split_at_checked(length).ok_or_else(short)?;
         self.0 = rest;
-        Ok(String::from_utf8_lossy(text).into_owned())
+        Ok(name_of(text))
     }
 }

@@ -56,7 +56,7 @@ impl<'a> Messages<'a> {
             let (channels, payload, log_ns) = (self.channels, &mut self.payload, &mut self.log_ns);
             let more = records.next(&mut |record| {
                 if let Record::Message { channel, log_ns: logged, data } = record
-                    && channels.contains(&channel)
+                    && channels.binary_search(&channel).is_ok()
                 {
                     payload.clear();
                     payload.extend_from_slice(data);

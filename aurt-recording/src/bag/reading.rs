@@ -83,6 +83,9 @@ pub(super) fn read(
     Ok(recording)
 }
 
+/// Topics that are looked into for joints that the chosen one lacks.
+const MOST_TOPICS: usize = 20;
+
 /// What is to be said where the wanted joints are on several topics.
 fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic) -> RecordingError {
     let RecordingError::JointNames { path, recorded, wanted, lacking } = error else { return error };
@@ -92,7 +95,8 @@ fn on_several_topics(error: RecordingError, file: &dyn Container, topic: &Topic)
         let joints = Joints::open(messages, &path, &other, &ReadOptions::default()).ok()?;
         Some((name.clone(), joints.names().to_vec()))
     };
-    let others: Vec<(String, Vec<String>)> = topic.others.iter().filter_map(names).collect();
+    let others: Vec<(String, Vec<String>)> =
+        topic.others.iter().take(MOST_TOPICS).filter_map(names).collect();
     let is_there =
         |name: &String| recorded.contains(name) || others.iter().any(|(_, own)| own.contains(name));
     if !wanted.iter().all(is_there) {

@@ -11,6 +11,14 @@ pub(super) const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// Largest record, chunk or message, in bytes: one is held in memory.
 pub(super) const RECORD_LIMIT: u64 = 1 << 28;
 
+/// Bytes of the name of a topic, a type or an encoding that are kept; ROS allows 255.
+const MOST_NAME_BYTES: usize = 512;
+
+/// A name of a topic, a type or an encoding.
+pub(super) fn name_of(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(&bytes[..bytes.len().min(MOST_NAME_BYTES)]).into_owned()
+}
+
 /// An open file of messages.
 pub(super) trait Container {
     /// What reports call it.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::bag::btree::{Database, Rows, Value};
-use crate::bag::records::{Container, Ending, Record, Records, Scan};
+use crate::bag::records::{Container, Ending, Record, Records, Scan, name_of};
 use crate::error::RecordingError;
 use crate::format::RecordingInput;
 
@@ -69,7 +69,7 @@ struct SqliteRecords<'a> {
     rows: Rows<'a>,
     /// Where the values are in a row: number, name, type and encoding of a topic; topic, time and bytes of a message.
     places: Vec<usize>,
-    /// The topics whose messages are read; none where topics are read.
+    /// The topics whose messages are read, in ascending order; none where topics are read.
     wanted: Option<&'a [u64]>,
     /// The topic whose schema was handed out.
     described: Option<(u64, [String; 2])>,
@@ -107,13 +107,13 @@ impl Records for SqliteRecords<'_> {
             let values = self.rows.values();
             let value = |k: usize| values.get(self.places[k]).copied().unwrap_or(Value::Other);
             let Some(id) = number(value(0).integer()) else { return Ok(true) };
-            take(Record::Schema { id, name: value(2).text() });
-            self.described = Some((id, [value(1).text(), value(3).text()]));
+            take(Record::Schema { id, name: name_of(value(2).bytes()) });
+            self.described = Some((id, [name_of(value(1).bytes()), name_of(value(3).bytes())]));
             return Ok(true);
         };
         // Of other messages, which may be pictures, no more is read than stands beside their topic.
         let topic = self.rows.values().get(self.places[0]).and_then(|v| number(v.integer()));
-        let Some(channel) = topic.filter(|topic| wanted.contains(topic)) else {
+        let Some(channel) = topic.filter(|topic| wanted.binary_search(topic).is_ok()) else {
             take(Record::Other);
             return Ok(true);
         };

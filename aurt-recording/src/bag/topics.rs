@@ -12,11 +12,14 @@ const USUAL: &str = "/joint_states";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Topic {
     pub(super) name: String,
-    /// Its channels; several nodes may publish under one name.
+    /// Its channels in ascending order; several nodes may publish under one name.
     pub(super) channels: Vec<u64>,
     /// The other topics with joint states.
     pub(super) others: Vec<String>,
 }
+
+/// Topics and types that a file may list; in MCAP there are no more numbers for them.
+const MOST_LISTED: usize = 1 << 16;
 
 /// What a file says of its topics.
 #[derive(Debug, Default)]
@@ -40,6 +43,10 @@ impl Listing {
                 Record::Message { .. } | Record::Other => {}
             });
             match more {
+                Ok(true) if listing.schemas.len().max(listing.channels.len()) > MOST_LISTED => {
+                    let reason = format!("it lists more than {MOST_LISTED} topics");
+                    return (listing, Some(Ending::Wrong(reason)));
+                }
                 Ok(true) => {}
                 Ok(false) => return (listing, None),
                 Err(ending) => return (listing, Some(ending)),

@@ -16,8 +16,9 @@ use crate::recording::{ReadReport, Recording};
 /// Columns that an array or a list may have; longer ones have no number for each joint.
 pub(crate) const MOST_COLUMNS: usize = 4096;
 
-/// Rows that room is made for at once; a file may claim more than it holds.
+/// Rows, and numbers of all their columns, that room is made for at once; a file may claim more than it holds.
 const ROOM_ROWS: usize = 1 << 16;
+const ROOM_NUMBERS: usize = 1 << 22;
 
 /// A table of numbers whose columns are known and whose rows are still to come.
 pub(crate) struct Table<'a> {
@@ -90,7 +91,8 @@ impl<'a> Table<'a> {
         let first = usize::from(self.selected.time.is_none());
         let mut row = vec![0.0; first + wanted.len()];
         let remarks = std::mem::take(&mut self.selected.remarks);
-        let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(ROOM_ROWS));
+        let room_rows = (ROOM_NUMBERS / row.len().max(1)).clamp(1, ROOM_ROWS);
+        let mut collector = Collector::new(&self.selected, self.options, piece_rows.min(room_rows));
         while next(&mut row[first..])? {
             let needed = row.len() - self.selected.branches.len();
             let number = collector.rows() + 1;
@@ -106,7 +108,7 @@ impl<'a> Table<'a> {
                 })?,
             }
             // Not every format says beforehand how many rows there are.
-            if collector.held().is_multiple_of(ROOM_ROWS) {
+            if collector.held().is_multiple_of(room_rows) {
                 self.make_room(collector.held() as u64, piece_rows)?;
             }
             if collector.held() >= piece_rows {

@@ -221,3 +221,44 @@ fn circles_are_found_through_groups_and_re_exports_but_not_in_tests_or_between_a
     let round = ("q.rs", "pub struct Queue(crate::p::Pea);");
     assert_eq!(circles(&[parent, child, round]), ["q.rs → p/mod.rs → p/c.rs → q.rs"]);
 }
+
+/// Files that open something by themselves: what opens for all, what is written here, and what the program wrote itself.
+const OPENING: [&str; 6] = [
+    "aurt-files/src/input.rs",
+    "aurt-files/src/output",
+    "aurt-plugins/src",
+    "aurt-export/src/fmu/library.rs",
+    "aurt-cli/src/supervised.rs",
+    "laboratory",
+];
+/// Files that write to a terminal.
+const SHOWING: [&str; 2] = ["aurt-cli/src/rendering/terminal.rs", "laboratory"];
+
+/// A file of a user that is opened past `aurt_files`, and text that is shown past the one writer, have no bounds.
+#[test]
+fn files_are_opened_and_text_is_shown_in_one_place() {
+    let root = Path::new(ROOT);
+    let mut past = Vec::new();
+    for path in crates().values().flat_map(|own| sources(&root.join(&own.folder).join("src"))) {
+        let inside = path.strip_prefix(root).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let names = |words: &[&str], allowed: &[&str]| {
+            let is_code = |line: &&str| !line.trim_start().starts_with("//");
+            let has = |line: &str| words.iter().any(|word| line.contains(word));
+            !allowed.iter().any(|allowed| inside.starts_with(allowed))
+                && code.lines().filter(is_code).any(has)
+        };
+        let is_tests = inside.iter().any(|part| part == "tests" || part == "tests.rs");
+        let is_template = inside.ends_with("check_main.rs") || inside.ends_with("build.rs");
+        if is_tests || is_template {
+            continue;
+        }
+        let opens = ["File::open(", "fs::read(", "fs::read_to_string(", "OpenOptions"];
+        let shows = ["io::stdout(", "io::stderr(", "println!", "eprintln!", "print!", "dbg!"];
+        if names(&opens, &OPENING) || names(&shows, &SHOWING) {
+            past.push(inside.display().to_string());
+        }
+    }
+    assert!(past.is_empty(), "open files without aurt_files, or write to a terminal: {past:#?}");
+}

@@ -97,9 +97,49 @@ const SERVOS: [(&str, f64, f64); 5] = [
     ("sts321512v", 0.166, 0.97),
 ];
 
+/// Numbers of BAM's files that are used.
+const BAM_NUMBERS: [&str; 18] = [
+    "kt",
+    "R",
+    "vin",
+    "kp",
+    "error_gain",
+    "error_gain_ratio",
+    "command_delay",
+    "max_velocity",
+    "max_pwm",
+    "friction_base",
+    "friction_stribeck",
+    "friction_viscous",
+    "dtheta_stribeck",
+    "load_friction_base",
+    "load_friction_motor",
+    "load_friction_external",
+    "armature",
+    "alpha",
+];
+/// Those that have no counterpart.
+const BAM_UNUSED: [&str; 7] = [
+    "load_friction_stribeck",
+    "load_friction_motor_stribeck",
+    "load_friction_external_stribeck",
+    "load_friction_motor_quad",
+    "load_friction_external_quad",
+    "max_current",
+    "q_offset",
+];
+
 /// u = vin · clip(kp · error_gain · e), τ = (kt/R) u − (kt²/R) q̇; friction at most base + viscous |q̇| + e^(−|q̇/v|^α) stribeck, and
 /// shares of the gearbox' torque |k_e τ_ext − k_m τ_motor|.
 fn bam(path: &Path, table: &Map<String, Value>, joints: usize) -> Result<Fit, Failure> {
+    for key in BAM_NUMBERS.iter().chain(&BAM_UNUSED) {
+        // What is no number would count as absent.
+        if let Some(value) = table.get(*key).filter(|value| !value.is_number() && !value.is_null()) {
+            let reason =
+                format!("`{key}` is {}, which is no number", aurt_files::clipped(&value.to_string()));
+            return Err(Failure::unfit(path, reason, "write the number, without quotes"));
+        }
+    }
     let known = table.get("actuator").and_then(Value::as_str).and_then(|a| SERVOS.iter().find(|s| s.0 == a));
     let of = |key: &str| table.get(key).and_then(Value::as_f64);
     let need = |key: &str, otherwise: Option<f64>| {
@@ -146,16 +186,7 @@ fn bam(path: &Path, table: &Map<String, Value>, joints: usize) -> Result<Fit, Fa
     if let Some(alpha) = of("alpha").filter(|a| *a != 2.0) {
         lost.push(format!("the Stribeck curve has the exponent {alpha:.3}; here it is 2"));
     }
-    let unused = [
-        "load_friction_stribeck",
-        "load_friction_motor_stribeck",
-        "load_friction_external_stribeck",
-        "load_friction_motor_quad",
-        "load_friction_external_quad",
-        "max_current",
-        "q_offset",
-    ];
-    lost.extend(unused.iter().filter_map(|key| of(key).map(|v| format!("`{key}` {v:.4} is not used"))));
+    lost.extend(BAM_UNUSED.iter().filter_map(|key| of(key).map(|v| format!("`{key}` {v:.4} is not used"))));
     Ok(Fit { kind: "BAM", joints: vec![(servo, mechanics); joints], lost })
 }
 

@@ -6,20 +6,26 @@ use roxmltree::Node;
 
 type Attributes<'x> = HashMap<&'x str, &'x str>;
 
-/// The defaults of one class.
-#[derive(Debug, Clone, Default)]
+/// The defaults that one class states, and the class around it, whose defaults it has as well.
+#[derive(Debug, Default)]
 struct Class<'x> {
+    around: Option<usize>,
     joint: Attributes<'x>,
     geom: Attributes<'x>,
     /// All kinds of actuators have one.
     actuator: Attributes<'x>,
+    /// Whether it turns geoms, which overrules how the class around it does.
+    is_turned: bool,
     /// `size` of a geom: a class may change the first of its numbers alone.
     size: [Option<&'x str>; 3],
 }
 
-/// All classes, each with what it inherits.
+/// All classes, and the place of each by its name.
 #[derive(Debug, Default)]
-pub(super) struct Classes<'x>(HashMap<&'x str, Class<'x>>);
+pub(super) struct Classes<'x> {
+    all: Vec<Class<'x>>,
+    named: HashMap<&'x str, usize>,
+}
 
 /// The class of elements that name none.
 const MAIN: &str = "main";
@@ -45,9 +51,10 @@ impl<'x> Classes<'x> {
         let mut classes = Self::default();
         let sections = |node: Node<'x, 'x>| node.children().filter(|c| c.has_tag_name("default"));
         for section in sections(root) {
-            let main = classes.0.get(MAIN).cloned().unwrap_or_default();
-            let mut open = vec![(section, main)];
-            while let Some((node, mut class)) = open.pop() {
+            let mut open = vec![(section, classes.named.get(MAIN).copied())];
+            while let Some((node, around)) = open.pop() {
+                let size = around.map_or([None; 3], |around| classes.all[around].size);
+                let mut class = Class { around, size, ..Class::default() };
                 for child in node.children().filter(Node::is_element) {
                     let attributes = match child.tag_name().name() {
                         "joint" => &mut class.joint,
@@ -59,12 +66,15 @@ impl<'x> Classes<'x> {
                         overlay(&mut class.size, child);
                         if is_turned(child) {
                             attributes.retain(|name, _| !TURNS.contains(name));
+                            class.is_turned = true;
                         }
                     }
                     attributes.extend(child.attributes().map(|a| (a.name(), a.value())));
                 }
-                classes.0.insert(node.attribute("class").unwrap_or(MAIN), class.clone());
-                open.extend(sections(node).map(|s| (s, class.clone())));
+                let place = classes.all.len();
+                classes.all.push(class);
+                classes.named.insert(node.attribute("class").unwrap_or(MAIN), place);
+                open.extend(sections(node).map(|section| (section, Some(place))));
             }
         }
         classes
@@ -75,13 +85,19 @@ impl<'x> Classes<'x> {
         if let Some(own) = node.attribute(name) {
             return Some(own);
         }
-        let class = self.of(node, around)?;
-        let attributes = match node.tag_name().name() {
-            "geom" => &class.geom,
-            name if ACTUATORS.contains(&name) => &class.actuator,
-            _ => &class.joint,
-        };
-        attributes.get(name).copied()
+        let mut next = self.of(node, around);
+        while let Some(class) = next {
+            let (attributes, ends) = match node.tag_name().name() {
+                "geom" => (&class.geom, class.is_turned && TURNS.contains(&name)),
+                name if ACTUATORS.contains(&name) => (&class.actuator, false),
+                _ => (&class.joint, false),
+            };
+            if let Some(value) = attributes.get(name) {
+                return Some(value);
+            }
+            next = class.around.filter(|_| !ends).map(|around| &self.all[around]);
+        }
+        None
     }
 
     /// The numbers of `size` of a geom: its own, and behind these the rest of its class.
@@ -98,13 +114,13 @@ impl<'x> Classes<'x> {
     }
 
     fn of(&self, node: Node<'x, 'x>, around: Option<&str>) -> Option<&Class<'x>> {
-        self.0.get(node.attribute("class").or(around).unwrap_or(MAIN))
+        self.named.get(node.attribute("class").or(around).unwrap_or(MAIN)).map(|place| &self.all[*place])
     }
 
     /// The class that an element names but that no `<default>` defines.
     pub fn unknown(&self, node: Node<'x, 'x>) -> Option<&'x str> {
         let named = ["class", "childclass"].into_iter().filter_map(|key| node.attribute(key));
-        named.filter(|name| *name != MAIN).find(|name| !self.0.contains_key(name))
+        named.filter(|name| *name != MAIN).find(|name| !self.named.contains_key(name))
     }
 }
 
