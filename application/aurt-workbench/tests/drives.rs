@@ -18,9 +18,9 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 [drive]
 model = "position_servo"
-estimate = ["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]
+estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]
 gain_nm_per_rad = 10.0
-damping_nm_s_per_rad = 0.5
+back_emf_nm_s_per_rad = 0.5
 delay_s = 0.02
 coulomb_nm = 0.1
 position_deviation_rad = 1e-3
@@ -75,7 +75,7 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     fs::write(folder.join("a.csv"), table(&q[0], &command)).unwrap();
 
     let mut outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
-    for (name, truth) in [("damping_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
+    for (name, truth) in [("back_emf_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
         let numbers = outcome.json["numbers"].as_array().unwrap();
         let value = numbers.iter().find(|n| n["name"] == name).unwrap()["value"].as_f64().unwrap();
         assert!((value - truth).abs() < 0.01 * truth, "{name}: {value}");
@@ -113,8 +113,8 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     // A window on the way starts where the robot was, as fast as it was; a model without estimates is judged as it is.
     let window = "window_s = [5.0, 9.0] }]\n";
     let text = EXPERIMENT.trim_end().trim_end_matches(" }]").to_owned() + ", " + window;
-    let text = text.replace(r#"["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
-    let text = text.replace("damping_nm_s_per_rad = 0.5", "damping_nm_s_per_rad = 0.4");
+    let text = text.replace(r#"["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
+    let text = text.replace("back_emf_nm_s_per_rad = 0.5", "back_emf_nm_s_per_rad = 0.4");
     let text =
         text.replace("delay_s = 0.02", "delay_s = 0.035").replace("coulomb_nm = 0.1", "coulomb_nm = 0.3");
     let outcome = fit_drives(&read(folder, &text), &Progress::silent()).unwrap();

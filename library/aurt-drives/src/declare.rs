@@ -6,12 +6,12 @@ pub(crate) const UNLIMITED: f64 = 1e9;
 /// A structure of numbers with, for each, a unit, a default, the deviation of what is known of it, and bounds.
 macro_rules! numbers {
     ($(#[$documentation:meta])+ pub struct $name:ident {
-        $($(#[$field_documentation:meta])+ $key:ident: $unit:literal = $default:expr, $deviation:expr, [$lower:expr, $upper:expr];)+
+        $($(#[doc = $meaning:literal])+ $(#[serde($former:meta)])? $key:ident: $unit:literal = $default:expr, $deviation:expr, [$lower:expr, $upper:expr];)+
     }) => {
         $(#[$documentation])+
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(default, deny_unknown_fields)]
-        pub struct $name { $($(#[$field_documentation])+ pub $key: f64,)+ }
+        pub struct $name { $($(#[doc = $meaning])+ $(#[serde($former)])? pub $key: f64,)+ }
 
         impl Default for $name {
             fn default() -> Self {
@@ -31,6 +31,12 @@ macro_rules! numbers {
                 },)+]
             }
 
+            /// The meaning of every number, in the order of [`Self::numbers`].
+            #[must_use]
+            pub fn meanings() -> Vec<String> {
+                vec![$([$($meaning.trim()),+].join(" "),)+]
+            }
+
             /// Sets all numbers, in the order of [`Self::numbers`]; missing ones stay.
             pub fn set_numbers(&mut self, values: &[f64]) {
                 let mut values = values.iter();
@@ -42,7 +48,7 @@ macro_rules! numbers {
 
 /// A drive that is a structure of [`numbers!`], under a name.
 macro_rules! drive {
-    ($drive:ty, $name:literal, $command:ident, $initial:expr, $torque:expr) => {
+    ($drive:ty, $name:literal, $command:ident, $signal:ident, $initial:expr, $torque:expr) => {
         #[typetag::serde(name = $name)]
         impl aurt_traits::DriveModel for $drive {
             fn name(&self) -> &str {
@@ -50,6 +56,9 @@ macro_rules! drive {
             }
             fn command(&self) -> aurt_traits::Command {
                 aurt_traits::Command::$command
+            }
+            fn usual_signal(&self) -> aurt_traits::CommandSignal {
+                aurt_traits::CommandSignal::$signal
             }
             fn parameters(&self) -> Vec<aurt_traits::DriveParameter> {
                 self.numbers()

@@ -7,7 +7,7 @@ use aurt_drives::{
     output_error,
 };
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
-use aurt_traits::DriveModel;
+use aurt_traits::{CommandSignal, DriveModel};
 
 const UPRIGHT: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -21,6 +21,7 @@ fn slide(mechanics: Mechanics, drive: Box<dyn DriveModel>) -> DrivenArm {
         standard_parameters: vec![0.0; 10],
         joints: vec![DrivenJoint { drive, mechanics }],
         floor: None,
+        command: CommandSignal::Linear,
     }
 }
 
@@ -50,7 +51,7 @@ fn arm() -> DrivenArm {
     let joint = |gain: f64| DrivenJoint {
         drive: Box::new(PositionServo {
             gain_nm_per_rad: gain,
-            damping_nm_s_per_rad: 0.4,
+            back_emf_nm_s_per_rad: 0.4,
             delay_s: 0.03,
             ..PositionServo::default()
         }),
@@ -67,6 +68,7 @@ fn arm() -> DrivenArm {
         standard_parameters: [standard, standard].concat(),
         joints: vec![joint(12.0), joint(8.0)],
         floor: None,
+        command: CommandSignal::Hold,
     }
 }
 
@@ -146,13 +148,13 @@ fn what_was_simulated_is_estimated_within_its_deviations() {
     start.joints.iter_mut().for_each(|j| {
         j.drive = Box::new(PositionServo {
             gain_nm_per_rad: 10.0,
-            damping_nm_s_per_rad: 0.3,
+            back_emf_nm_s_per_rad: 0.3,
             ..PositionServo::default()
         });
         j.mechanics.coulomb_nm = 0.04;
         j.mechanics.rotor_inertia_kg_m2 = 0.015;
     });
-    let keys = ["gain_nm_per_rad", "damping_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
+    let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
     let selection = Selection {
         estimate: keys.map(str::to_owned).to_vec(),
         shared: vec!["delay_s".to_owned()],
@@ -206,13 +208,13 @@ fn numbers_that_are_one_column_are_named() {
     let truth = arm();
     let mut recording = recorded(50.0, 8.0, &waves, &[0.0, 0.0]);
     recording.position_rad = truth.rollout(&recording).unwrap();
-    let estimate = ["damping_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
+    let estimate = ["back_emf_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
     let selection = Selection { estimate, ..Selection::default() };
     let fit = output_error(&truth, &selection, &[recording], &Options::default()).unwrap();
     let said = fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert_eq!(said.len(), 1);
     assert!(
-        said[0].contains("damping_nm_s_per_rad_0") && said[0].contains("viscous_nm_s_per_rad_0"),
+        said[0].contains("back_emf_nm_s_per_rad_0") && said[0].contains("viscous_nm_s_per_rad_0"),
         "{said:?}"
     );
 }

@@ -7,6 +7,7 @@ use aurt_drives::{
     models::PositionServo,
 };
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
+use aurt_traits::CommandSignal;
 
 /// Even numbers in 0 … 1 (Knuth's multiplier).
 struct Dice(u64);
@@ -40,7 +41,7 @@ fn arm(dice: &mut Dice) -> DrivenArm {
     let joints = (0..2).map(|_| DrivenJoint {
         drive: Box::new(PositionServo {
             gain_nm_per_rad: dice.between(8.0, 14.0),
-            damping_nm_s_per_rad: dice.between(0.3, 0.6),
+            back_emf_nm_s_per_rad: dice.between(0.3, 0.6),
             delay_s: 0.0,
             ..PositionServo::default()
         }),
@@ -51,7 +52,7 @@ fn arm(dice: &mut Dice) -> DrivenArm {
         },
     });
     let joints = joints.collect();
-    DrivenArm { chain: chain.unwrap(), standard_parameters, joints, floor: None }
+    DrivenArm { chain: chain.unwrap(), standard_parameters, joints, command: CommandSignal::Hold, floor: None }
 }
 
 /// Commands of 24 s at 50 Hz: slow and fast sines, then steps and ramps between random poses with rests.
@@ -105,7 +106,7 @@ fn diagnosed(delay_s: f64, seed: u64) -> Diagnosis {
         joint.mechanics.rotor_inertia_kg_m2 = 0.01;
         joint.mechanics.coulomb_nm = 0.06;
     }
-    let estimate = vec!["gain_nm_per_rad", "damping_nm_s_per_rad", "rotor_inertia_kg_m2", "coulomb_nm"];
+    let estimate = vec!["gain_nm_per_rad", "back_emf_nm_s_per_rad", "rotor_inertia_kg_m2", "coulomb_nm"];
     let selection =
         Selection { estimate: estimate.into_iter().map(str::to_owned).collect(), ..Selection::default() };
     let options = Options { deviation_rad: 1e-3, ..Options::default() };

@@ -199,7 +199,8 @@ fn arm_of(experiment: &Experiment) -> Result<(DrivenArm, Vec<String>), Failure> 
             vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
         }
     };
-    Ok((DrivenArm { chain, standard_parameters, joints: drive.joints.clone(), floor: drive.floor }, notes))
+    let (joints, command, floor) = (drive.joints.clone(), drive.command, drive.floor);
+    Ok((DrivenArm { chain, standard_parameters, joints, command, floor }, notes))
 }
 
 fn without_drive(experiment: &Experiment) -> Failure {
