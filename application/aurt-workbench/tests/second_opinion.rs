@@ -44,7 +44,13 @@ fn record(folder: &Path) {
     )
     .unwrap();
     let joints = vec![DrivenJoint { drive: Box::new(drive), mechanics }];
-    let arm = DrivenArm { chain, standard_parameters: vec![0.0; 10], joints, command: CommandSignal::Hold, floor: None };
+    let arm = DrivenArm {
+        chain,
+        standard_parameters: vec![0.0; 10],
+        joints,
+        command: CommandSignal::Hold,
+        floor: None,
+    };
     for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
         let wave = |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin();
         let command: Vec<f64> = (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect();
@@ -95,7 +101,11 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
         parts.iter().find(|p| p["structure"] == structure).unwrap()["change"].as_f64().unwrap()
     };
     // A servo that is late by T lags like one with K_p T more damping.
-    assert!((change("back_emf_nm_s_per_rad_0", "time_delay") - 10.0 * 0.028).abs() < 0.04, "{}", outcome.text);
+    assert!(
+        (change("back_emf_nm_s_per_rad_0", "time_delay") - 10.0 * 0.028).abs() < 0.04,
+        "{}",
+        outcome.text
+    );
     assert!(change("back_emf_nm_s_per_rad_0", "coulomb") > 0.02, "{}", outcome.text);
     assert!(change("rotor_inertia_kg_m2_0", "time_delay") > 0.0, "{}", outcome.text);
     let delay = of("rotor_inertia_kg_m2_0")["stands_for"][0]["value"].as_f64().unwrap();

@@ -15,6 +15,7 @@ mod bodies;
 mod columns;
 mod declare;
 mod determined;
+mod deviations;
 pub mod diagnosis;
 mod error;
 pub mod models;

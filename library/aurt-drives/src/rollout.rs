@@ -53,15 +53,23 @@ impl DriveRecording {
         }
     }
 
-    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity.
-    #[must_use]
-    pub fn pieces(&self, piece_s: f64) -> Vec<Self> {
+    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity; whole without.
+    ///
+    /// # Errors
+    /// [`DriveError::ShortPieces`] if a piece has fewer rows than the velocity at its start is taken from.
+    pub fn pieces(&self, piece_s: Option<f64>) -> Result<Vec<Self>, DriveError> {
+        let Some(piece_s) = piece_s else { return Ok(vec![self.clone()]) };
         let at = |t: f64| self.time_s.partition_point(|s| *s < t);
         let (begin, end) = (self.time_s[self.first], self.time_s[self.time_s.len() - 1]);
         let count = ((end - begin) / piece_s).round().max(1.0);
+        let most = ((self.time_s.len() - self.first) / AROUND).max(1) as f64;
+        // Not a number, too.
+        if !(piece_s > 0.0 && count <= most) {
+            return Err(DriveError::ShortPieces { piece_s, rows: AROUND, least_s: (end - begin) / most });
+        }
         let edge = |k: f64| if k == 0.0 { self.first } else { at(begin + (end - begin) * k / count) };
         let part = |k: usize| self.part(edge(k as f64)..edge((k + 1) as f64) + 1);
-        (0..count as usize).map(part).collect()
+        Ok((0..count as usize).map(part).collect())
     }
 
     /// Some of the samples. A part that begins on the way starts where the robot was, with its velocity, and keeps the commands

@@ -179,6 +179,63 @@ fn what_was_simulated_is_estimated_within_its_deviations() {
     assert!(fit.undetermined.is_empty(), "{:?}", fit.undetermined);
 }
 
+/// A servo of 8 Nm/rad with a limit of 2.6 Nm receives a command every 20 ms, 32 ms late, and holds it. Its motion is simulated at
+/// 1 kHz from commands that are written out as a staircase, read every 20 ms, and estimated from the commands as they were sent.
+#[test]
+fn held_commands_are_estimated_as_held() {
+    let mut truth = slide(Mechanics::default(), Box::new(PositionServo::default()));
+    truth.joints[0] = DrivenJoint {
+        drive: Box::new(PositionServo {
+            gain_nm_per_rad: 8.0,
+            back_emf_nm_s_per_rad: 0.35,
+            delay_s: 0.032,
+            torque_limit_nm: 2.6,
+            ..PositionServo::default()
+        }),
+        mechanics: Mechanics { rotor_inertia_kg_m2: 0.02, coulomb_nm: 0.1, ..Mechanics::default() },
+    };
+    let sent = |t: f64| {
+        let step = if (t / 1.7) as usize % 2 == 0 { 0.45 } else { -0.35 };
+        vec![if t < 8.0 { step } else { 0.0 } + 0.25 * (3.1 * t).sin()]
+    };
+    let stairs = recorded(1000.0, 16.0, &|t| sent(((t + 1e-9) * 50.0).floor() / 50.0), &[sent(0.0)[0]]);
+    let q = truth.rollout(&stairs).unwrap().swap_remove(0);
+    let mut recording = recorded(50.0, 16.0, &sent, &[0.0]);
+    recording.position_rad = vec![q.into_iter().step_by(20).collect()];
+    let mut start = truth.clone();
+    start.joints[0].drive = Box::new(PositionServo { torque_limit_nm: 3.0, ..PositionServo::default() });
+    let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "torque_limit_nm"];
+    let selection = Selection { estimate: keys.map(str::to_owned).to_vec(), ..Selection::default() };
+    let options = Options { deviation_rad: 1e-3, ..Options::default() };
+    let fit = |command| {
+        let arm = DrivenArm { command, ..start.clone() };
+        let fit = output_error(&arm, &selection, std::slice::from_ref(&recording), &options).unwrap();
+        (fit.numbers.iter().map(|n| n.value).collect::<Vec<_>>(), fit.rms_rad[0][0])
+    };
+    let (held, rms) = fit(CommandSignal::Hold);
+    for (value, truth) in held.iter().zip([8.0, 0.35, 0.032, 2.6]) {
+        assert!((value / truth - 1.0).abs() < 0.02, "{held:?}");
+    }
+    // On the line between two commands the servo seems to be later by half their period.
+    let (linear, rms_linear) = fit(CommandSignal::Linear);
+    println!("hold {held:?} {rms}; linear {linear:?} {rms_linear}");
+    assert!(linear[2] > 0.038 && rms < 3e-4 && rms_linear > 2.0 * rms, "{linear:?} {rms} {rms_linear}");
+}
+
+#[test]
+fn pieces_that_are_too_short_are_refused() {
+    let slide = slide(Mechanics::default(), Box::new(TorqueDrive::default()));
+    let recording = recorded(50.0, 10.0, &|_| vec![1.0], &[0.0]);
+    for piece_s in [5e-324, 1e-9, 0.19, 0.0, -1.0, f64::NAN] {
+        let options = Options { piece_s: Some(piece_s), ..Options::default() };
+        let error = output_error(&slide, &Selection::default(), std::slice::from_ref(&recording), &options);
+        assert!(matches!(error, Err(DriveError::ShortPieces { rows: 10, .. })), "{piece_s}: {error:?}");
+    }
+    for (piece_s, pieces) in [(0.2, 50), (1e308, 1), (f64::INFINITY, 1)] {
+        assert_eq!(recording.pieces(Some(piece_s)).unwrap().len(), pieces);
+    }
+}
+
 #[test]
 fn pieces_find_what_an_open_loop_drifts_away_from() {
     let viscous = Mechanics { viscous_nm_s_per_rad: 4.0, coulomb_nm: 1.0, ..Mechanics::default() };

@@ -52,7 +52,13 @@ fn arm(dice: &mut Dice) -> DrivenArm {
         },
     });
     let joints = joints.collect();
-    DrivenArm { chain: chain.unwrap(), standard_parameters, joints, command: CommandSignal::Hold, floor: None }
+    DrivenArm {
+        chain: chain.unwrap(),
+        standard_parameters,
+        joints,
+        command: CommandSignal::Hold,
+        floor: None,
+    }
 }
 
 /// Commands of 24 s at 50 Hz: slow and fast sines, then steps and ramps between random poses with rests.

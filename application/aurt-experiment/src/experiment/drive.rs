@@ -208,7 +208,11 @@ mod tests {
             ("model = \"pd_law\"\ndelay_s = [0.1]", "", "delay_s"),
             ("model = \"pd_law\"\nestimate = [\"dead_band_rad\"]", "", "which this drive does not have"),
             ("model = \"pd_law\"\ncommand = \"held\"", "", "did you mean \"hold\""),
-            ("model = \"position_servo\"\ndamping_nm_s_per_rad = 0.3", "", "is called `back_emf_nm_s_per_rad` today"),
+            (
+                "model = \"position_servo\"\ndamping_nm_s_per_rad = 0.3",
+                "",
+                "is called `back_emf_nm_s_per_rad` today",
+            ),
             (
                 "model = \"position_servo\"\nestimate = [\"damping_nm_s_per_rad\"]",
                 "",

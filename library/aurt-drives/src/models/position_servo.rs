@@ -61,7 +61,8 @@ drive!(
 );
 
 fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
-    let [gain, back_emf, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] = p
+    let [gain, back_emf, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] =
+        p
     else {
         return DriveTorque { torque: Jet::ZERO, damping: Jet::ZERO };
     };
