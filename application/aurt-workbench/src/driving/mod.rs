@@ -7,7 +7,7 @@ use aurt::{
     data::{Loaded, Purpose, Source},
 };
 use aurt_drives::{DriveError, DriveRecording, DrivenArm, Options, OutputErrorFit, output_error};
-use aurt_experiment::{Experiment, RecordingSource};
+use aurt_experiment::{Experiment, experiment::RecordingSource};
 use aurt_output::pretty;
 use aurt_rbd::{INERTIAL_PARAMETERS, RobotDescription};
 use aurt_recording::{AngleUnit, RecordedAs, RobotJoints, RobotRecording};
