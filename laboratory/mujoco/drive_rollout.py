@@ -27,8 +27,7 @@ def rollout(path, time, command, start, drives):
         if samples:
             mujoco.mj_initCtrlHistory(model, data, k, None, np.full((samples, 1), command[0, k]))
     text = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, "command")
-    begin = model.text_adr[text]
-    holds = text >= 0 and bytes(model.text_data[begin : begin + model.text_size[text] - 1]) == b"hold"
+    holds = text >= 0 and bytes(model.text_data[model.text_adr[text] :][: model.text_size[text] - 1]) == b"hold"
     out = np.empty_like(command)
     out[0] = start
     for row in range(1, len(time)):

@@ -195,7 +195,7 @@ fn held_commands_are_estimated_as_held() {
         mechanics: Mechanics { rotor_inertia_kg_m2: 0.02, coulomb_nm: 0.1, ..Mechanics::default() },
     };
     let sent = |t: f64| {
-        let step = if (t / 1.7) as usize % 2 == 0 { 0.45 } else { -0.35 };
+        let step = if ((t / 1.7) as usize).is_multiple_of(2) { 0.45 } else { -0.35 };
         vec![if t < 8.0 { step } else { 0.0 } + 0.25 * (3.1 * t).sin()]
     };
     let stairs = recorded(1000.0, 16.0, &|t| sent(((t + 1e-9) * 50.0).floor() / 50.0), &[sent(0.0)[0]]);
