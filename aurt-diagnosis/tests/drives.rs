@@ -2,9 +2,10 @@
 #![expect(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use aurt_calibration::drives::{DriveRecording, DrivenArm, DrivenJoint, Mechanics, Options, Selection};
-use aurt_diagnosis::drives::{Answer, Demands, Diagnosis, diagnose};
+use aurt_diagnosis::drives::{Answer, Demands, Diagnosis, STRUCTURES, diagnose};
 use aurt_friction::drives::PositionServo;
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
+use aurt_traits::CommandSignal;
 
 /// Even numbers in 0 … 1 (Knuth's multiplier).
 struct Dice(u64);
@@ -38,7 +39,7 @@ fn arm(dice: &mut Dice) -> DrivenArm {
     let joints = (0..2).map(|_| DrivenJoint {
         drive: Box::new(PositionServo {
             gain_nm_per_rad: dice.between(8.0, 14.0),
-            damping_nm_s_per_rad: dice.between(0.3, 0.6),
+            back_emf_nm_s_per_rad: dice.between(0.3, 0.6),
             delay_s: 0.0,
             ..PositionServo::default()
         }),
@@ -49,7 +50,13 @@ fn arm(dice: &mut Dice) -> DrivenArm {
         },
     });
     let joints = joints.collect();
-    DrivenArm { chain: chain.unwrap(), standard_parameters, joints, floor: None }
+    DrivenArm {
+        chain: chain.unwrap(),
+        standard_parameters,
+        joints,
+        command: CommandSignal::Hold,
+        floor: None,
+    }
 }
 
 /// Commands of 24 s at 50 Hz: slow and fast sines, then steps and ramps between random poses with rests.
@@ -84,15 +91,15 @@ fn recorded(truth: &DrivenArm, dice: &mut Dice) -> DriveRecording {
     recording
 }
 
-/// The diagnosis of an arm of which the model lacks the delay, in s.
-fn diagnosed(delay_s: f64, seed: u64) -> Diagnosis {
+/// The diagnosis of an arm of which the model lacks the value of a key.
+fn diagnosed(key: &str, value: f64, seed: u64, demands: &Demands) -> Diagnosis {
     let mut dice = Dice(seed.wrapping_mul(7919) + 17);
     dice.0 ^= dice.0 >> 31;
     let mut model = arm(&mut dice);
     let mut truth = model.clone();
     let names = truth.names();
     let mut numbers: Vec<f64> = truth.numbers().iter().map(|n| n.value).collect();
-    (0..names.len()).filter(|k| names[*k].starts_with("delay_s")).for_each(|k| numbers[k] = delay_s);
+    (0..names.len()).filter(|k| names[*k].starts_with(key)).for_each(|k| numbers[k] = value);
     truth.set_numbers(&numbers);
     let recordings: Vec<DriveRecording> = (0..4).map(|_| recorded(&truth, &mut dice)).collect();
     // Starts are not the truth.
@@ -103,12 +110,12 @@ fn diagnosed(delay_s: f64, seed: u64) -> Diagnosis {
         joint.mechanics.rotor_inertia_kg_m2 = 0.01;
         joint.mechanics.coulomb_nm = 0.06;
     }
-    let estimate = vec!["gain_nm_per_rad", "damping_nm_s_per_rad", "rotor_inertia_kg_m2", "coulomb_nm"];
+    let estimate = vec!["gain_nm_per_rad", "back_emf_nm_s_per_rad", "rotor_inertia_kg_m2", "coulomb_nm"];
     let selection =
         Selection { estimate: estimate.into_iter().map(str::to_owned).collect(), ..Selection::default() };
     let options = Options { deviation_rad: 1e-3, ..Options::default() };
     let parts = [&recordings[..2], &recordings[2..]];
-    diagnose(&model, &selection, parts, &options, &Demands::default(), |_| ()).unwrap()
+    diagnose(&model, &selection, parts, &options, demands, |_| ()).unwrap()
 }
 
 fn claims(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<&'static str>)> {
@@ -118,14 +125,32 @@ fn claims(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<&'static str>)> {
 
 #[test]
 fn a_concealed_delay_is_named_with_its_size_and_what_is_complete_lacks_nothing() {
-    let found = diagnosed(0.03, 1);
+    let all = Demands::default();
+    let found = diagnosed("delay_s", 0.03, 1, &all);
     assert_eq!(claims(&found), [("time_delay", vec![])]);
     let delay = &found.findings.iter().find(|f| f.structure.id == "time_delay").unwrap().numbers[0];
     assert!((delay.value - 0.03).abs() < 1e-3, "{delay:?}");
     assert!(found.missed_improved.rms_all_rad() < 1e-3);
     let needed = found.findings.iter().filter(|f| f.answer == Answer::Needed).count();
     assert_eq!(needed, 3, "dry friction, viscous friction, rotor");
-    let found = diagnosed(0.0, 2);
+    let found = diagnosed("delay_s", 0.0, 2, &all);
     assert_eq!(claims(&found), []);
     assert!(found.findings.iter().any(|f| f.structure.id == "dead_band" && f.answer == Answer::NotSupported));
+}
+
+/// A limit of the torque that acts in few blocks lowers the rms to a part: it is named, and a dead band that stands for it in the
+/// other blocks is not.
+#[test]
+fn a_limit_that_acts_seldom_is_named() {
+    let tried = ["saturation", "dead_band", "viscous_asymmetry"];
+    let without = STRUCTURES.iter().map(|s| s.id.to_owned()).filter(|id| !tried.contains(&&**id)).collect();
+    let found = diagnosed("torque_limit_nm", 2.2, 3, &Demands { without, ..Demands::default() });
+    for f in &found.findings {
+        println!("{} {:?} {:?} {:?}", f.structure.id, f.answer, f.objection, f.comparison);
+    }
+    assert_eq!(claims(&found), [("saturation", vec![])]);
+    let limit = &found.findings[0];
+    let [with, without] = limit.comparison.rms_rad;
+    assert!(limit.structure.id == "saturation" && with < 0.5 * without, "{limit:?}");
+    assert!(limit.comparison.blocks < limit.comparison.all_blocks, "{limit:?}");
 }

@@ -428,3 +428,88 @@ fn keys_of_recordings_hold_below_unless_said_otherwise() {
     let wrong = text.replace("drop = \"nan\"", "drop = \"empty\"");
     assert!(read(folder().path(), &wrong).unwrap_err().contains("`drop`"));
 }
+
+/// An experiment with every key of `[drive]`.
+const DRIVEN: &str = r#"
+schema = 1
+[robot]
+mdh = "mdh.csv"
+gravity_m_s2 = [0, 0, -9.81]
+[drive]
+model = "position_servo"
+estimate = ["gain_nm_per_rad"]
+gain_nm_per_rad = 8.0
+back_emf_nm_s_per_rad = [0.3, 0.4]
+delay_s = 0.02
+speed_limit_rad_s = 2.0
+acceleration_limit_rad_s2 = 50.0
+dead_band_rad = 0.001
+command_offset_rad = 0.01
+integral_nm_per_rad_s = 1.0
+firmware_damping_nm_s_per_rad = 0.1
+torque_limit_nm = 2.5
+rotor_inertia_kg_m2 = 0.01
+coulomb_nm = 0.1
+coulomb_per_load = 0.1
+static_nm = 0.1
+stribeck_velocity_rad_s = 0.05
+viscous_nm_s_per_rad = 0.1
+viscous_asymmetry_nm_s_per_rad = 0.1
+torque_offset_nm = 0.1
+position_offset_rad = 0.1
+mass_scale = 1.1
+lower_stop_rad = -2.0
+upper_stop_rad = 2.0
+position_deviation_rad = 0.005
+piece_s = 2.0
+[drive.floor]
+height_m = -0.1
+stiffness_n_per_m = 2000.0
+friction = 0.3
+x_m = 0.1
+y_m = 0.1
+z_m = 0.1
+[drive.deviations]
+gain_nm_per_rad = 3.0
+[recordings]
+calibration = [{ file = "a.csv", window_s = [0.5, 30.0], gear_ratio = 100.0, counts_per_revolution = 4096.0, rate_hz = 100.0 }]
+validation = [{ file = "b.csv", joined = [{ file = "c.csv", clock_offset_s = 0.1 }] }]
+[diagnosis]
+level = 0.05
+reduction = 0.05
+"#;
+
+/// Every number of an experiment, replaced by one that no robot has: an error that names it, at the latest where the number is
+/// used, and nothing is allocated for it.
+#[test]
+fn numbers_that_no_robot_has_are_refused() {
+    let folder = folder();
+    let path = folder.path().join("e.toml");
+    let mut registry = Registry::linked().unwrap();
+    for whole in [WHOLE, DRIVEN] {
+        let problems = Experiment::parse(whole, &path, &mut registry).err().map(|e| e.to_string());
+        assert_eq!(problems, None);
+        let mut at = 0;
+        let mut tried = 0;
+        while let Some(begin) = whole[at..].find(|c: char| c.is_ascii_digit()).map(|k| at + k) {
+            let is_part = |c: char| c.is_ascii_digit() || "._e".contains(c);
+            let end = begin + whole[begin..].find(|c| !is_part(c)).unwrap_or(whole.len() - begin);
+            at = end;
+            let before = whole[..begin].chars().next_back().unwrap_or(' ');
+            if !" [-".contains(before) {
+                continue;
+            }
+            for number in ["5e-324", "1e-200", "1e40", "1e308", "nan", "inf"] {
+                let text = format!("{}{number}{}", &whole[..begin], &whole[end..]);
+                let line = text[..begin].rsplit('\n').next().unwrap_or_default().to_owned() + number;
+                let refused = Experiment::parse(&text, &path, &mut registry);
+                let is_late = line.starts_with("level") || line.starts_with("reduction");
+                assert!(refused.is_err() || (is_late && !number.contains("e")), "{line} is accepted");
+            }
+            let text = format!("{}-0.0{}", &whole[..begin], &whole[end..]).replace("--0.0", "-0.0");
+            let _ = Experiment::parse(&text, &path, &mut registry);
+            tried += 1;
+        }
+        assert!(tried > 20, "{tried}");
+    }
+}

@@ -26,12 +26,14 @@ def rollout(path, time, command, start, drives):
         samples = int(model.actuator_history[k, 0])
         if samples:
             mujoco.mj_initCtrlHistory(model, data, k, None, np.full((samples, 1), command[0, k]))
+    text = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TEXT, "command")
+    holds = text >= 0 and bytes(model.text_data[model.text_adr[text] :][: model.text_size[text] - 1]) == b"hold"
     out = np.empty_like(command)
     out[0] = start
     for row in range(1, len(time)):
         steps = max(1, round((time[row] - time[row - 1]) / model.opt.timestep))
         for step in range(steps):
-            share = (step + 0.5) / steps
+            share = 0.0 if holds else (step + 0.5) / steps
             now = command[row - 1] + share * (command[row] - command[row - 1])
             if state:
                 state.step(model, data, now)

@@ -1,5 +1,7 @@
 use std::fmt::Debug;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Jet, ModelError, Parameter};
 
 /// A number of a drive that may be known or estimated.
@@ -21,7 +23,7 @@ pub struct DriveInput<'a> {
     pub time_s: f64,
     /// Length of the step, s.
     pub step_s: f64,
-    /// The command at a time in s, linear between its samples, in the unit of [`DriveModel::command`].
+    /// The command at a time in s, as its [`CommandSignal`] has it, in the unit of [`DriveModel::command`].
     pub command: &'a dyn Fn(Jet) -> Jet,
     /// Position of the joint at the middle of the step, in rad.
     pub position_rad: Jet,
@@ -51,6 +53,17 @@ pub enum Command {
     Position,
 }
 
+/// The command between two samples of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CommandSignal {
+    /// The last one holds until the next: firmware that receives commands.
+    Hold,
+    /// On the line between the two: a command that is sent much more often than it is recorded.
+    #[default]
+    Linear,
+}
+
 /// A drive of one joint: from its command to the torque on the joint.
 ///
 /// Written in [`Jet`]s, so that one code gives torques and their derivatives. A drive is registered by
@@ -62,6 +75,11 @@ pub trait DriveModel: Debug + Send + Sync {
 
     /// What drives the drive.
     fn command(&self) -> Command;
+
+    /// The command between its samples, unless an experiment states otherwise.
+    fn usual_signal(&self) -> CommandSignal {
+        CommandSignal::Linear
+    }
 
     /// Every number of the drive, in the order in which [`Self::torque`] takes them.
     fn parameters(&self) -> Vec<DriveParameter>;

@@ -9,12 +9,12 @@ pub const UNLIMITED: f64 = 1e9;
 #[macro_export]
 macro_rules! drive_numbers {
     ($(#[$documentation:meta])+ pub struct $name:ident {
-        $($(#[$field_documentation:meta])+ $key:ident: $unit:literal = $default:expr, $deviation:expr, [$lower:expr, $upper:expr];)+
+        $($(#[doc = $meaning:literal])+ $(#[serde($former:meta)])? $key:ident: $unit:literal = $default:expr, $deviation:expr, [$lower:expr, $upper:expr];)+
     }) => {
         $(#[$documentation])+
         #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(default, deny_unknown_fields)]
-        pub struct $name { $($(#[$field_documentation])+ pub $key: f64,)+ }
+        pub struct $name { $($(#[doc = $meaning])+ $(#[serde($former)])? pub $key: f64,)+ }
 
         impl Default for $name {
             fn default() -> Self {
@@ -32,6 +32,12 @@ macro_rules! drive_numbers {
                     deviation: $deviation,
                     bounds: [$lower, $upper],
                 },)+]
+            }
+
+            /// The meaning of every number, in the order of [`Self::numbers`].
+            #[must_use]
+            pub fn meanings() -> Vec<String> {
+                vec![$([$($meaning.trim()),+].join(" "),)+]
             }
 
             /// Sets all numbers, in the order of [`Self::numbers`]; missing ones stay.

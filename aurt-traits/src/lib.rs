@@ -34,7 +34,7 @@ mod tile;
 pub use arm_term::{ArmSeries, ArmTerm, InnerModels};
 pub use branch::Branch;
 pub use dispatch::Dispatch;
-pub use drive_model::{Command, DriveInput, DriveModel, DriveParameter, DriveTorque};
+pub use drive_model::{Command, CommandSignal, DriveInput, DriveModel, DriveParameter, DriveTorque};
 pub use drive_numbers::UNLIMITED;
 pub use error::{ModelError, Result};
 pub use invariants::{Invariant, Invariants};

@@ -13,8 +13,6 @@
 //! # Source
 //! Greene (2012), *Econometric Analysis*, section 4.3.2 (bias by omission of variables).
 
-use std::sync::atomic::AtomicU64;
-
 use aurt_traits::Jet;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -64,12 +62,8 @@ pub fn absorbed(
         });
         groups[at].1[place] = numbers[place].value;
     }
-    let pieces: Vec<DriveRecording> = match options.piece_s {
-        Some(piece_s) => recordings.iter().flat_map(|r| r.pieces(piece_s)).collect(),
-        None => recordings.to_vec(),
-    };
-    let problem =
-        Problem { arm: kept, columns: &columns, recordings: &pieces, options, passes: AtomicU64::new(0) };
+    let pieces = options.pieces(recordings)?;
+    let problem = Problem::new(kept, &columns, &pieces, options);
     let between = |c: &Column| 0.5 * (c.start + complete[c.places[0]].value);
     let theta: Vec<f64> = columns.iter().map(between).collect();
     let parts: Result<Vec<_>, DriveError> =

@@ -1,5 +1,5 @@
 use aurt_rbd::SerialChain;
-use aurt_traits::{DriveModel, DriveParameter, UNLIMITED, drive_numbers};
+use aurt_traits::{CommandSignal, DriveModel, DriveParameter, UNLIMITED, drive_numbers};
 use serde::{Deserialize, Serialize};
 
 use crate::drives::DriveError;
@@ -75,6 +75,9 @@ pub struct DrivenArm {
     pub standard_parameters: Vec<f64>,
     /// One for each joint, base first.
     pub joints: Vec<DrivenJoint>,
+    /// The commands between two samples; linear in files that do not state it.
+    #[serde(default)]
+    pub command: CommandSignal,
     /// What the last link can touch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub floor: Option<Floor>,

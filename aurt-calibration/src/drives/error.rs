@@ -46,6 +46,18 @@ pub enum DriveError {
         /// What is wrong.
         reason: String,
     },
+    /// Pieces that are too short.
+    #[error(
+        "pieces of {piece_s:e} s have fewer than {rows} rows, from which their first velocity is taken; at least {least_s:.3} s are needed"
+    )]
+    ShortPieces {
+        /// The length that was asked for, in s.
+        piece_s: f64,
+        /// Rows that a piece needs.
+        rows: usize,
+        /// The length that they take, in s.
+        least_s: f64,
+    },
     /// The simulation left all numbers.
     #[error(
         "the simulation of recording {recording} diverges at {time_s} s; check that positions and commands are in rad, give starts nearer to the robot, or a shorter step"

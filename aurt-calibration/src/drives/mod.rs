@@ -12,6 +12,7 @@ mod arm;
 mod bodies;
 mod columns;
 mod determined;
+mod deviations;
 mod error;
 mod output_error;
 mod plant;

@@ -7,12 +7,11 @@
 //! the floor's friction held (with it they explode in stick–slip); eight directions in each pass of the simulation.
 //!
 //! # Deviations
-//! H⁻¹ (P + Σ_c g_c g_cᵀ) H⁻¹, with the gradients g_c of blocks of [`Options::block_s`], for errors that last (stick–slip makes
-//! them last for seconds), and P what is known beforehand.
+//! Those of the jackknife over blocks of about [`Options::block_s`], for errors that last (`deviations.rs`).
 //!
 //! # Source
 //! Gautier, Janot, Vandanjon (2013), *A new closed-loop output error method for parameter identification of robot dynamics*,
-//! IEEE TCST; White (1980) for the deviations.
+//! IEEE TCST.
 
 use std::{
     sync::atomic::{AtomicU64, Ordering},
@@ -27,6 +26,7 @@ use crate::drives::{
     DriveError, DriveRecording, DrivenArm, LONGEST_STEP_S,
     columns::{Column, Selection, columns},
     determined::{Undetermined, undetermined},
+    deviations::{Stretch, covariance, stretch_s},
 };
 
 /// Settings of an estimate.
@@ -44,6 +44,14 @@ pub struct Options {
     pub most_iterations: usize,
     /// A step that lowers the cost by less than this part ends the search.
     pub tolerance: f64,
+}
+
+impl Options {
+    /// The recordings in the pieces that are simulated.
+    pub(crate) fn pieces(&self, recordings: &[DriveRecording]) -> Result<Vec<DriveRecording>, DriveError> {
+        let pieces: Result<Vec<_>, _> = recordings.iter().map(|r| r.pieces(self.piece_s)).collect();
+        Ok(pieces?.into_iter().flatten().collect())
+    }
 }
 
 impl Default for Options {
@@ -132,12 +140,8 @@ pub fn output_error_from(
     for (k, recording) in recordings.iter().enumerate() {
         recording.check(arm.joints.len(), k)?;
     }
-    let pieces: Vec<DriveRecording> = match options.piece_s {
-        Some(piece_s) => recordings.iter().flat_map(|r| r.pieces(piece_s)).collect(),
-        None => recordings.to_vec(),
-    };
-    let recordings = &pieces[..];
-    let problem = Problem { arm, columns: &columns, recordings, options, passes: AtomicU64::new(0) };
+    let recordings = &options.pieces(recordings)?[..];
+    let problem = Problem::new(arm, &columns, recordings, options);
     let first = from.numbers();
     let start = |c: &Column| c.places.first().and_then(|p| first.get(*p)).map_or(c.start, |n| n.value);
     let mut theta: Vec<f64> = columns.iter().map(|c| start(c).clamp(c.bounds[0], c.bounds[1])).collect();
@@ -169,12 +173,13 @@ pub fn output_error_from(
     let mut fitted = arm.clone();
     fitted.set_numbers(&problem.numbers(&theta));
     let fixed = at.at_bounds(&columns, &theta);
-    let covariance = at.covariance(&columns, &fixed);
+    let covariance = covariance(&at.curvature(&fixed), &at.stretches, &fixed);
+    let deviation = |k: usize| covariance.as_ref().map_or(f64::INFINITY, |c| c[(k, k)].max(0.0).sqrt());
     let numbers = columns.iter().enumerate().map(|(k, c)| EstimatedNumber {
         name: c.name.clone(),
         unit: c.unit.clone(),
         value: theta[k],
-        deviation: covariance[(k, k)].max(0.0).sqrt() * c.deviation,
+        deviation: deviation(k) * c.deviation,
         start: c.start,
         start_deviation: c.deviation,
         at_bound: fixed[k],
@@ -197,7 +202,9 @@ pub(crate) struct Problem<'a> {
     pub columns: &'a [Column],
     pub recordings: &'a [DriveRecording],
     pub options: &'a Options,
-    pub passes: AtomicU64,
+    /// Length of the stretches whose errors count as independent, in s.
+    stretch_s: f64,
+    passes: AtomicU64,
 }
 
 /// The problem about one θ, in units of the columns' deviations.
@@ -207,21 +214,30 @@ struct Linearised {
     information: DMatrix<f64>,
     /// Σ w Jᵀ r/σ² and the pull of what is known beforehand.
     gradient: DVector<f64>,
-    /// Σ_c g_c g_cᵀ.
-    scatter: DMatrix<f64>,
+    stretches: Vec<Stretch>,
     rms_rad: Vec<Vec<f64>>,
 }
 
 /// What one recording contributes to [`Linearised`].
 struct Part {
     cost: f64,
-    information: DMatrix<f64>,
-    gradient: DVector<f64>,
-    scatter: DMatrix<f64>,
+    stretches: Vec<Stretch>,
     rms_rad: Vec<f64>,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// The problem of recordings, or of their pieces.
+    pub(crate) fn new(
+        arm: &'a DrivenArm,
+        columns: &'a [Column],
+        recordings: &'a [DriveRecording],
+        options: &'a Options,
+    ) -> Self {
+        let lasts_s: f64 = recordings.iter().map(|r| r.time_s[r.time_s.len() - 1] - r.time_s[r.first]).sum();
+        let stretch_s = stretch_s(lasts_s, options.block_s);
+        Self { arm, columns, recordings, options, stretch_s, passes: AtomicU64::new(0) }
+    }
+
     /// All numbers of the arm at θ.
     fn numbers(&self, theta: &[f64]) -> Vec<f64> {
         let mut numbers: Vec<f64> = self.arm.numbers().iter().map(|p| p.value).collect();
@@ -279,14 +295,16 @@ impl Problem<'_> {
             cost: self.prior(theta),
             information: DMatrix::zeros(columns, columns),
             gradient: DVector::from_iterator(columns, pull),
-            scatter: DMatrix::zeros(columns, columns),
+            stretches: Vec::new(),
             rms_rad: Vec::new(),
         };
         for part in parts? {
             sum.cost += part.cost;
-            sum.information += part.information;
-            sum.gradient += part.gradient;
-            sum.scatter += part.scatter;
+            for stretch in &part.stretches {
+                sum.information += &stretch.information;
+                sum.gradient += &stretch.gradient;
+            }
+            sum.stretches.extend(part.stretches);
             sum.rms_rad.push(part.rms_rad);
         }
         Ok(sum)
@@ -302,17 +320,11 @@ impl Problem<'_> {
         let passes = passes?;
         let measured = &self.recordings[recording];
         let joints = measured.position_rad.len();
-        let mut part = Part {
-            cost: 0.0,
-            information: DMatrix::zeros(columns, columns),
-            gradient: DVector::zeros(columns),
-            scatter: DMatrix::zeros(columns, columns),
-            rms_rad: vec![0.0; joints],
-        };
+        let mut part = Part { cost: 0.0, stretches: Vec::new(), rms_rad: vec![0.0; joints] };
         let time_s = &measured.time_s[measured.first..];
         let samples = time_s.len();
-        let mut block = DVector::zeros(columns);
-        let mut next_s = time_s[0] + self.options.block_s;
+        let mut gradient = DVector::zeros(columns);
+        let mut next_s = time_s[0] + self.stretch_s;
         // Weighted rows are folded by the block: a product of matrices is faster than one of vectors at a time.
         let mut rows: Vec<f64> = Vec::new();
         for k in 0..samples {
@@ -328,16 +340,15 @@ impl Problem<'_> {
                     rows.push(passes[c / Jet::LANES][at].slope[c % Jet::LANES] * root);
                 }
                 for c in 0..columns {
-                    block[c] += rows[first + c] * root * error;
+                    gradient[c] += rows[first + c] * root * error;
                 }
             }
             if time_s[k] >= next_s || k + 1 == samples {
-                next_s = time_s[k] + self.options.block_s;
+                next_s = time_s[k] + self.stretch_s;
                 let matrix = DMatrix::from_column_slice(columns, rows.len() / columns.max(1), &rows);
-                part.information += &matrix * matrix.transpose();
-                part.scatter += &block * block.transpose();
-                part.gradient += &block;
-                block.fill(0.0);
+                let information = &matrix * matrix.transpose();
+                part.stretches.push(Stretch { gradient: gradient.clone(), information });
+                gradient.fill(0.0);
                 rows.clear();
             }
         }
@@ -385,20 +396,6 @@ impl Linearised {
         }
         let step = curvature.cholesky().map_or_else(|| gradient.clone() * 0.0, |c| c.solve(&gradient));
         step.iter().zip(columns).map(|(s, c)| -s * c.deviation).collect()
-    }
-
-    /// Covariance in units of the columns' deviations.
-    fn covariance(&self, columns: &[Column], fixed: &[bool]) -> DMatrix<f64> {
-        let n = columns.len();
-        let Some(inverse) = self.curvature(fixed).cholesky().map(|c| c.inverse()) else {
-            return DMatrix::from_diagonal_element(n, n, f64::INFINITY);
-        };
-        let mut inner = &self.scatter + DMatrix::identity(n, n);
-        for k in (0..n).filter(|k| fixed[*k]) {
-            inner.row_mut(k).fill(0.0);
-            inner.column_mut(k).fill(0.0);
-        }
-        &inverse * inner * &inverse
     }
 }
 

@@ -1,4 +1,4 @@
-use aurt_traits::Jet;
+use aurt_traits::{CommandSignal, Jet};
 
 use crate::drives::{DriveError, DrivenArm, plant::Plant};
 
@@ -53,15 +53,23 @@ impl DriveRecording {
         }
     }
 
-    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity.
-    #[must_use]
-    pub fn pieces(&self, piece_s: f64) -> Vec<Self> {
+    /// The recording in pieces of about `piece_s`, each starting where the robot was, with its velocity; whole without.
+    ///
+    /// # Errors
+    /// [`DriveError::ShortPieces`] if a piece has fewer rows than the velocity at its start is taken from.
+    pub fn pieces(&self, piece_s: Option<f64>) -> Result<Vec<Self>, DriveError> {
+        let Some(piece_s) = piece_s else { return Ok(vec![self.clone()]) };
         let at = |t: f64| self.time_s.partition_point(|s| *s < t);
         let (begin, end) = (self.time_s[self.first], self.time_s[self.time_s.len() - 1]);
         let count = ((end - begin) / piece_s).round().max(1.0);
+        let most = ((self.time_s.len() - self.first) / AROUND).max(1) as f64;
+        // Not a number, too.
+        if !(piece_s > 0.0 && count <= most) {
+            return Err(DriveError::ShortPieces { piece_s, rows: AROUND, least_s: (end - begin) / most });
+        }
         let edge = |k: f64| if k == 0.0 { self.first } else { at(begin + (end - begin) * k / count) };
         let part = |k: usize| self.part(edge(k as f64)..edge((k + 1) as f64) + 1);
-        (0..count as usize).map(part).collect()
+        Ok((0..count as usize).map(part).collect())
     }
 
     /// Some of the samples. A part that begins on the way starts where the robot was, with its velocity, and keeps the commands
@@ -151,8 +159,15 @@ impl DrivenArm {
         for k in recording.first + 1..time_s.len() {
             let span_s = time_s[k] - time_s[k - 1];
             let substeps = (span_s / longest_step_s * (1.0 - 1e-9)).ceil().max(1.0);
-            let command = |joint: usize, t: Jet| interpolated(time_s, &recording.command[joint], t, k);
-            plant.sample(time_s[k - 1], span_s / substeps, substeps as usize, &command);
+            let step_s = span_s / substeps;
+            let command = |joint: usize, t: Jet| {
+                let sent = Sent { time_s, series: &recording.command[joint] };
+                match self.command {
+                    CommandSignal::Hold => sent.held(t, step_s, k),
+                    CommandSignal::Linear => sent.interpolated(t, k),
+                }
+            };
+            plant.sample(time_s[k - 1], step_s, substeps as usize, &command);
             visit(&plant.q);
             if !plant.q.iter().all(|q| q.value.abs() < 1e3) {
                 return Err(time_s[k]);
@@ -162,15 +177,61 @@ impl DrivenArm {
     }
 }
 
-/// A series at a time, linear between its stamps and constant outside; `near` is a stamp at or after it, where the search starts.
-fn interpolated(time_s: &[f64], series: &[f64], t: Jet, near: usize) -> Jet {
-    let mut k = near.min(time_s.len() - 1);
-    while k > 0 && time_s[k - 1] > t.value {
-        k -= 1;
+/// A joint's commands as they were sent. `near` is a stamp at or after the time that is asked for, where a search starts.
+struct Sent<'a> {
+    time_s: &'a [f64],
+    series: &'a [f64],
+}
+
+/// An edge of a step within this part of the step from a stamp stands on it.
+const ON_STAMP: f64 = 1e-6;
+
+impl Sent<'_> {
+    /// Linear between stamps and constant outside.
+    fn interpolated(&self, t: Jet, near: usize) -> Jet {
+        let (time_s, series) = (self.time_s, self.series);
+        let mut k = near.min(time_s.len() - 1);
+        while k > 0 && time_s[k - 1] > t.value {
+            k -= 1;
+        }
+        if k == 0 || t.value >= time_s[k] {
+            return Jet::constant(series[k]);
+        }
+        let rate = (series[k] - series[k - 1]) / (time_s[k] - time_s[k - 1]);
+        t.chain(series[k - 1] + rate * (t.value - time_s[k - 1]), rate)
     }
-    if k == 0 || t.value >= time_s[k] {
-        return Jet::constant(series[k]);
+
+    /// The mean over a step about `t` of commands of which each holds until the next. The mean depends on a delay without
+    /// jumps, (c(t + h/2) − c(t − h/2))/h: a staircase itself has no slope that tells a delay.
+    fn held(&self, t: Jet, step_s: f64, near: usize) -> Jet {
+        let (begin, end) = (t.value - 0.5 * step_s, t.value + 0.5 * step_s);
+        let mut k = self.last_before(end, near);
+        let (mut sum, mut until) = (0.0, end);
+        while k > 0 && self.time_s[k] > begin {
+            sum += self.series[k] * (until - self.time_s[k]);
+            until = self.time_s[k];
+            k -= 1;
+        }
+        sum += self.series[k] * (until - begin);
+        t.chain(sum / step_s, (self.at_edge(end, step_s, near) - self.at_edge(begin, step_s, near)) / step_s)
     }
-    let rate = (series[k] - series[k - 1]) / (time_s[k] - time_s[k - 1]);
-    t.chain(series[k - 1] + rate * (t.value - time_s[k - 1]), rate)
+
+    /// The command that holds at the edge of a step; the mean of two at a stamp, so that the steps on either side share its jump.
+    fn at_edge(&self, t: f64, step_s: f64, near: usize) -> f64 {
+        let tolerance = ON_STAMP * step_s;
+        let k = self.last_before(t + tolerance, near);
+        if k > 0 && (t - self.time_s[k]).abs() <= tolerance {
+            return 0.5 * (self.series[k - 1] + self.series[k]);
+        }
+        self.series[k]
+    }
+
+    /// The last stamp up to `near` that is not after `t`; the first if there is none.
+    fn last_before(&self, t: f64, near: usize) -> usize {
+        let mut k = near.min(self.time_s.len() - 1);
+        while k > 0 && self.time_s[k] > t {
+            k -= 1;
+        }
+        k
+    }
 }

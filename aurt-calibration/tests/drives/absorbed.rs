@@ -5,6 +5,7 @@ use aurt_calibration::drives::{
 };
 use aurt_friction::drives::PositionServo;
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
+use aurt_traits::CommandSignal;
 
 /// One servo with a rod on its shaft, in a vertical plane.
 fn servo(delay_s: f64, coulomb_nm: f64) -> DrivenArm {
@@ -17,7 +18,7 @@ fn servo(delay_s: f64, coulomb_nm: f64) -> DrivenArm {
     };
     let drive = PositionServo {
         gain_nm_per_rad: 10.0,
-        damping_nm_s_per_rad: 0.4,
+        back_emf_nm_s_per_rad: 0.4,
         delay_s,
         ..PositionServo::default()
     };
@@ -27,6 +28,7 @@ fn servo(delay_s: f64, coulomb_nm: f64) -> DrivenArm {
         standard_parameters: rod.standard_parameters().to_vec(),
         joints: vec![DrivenJoint { drive: Box::new(drive), mechanics }],
         floor: None,
+        command: CommandSignal::Hold,
     }
 }
 
@@ -41,7 +43,7 @@ fn armature_and_damping_stand_for_the_delay_and_dry_friction_that_are_left_out()
     recording.position_rad = truth.rollout(&recording).unwrap();
     let options = Options { deviation_rad: 1e-3, ..Options::default() };
     let estimate =
-        ["gain_nm_per_rad", "rotor_inertia_kg_m2", "damping_nm_s_per_rad"].map(str::to_owned).to_vec();
+        ["gain_nm_per_rad", "rotor_inertia_kg_m2", "back_emf_nm_s_per_rad"].map(str::to_owned).to_vec();
     let selection = Selection { estimate, ..Selection::default() };
     let recordings = [recording];
     let kept = output_error(&servo(0.0, 0.0), &selection, &recordings, &options).unwrap();
@@ -52,7 +54,7 @@ fn armature_and_damping_stand_for_the_delay_and_dry_friction_that_are_left_out()
     };
     let number = |name: &str| kept.numbers.iter().find(|n| n.name == name).unwrap().value;
     // A servo that is late by T lags like one with K_p T more damping, and is as slow as one with more inertia.
-    let [armature, damping] = ["rotor_inertia_kg_m2_0", "damping_nm_s_per_rad_0"];
+    let [armature, damping] = ["rotor_inertia_kg_m2_0", "back_emf_nm_s_per_rad_0"];
     assert!((change("delay_s", damping) - 10.0 * 0.03).abs() < 0.05, "{parts:?}");
     assert!(number(armature) > 2.0 * 0.01 && change("delay_s", armature) > 0.5 * (number(armature) - 0.01));
     let split = change("delay_s", damping) + change("coulomb_nm", damping);

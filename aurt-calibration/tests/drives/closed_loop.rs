@@ -5,7 +5,7 @@ use aurt_calibration::drives::{
 };
 use aurt_friction::drives::{PositionServo, TorqueDrive, VoltageDrive};
 use aurt_rbd::{Joint, LinkBody, Placement, SerialChain};
-use aurt_traits::DriveModel;
+use aurt_traits::{CommandSignal, DriveModel};
 
 const UPRIGHT: [f64; 3] = [0.0, 0.0, -9.81];
 
@@ -19,6 +19,7 @@ fn slide(mechanics: Mechanics, drive: Box<dyn DriveModel>) -> DrivenArm {
         standard_parameters: vec![0.0; 10],
         joints: vec![DrivenJoint { drive, mechanics }],
         floor: None,
+        command: CommandSignal::Linear,
     }
 }
 
@@ -48,7 +49,7 @@ fn arm() -> DrivenArm {
     let joint = |gain: f64| DrivenJoint {
         drive: Box::new(PositionServo {
             gain_nm_per_rad: gain,
-            damping_nm_s_per_rad: 0.4,
+            back_emf_nm_s_per_rad: 0.4,
             delay_s: 0.03,
             ..PositionServo::default()
         }),
@@ -65,6 +66,7 @@ fn arm() -> DrivenArm {
         standard_parameters: [standard, standard].concat(),
         joints: vec![joint(12.0), joint(8.0)],
         floor: None,
+        command: CommandSignal::Hold,
     }
 }
 
@@ -144,13 +146,13 @@ fn what_was_simulated_is_estimated_within_its_deviations() {
     start.joints.iter_mut().for_each(|j| {
         j.drive = Box::new(PositionServo {
             gain_nm_per_rad: 10.0,
-            damping_nm_s_per_rad: 0.3,
+            back_emf_nm_s_per_rad: 0.3,
             ..PositionServo::default()
         });
         j.mechanics.coulomb_nm = 0.04;
         j.mechanics.rotor_inertia_kg_m2 = 0.015;
     });
-    let keys = ["gain_nm_per_rad", "damping_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
+    let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "rotor_inertia_kg_m2", "coulomb_nm"];
     let selection = Selection {
         estimate: keys.map(str::to_owned).to_vec(),
         shared: vec!["delay_s".to_owned()],
@@ -173,6 +175,63 @@ fn what_was_simulated_is_estimated_within_its_deviations() {
         assert!(estimate.deviation < 0.3 * estimate.value, "{estimate:?}");
     }
     assert!(fit.undetermined.is_empty(), "{:?}", fit.undetermined);
+}
+
+/// A servo of 8 Nm/rad with a limit of 2.6 Nm receives a command every 20 ms, 32 ms late, and holds it. Its motion is simulated at
+/// 1 kHz from commands that are written out as a staircase, read every 20 ms, and estimated from the commands as they were sent.
+#[test]
+fn held_commands_are_estimated_as_held() {
+    let mut truth = slide(Mechanics::default(), Box::new(PositionServo::default()));
+    truth.joints[0] = DrivenJoint {
+        drive: Box::new(PositionServo {
+            gain_nm_per_rad: 8.0,
+            back_emf_nm_s_per_rad: 0.35,
+            delay_s: 0.032,
+            torque_limit_nm: 2.6,
+            ..PositionServo::default()
+        }),
+        mechanics: Mechanics { rotor_inertia_kg_m2: 0.02, coulomb_nm: 0.1, ..Mechanics::default() },
+    };
+    let sent = |t: f64| {
+        let step = if ((t / 1.7) as usize).is_multiple_of(2) { 0.45 } else { -0.35 };
+        vec![if t < 8.0 { step } else { 0.0 } + 0.25 * (3.1 * t).sin()]
+    };
+    let stairs = recorded(1000.0, 16.0, &|t| sent(((t + 1e-9) * 50.0).floor() / 50.0), &[sent(0.0)[0]]);
+    let q = truth.rollout(&stairs).unwrap().swap_remove(0);
+    let mut recording = recorded(50.0, 16.0, &sent, &[0.0]);
+    recording.position_rad = vec![q.into_iter().step_by(20).collect()];
+    let mut start = truth.clone();
+    start.joints[0].drive = Box::new(PositionServo { torque_limit_nm: 3.0, ..PositionServo::default() });
+    let keys = ["gain_nm_per_rad", "back_emf_nm_s_per_rad", "delay_s", "torque_limit_nm"];
+    let selection = Selection { estimate: keys.map(str::to_owned).to_vec(), ..Selection::default() };
+    let options = Options { deviation_rad: 1e-3, ..Options::default() };
+    let fit = |command| {
+        let arm = DrivenArm { command, ..start.clone() };
+        let fit = output_error(&arm, &selection, std::slice::from_ref(&recording), &options).unwrap();
+        (fit.numbers.iter().map(|n| n.value).collect::<Vec<_>>(), fit.rms_rad[0][0])
+    };
+    let (held, rms) = fit(CommandSignal::Hold);
+    for (value, truth) in held.iter().zip([8.0, 0.35, 0.032, 2.6]) {
+        assert!((value / truth - 1.0).abs() < 0.02, "{held:?}");
+    }
+    // On the line between two commands the servo seems to be later by half their period.
+    let (linear, rms_linear) = fit(CommandSignal::Linear);
+    println!("hold {held:?} {rms}; linear {linear:?} {rms_linear}");
+    assert!(linear[2] > 0.038 && rms < 3e-4 && rms_linear > 2.0 * rms, "{linear:?} {rms} {rms_linear}");
+}
+
+#[test]
+fn pieces_that_are_too_short_are_refused() {
+    let slide = slide(Mechanics::default(), Box::new(TorqueDrive::default()));
+    let recording = recorded(50.0, 10.0, &|_| vec![1.0], &[0.0]);
+    for piece_s in [5e-324, 1e-9, 0.19, 0.0, -1.0, f64::NAN] {
+        let options = Options { piece_s: Some(piece_s), ..Options::default() };
+        let error = output_error(&slide, &Selection::default(), std::slice::from_ref(&recording), &options);
+        assert!(matches!(error, Err(DriveError::ShortPieces { rows: 10, .. })), "{piece_s}: {error:?}");
+    }
+    for (piece_s, pieces) in [(0.2, 50), (1e308, 1), (f64::INFINITY, 1)] {
+        assert_eq!(recording.pieces(Some(piece_s)).unwrap().len(), pieces);
+    }
 }
 
 #[test]
@@ -204,13 +263,13 @@ fn numbers_that_are_one_column_are_named() {
     let truth = arm();
     let mut recording = recorded(50.0, 8.0, &waves, &[0.0, 0.0]);
     recording.position_rad = truth.rollout(&recording).unwrap();
-    let estimate = ["damping_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
+    let estimate = ["back_emf_nm_s_per_rad_0", "viscous_nm_s_per_rad_0"].map(str::to_owned).to_vec();
     let selection = Selection { estimate, ..Selection::default() };
     let fit = output_error(&truth, &selection, &[recording], &Options::default()).unwrap();
     let said = fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert_eq!(said.len(), 1);
     assert!(
-        said[0].contains("damping_nm_s_per_rad_0") && said[0].contains("viscous_nm_s_per_rad_0"),
+        said[0].contains("back_emf_nm_s_per_rad_0") && said[0].contains("viscous_nm_s_per_rad_0"),
         "{said:?}"
     );
 }

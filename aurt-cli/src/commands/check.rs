@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use aurt_experiment::Experiment;
 use aurt_experiment::doctor::checkup::{Checkup, Given, Known, Question, check};
 use aurt_experiment::workbench::{
+    driving::check_drives,
     failure::Failure,
     output::{OutputFolder, Outputs},
 };
@@ -75,10 +76,13 @@ impl Check {
         let plots = self.plots.folder()?;
         let experiment = match self.recordings.as_slice() {
             [one] if one.extension().is_some_and(|e| e == "toml") => {
-                Some(Experiment::read(one, &mut session.registry)?)
+                Some(Experiment::read_with_drives(one, &mut session.registry)?)
             }
             _ => None,
         };
+        if let Some(experiment) = experiment.as_ref().filter(|e| e.drive.is_some()) {
+            return self.drives(experiment, session);
+        }
         let fixed = checked_setup::place(self.fixed.as_deref(), experiment.as_ref())?;
         let table = self.mdh.as_ref().map(|p| MdhTable::from_path(p, self.mdh_rows.into())).transpose()?;
         let robot = match (&experiment, &table) {
@@ -104,6 +108,21 @@ impl Check {
         }
         self.draw(&checkup, &mut report, folder.as_ref(), plots.as_ref())?;
         Ok(report)
+    }
+
+    /// Checks an experiment with a `[drive]`.
+    fn drives(&self, experiment: &Experiment, session: &Session<'_>) -> Result<Report, Failure> {
+        let given = [("--fixed", self.fixed.is_some()), ("--out", self.out.is_some())];
+        if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+            let reason = "is of recordings with torques, and this experiment has a [drive]".into();
+            let remedy = format!("leave out {option}: what is found is printed, and in the output of --json");
+            return Err(Failure::Argument { option, reason, remedy });
+        }
+        let count = experiment.recordings.calibration.len() + experiment.recordings.validation.len();
+        let outcome = check_drives(experiment, &session.terminal.progress(count + 2))?;
+        let mut json = outcome.json;
+        json["command"] = json!("check");
+        Ok(Report { text: outcome.text, json, findings: outcome.findings })
     }
 
     /// Pages and figures; of several recordings each in a folder of its own.

@@ -1,7 +1,9 @@
 //! `aurt explain`: what an effect, a model or a term of the reports means.
 
+use aurt_calibration::drives::Mechanics;
 use aurt_diagnosis::effects;
 use aurt_experiment::workbench::failure::Failure;
+use aurt_friction::drives::{DriveListing, listings};
 use aurt_plugins::{ModelListing, suggestion};
 use aurt_report::{
     glossary::{self, terms},
@@ -14,7 +16,12 @@ use aurt_report::{
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{Session, models::describe};
+use aurt_traits::{CommandSignal, DriveParameter};
+
+use super::{
+    Session,
+    models::{describe, describe_drive},
+};
 use crate::rendering::terminal::{Emphasis, Report, Terminal};
 
 /// Columns of running text.
@@ -25,7 +32,7 @@ const WIDTH: usize = 78;
 #[command(after_help = "Example:\n  aurt explain payload\n  aurt explain square\n  aurt explain nmse\n  \
     aurt explain        lists what there is")]
 pub struct Explain {
-    /// An effect of a diagnosis, a model of `aurt models`, or a term such as nmse, rest, load_torque
+    /// An effect of a diagnosis, a model or drive of `aurt models`, or a term such as nmse, rest, load_torque
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -48,6 +55,10 @@ impl Explain {
             text.push(model_text(session.terminal, model, &description));
             explained.push(description);
         }
+        for listing in listings().iter().filter(|listing| listing.drive.name() == wanted) {
+            text.push(drive_text(session.terminal, listing));
+            explained.push(describe_drive(listing));
+        }
         if let Some(term) = glossary::term(&wanted) {
             let title = session.terminal.emphasise(Emphasis::Title, term.title);
             text.push(format!("{title}\n\n{}", wrapped_at(&term.text, WIDTH, "")));
@@ -63,7 +74,9 @@ impl Explain {
 }
 
 fn unknown(session: &Session<'_>, written: &str, wanted: &str) -> Failure {
+    let drives = listings();
     let models = session.registry.models().map(|m| m.name.as_str());
+    let models = models.chain(drives.iter().map(|listing| listing.drive.name()));
     let effects = effects::ALL.into_iter().map(|e| e.id);
     let known = models.chain(effects).chain(terms().iter().map(|t| t.name));
     let meant = suggestion::likely(wanted, known).map(|k| format!("did you mean `{k}`? "));
@@ -79,6 +92,8 @@ fn listing(session: &Session<'_>) -> Report {
     let effects: Vec<&str> = effects::ALL.into_iter().map(|e| e.id).collect();
     let mut models: Vec<&str> = session.registry.models().map(|m| m.name.as_str()).collect();
     models.dedup();
+    let drives = listings();
+    let drives: Vec<&str> = drives.iter().map(|listing| listing.drive.name()).collect();
     let terms: Vec<&str> = terms().iter().map(|t| t.name).collect();
     let section = |title: &str, names: &[&str]| {
         let title = session.terminal.emphasise(Emphasis::Title, title);
@@ -87,8 +102,9 @@ fn listing(session: &Session<'_>) -> Report {
     Report {
         text: section("effects that a diagnosis can name", &effects)
             + &section("models", &models)
+            + &section("drives", &drives)
             + &section("terms of the reports", &terms),
-        json: json!({ "command": "explain", "effects": effects, "models": models, "terms": terms }),
+        json: json!({ "command": "explain", "effects": effects, "models": models, "drives": drives, "terms": terms }),
         findings: false,
     }
 }
@@ -155,6 +171,31 @@ fn model_text(terminal: &Terminal, model: &ModelListing, description: &Value) ->
     }
     text.push_str(&format!("\nexample\n  {} = {}\n", model.slot.name(), model.example));
     text
+}
+
+fn drive_text(terminal: &Terminal, listing: &DriveListing) -> String {
+    let (name, command) = (listing.drive.name(), format!("{:?}", listing.drive.command()).to_lowercase());
+    let between = match listing.drive.usual_signal() {
+        CommandSignal::Hold => "hold",
+        CommandSignal::Linear => "linear",
+    };
+    let table = |numbers: &[DriveParameter], meanings: &[String]| {
+        let mut table = Table::new(["key", "unit", "default", "from", "to", "symbol and meaning"]).left(6);
+        for (number, meaning) in numbers.iter().zip(meanings) {
+            let [lower, upper] = number.bounds;
+            let [value, lower, upper] = [number.value, lower, upper].map(|v| significant(v, 4));
+            let (name, unit) = (number.parameter.name.clone(), number.parameter.unit.clone());
+            table.row([name, unit, value, lower, upper, meaning.clone()]);
+        }
+        table.render()
+    };
+    format!(
+        "{}\n\nIts numbers; a limit of 1e9 is none\n{}\nThose of every joint\n{}\nexample\n  [drive]\n  model = \"{name}\"\n  \
+         command = \"{between}\"  # the {command} between two rows: \"hold\" or \"linear\"\n",
+        page_text(terminal, &listing.explanation()).trim_end(),
+        table(&listing.drive.parameters(), &listing.meanings),
+        table(&Mechanics::default().numbers(), &Mechanics::meanings()),
+    )
 }
 
 fn string(value: &Value) -> String {

@@ -1,6 +1,7 @@
 //! `aurt models`: what can be named in an experiment.
 
 use aurt_experiment::workbench::failure::Failure;
+use aurt_friction::drives::DriveListing;
 use aurt_plugins::{ModelListing, Origin, Registry};
 use aurt_report::rendering::table::Table;
 use aurt_traits::Slot;
@@ -37,23 +38,19 @@ impl Models {
         }
         let mut table = Table::new(["model", "command", "numbers"]).left(3);
         let mut drives = Vec::new();
-        for drive in aurt_friction::drives::all() {
+        for listing in aurt_friction::drives::listings() {
+            let drive = &listing.drive;
             let command = format!("{:?}", drive.command()).to_lowercase();
             let numbers = drive.parameters();
             let names: Vec<&str> = numbers.iter().map(|n| n.parameter.name.as_str()).collect();
-            table.row([drive.name().to_owned(), command.clone(), names.join(" ")]);
-            let numbers = numbers.iter().map(|n| {
-                json!({ "name": n.parameter.name, "unit": n.parameter.unit, "value": n.value, "bounds": n.bounds })
-            });
-            drives.push(
-                json!({ "name": drive.name(), "command": command, "numbers": numbers.collect::<Vec<_>>() }),
-            );
+            table.row([drive.name().to_owned(), command, names.join(" ")]);
+            drives.push(describe_drive(&listing));
         }
         let title = session
             .terminal
             .emphasise(Emphasis::Title, "drives, from commands to torques: [drive] model = …");
         text.push_str(&format!("{title}\n{}\n", table.render()));
-        text.push_str("`aurt explain MODEL` prints equation, parameters and an example (not of drives).\n");
+        text.push_str("`aurt explain MODEL` prints equation, parameters and an example.\n");
         let models: Vec<Value> =
             registry.models().map(|model| describe(registry, model)).collect::<Result<_, _>>()?;
         Ok(Report {
@@ -72,6 +69,22 @@ fn title(slot: Slot) -> String {
         Slot::Viscous => "viscous friction, f_v(q̇): viscous = { model = … }".into(),
         Slot::ArmTerm => "other physics of the arm: [[arm_terms]] model = …".into(),
     }
+}
+
+/// Everything that is known of a drive.
+pub fn describe_drive(listing: &DriveListing) -> Value {
+    let numbers = listing.drive.parameters();
+    let numbers = numbers.iter().zip(&listing.meanings).map(|(n, meaning)| {
+        json!({ "name": n.parameter.name, "meaning": meaning, "unit": n.parameter.unit, "value": n.value, "bounds": n.bounds })
+    });
+    json!({
+        "kind": "drive",
+        "name": listing.drive.name(),
+        "command": format!("{:?}", listing.drive.command()).to_lowercase(),
+        "between_commands": listing.drive.usual_signal(),
+        "numbers": numbers.collect::<Vec<_>>(),
+        "text": listing.explanation(),
+    })
 }
 
 /// Everything that is known of a model.

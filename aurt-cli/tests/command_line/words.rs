@@ -48,10 +48,31 @@ fn models_are_explained_and_unknown_ones_suggested() {
     for word in ["What to record to be sure", "Easily confused with", "model = \"payload\""] {
         assert!(payload.contains(word), "`{word}` is missing in\n{payload}");
     }
+    // Keys of drives stand beside the symbols of their equation.
+    let servo = folder.aurt(["explain", "position_servo"]).succeeded().stdout();
+    for word in [
+        "K_p d(r + b − q)",
+        "back_emf_nm_s_per_rad",
+        "K_e: braking by the back-EMF",
+        "coulomb_nm",
+        "command = \"hold\"",
+    ] {
+        assert!(servo.contains(word), "`{word}` is missing in\n{servo}");
+    }
+    for drive in ["current", "pd_law", "torque", "voltage"] {
+        assert!(folder.aurt(["explain", drive]).succeeded().stdout().contains("delay_s"), "{drive}");
+    }
+    folder.aurt(["explain", "position_serv"]).refused(&["did you mean `position_servo`?"]);
     let all = folder.aurt(["explain"]).succeeded().stdout();
-    for word in
-        ["joint_elasticity", "maxwell_slip", "condition_number", "noise_floor", "out_of_reach", "unexplained"]
-    {
+    for word in [
+        "joint_elasticity",
+        "position_servo",
+        "maxwell_slip",
+        "condition_number",
+        "noise_floor",
+        "out_of_reach",
+        "unexplained",
+    ] {
         assert!(all.contains(word), "`{word}` is missing in\n{all}");
     }
 }

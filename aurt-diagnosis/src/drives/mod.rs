@@ -3,12 +3,13 @@
 //! # Steps
 //! 1. The numbers are estimated from the fitted recordings; rollouts of the held-out ones are its predictions.
 //! 2. Every structure that the model lacks is added on all joints it can concern, or its given numbers are estimated, and all
-//!    numbers are estimated again. One is *missing*, or what is given of it *wrong*, if the held-out recordings are predicted better: the gain of log-likelihood is beyond chance (a paired test
-//!    on blocks of time, false discovery rate over all structures that are tried), it lowers the error of a joint by
+//!    numbers are estimated again. One is *missing*, or what is given of it *wrong*, if the held-out recordings are predicted
+//!    better: the gain of log-likelihood is beyond chance (a paired test on the blocks of time in which the predictions differ,
+//!    false discovery rate over all structures that are tried), it lowers the error of a joint by
 //!    [`Demands::reduction`], and one of its numbers is two deviations from nothing, or from what is given. Of several the one that lowers the error
 //!    of the *fitted* recordings most, for its count of numbers, is added, and the rest is tried again.
 //! 3. Every structure of the final model is taken out and the rest estimated again. It is *needed* if the held-out recordings
-//!    are then predicted worse, by the same test; else it is *not supported*.
+//!    are then predicted worse, by the same test; else it is *not supported*, with the demand that it does not meet.
 //!
 //! Another structure that would have been added and predicts as well as the one that was is named as its alternative.
 
@@ -51,8 +52,21 @@ pub enum Answer {
     Missing,
     /// The model has it with given numbers, and with others predicts better.
     Wrong,
-    /// With it nothing is predicted better.
+    /// The recordings do not show it: why stands in [`Finding::objection`].
     NotSupported,
+}
+
+/// The demand that a structure does not meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Objection {
+    /// Chance alone predicts so much better.
+    Chance,
+    /// It lowers the error of no joint by [`Demands::reduction`].
+    Reduction,
+    /// None of its numbers is two deviations from nothing, or from what is given.
+    Size,
+    /// It does not lower the cost of the fitted recordings by what chance does.
+    Fit,
 }
 
 /// A structure that was examined.
@@ -62,6 +76,8 @@ pub struct Finding {
     pub structure: Structure,
     /// What is said of it.
     pub answer: Answer,
+    /// Why it is not supported.
+    pub objection: Option<Objection>,
     /// Whether the model in question has it.
     pub is_in_model: bool,
     /// Its numbers in the model that has it; none of a structure that was given.
@@ -161,20 +177,23 @@ pub fn diagnose(
         let mut probabilities: Vec<f64> = tried.iter().map(|t| t.2.probability).collect();
         probabilities.resize(absent.len(), 1.0);
         let largest = largest_of_claims(&probabilities, demands.level);
-        let passes = |(s, trial, c): &(Structure, Trial, Comparison)| {
-            lowers(trial, &model) && search.claims(s, s.is_in(arm), &trial.fit, c, largest)
+        let objection = |(s, trial, c): &(Structure, Trial, Comparison)| {
+            search
+                .objection(Some((s, s.is_in(arm), &trial.fit)), c, largest)
+                .or_else(|| misfit(trial, &model))
         };
+        let passes = |k: &usize| objection(&tried[*k]).is_none();
         let best = (0..tried.len())
-            .filter(|k| passes(&tried[*k]))
+            .filter(passes)
             .min_by(|a, b| worth(&tried[*a].1).total_cmp(&worth(&tried[*b].1)));
         let Some(best) = best else {
-            break tried
-                .into_iter()
-                .filter(|(s, ..)| !s.is_in(arm))
-                .map(|(s, t, c)| finding(s, Answer::NotSupported, false, &t.fit, c))
-                .collect();
+            let refused = |t: &(Structure, Trial, Comparison)| {
+                let found = finding(t.0, Answer::NotSupported, false, &t.1.fit, t.2.clone());
+                Finding { objection: objection(t), ..found }
+            };
+            break tried.iter().filter(|(s, ..)| !s.is_in(arm)).map(refused).collect();
         };
-        let rivals = (0..tried.len()).filter(|k| *k != best && passes(&tried[*k]));
+        let rivals = (0..tried.len()).filter(|k| *k != best && passes(k));
         let equal = |k: &usize| {
             compare(&tried[best].1.missed, &tried[*k].1.missed, options).probability > demands.level
         };
@@ -212,18 +231,17 @@ pub fn diagnose(
     for (structure, comparison) in taken {
         let addition = added.iter().find(|a| a.0 == structure);
         let is_given = addition.is_some() && structure.is_in(arm);
-        let supported = match addition {
-            Some(_) => search.claims(&structure, is_given, &model.fit, &comparison, largest),
-            // A scale that is free makes every number uncertain, and nothing the less needed.
-            None => search.passes(&comparison, largest),
-        };
+        // A scale that is free makes every number of what is there uncertain, and nothing the less needed.
+        let own = addition.map(|_| (&structure, is_given, &model.fit));
+        let objection = search.objection(own, &comparison, largest);
         let answer = match addition {
-            _ if !supported => Answer::NotSupported,
+            _ if objection.is_some() => Answer::NotSupported,
             Some(_) if is_given => Answer::Wrong,
             Some(_) => Answer::Missing,
             None => Answer::Needed,
         };
         let mut found = finding(structure, answer, is_given || addition.is_none(), &model.fit, comparison);
+        found.objection = objection;
         found.alternatives = addition.map_or_else(Vec::new, |a| a.1.clone());
         findings.push(found);
     }
@@ -246,6 +264,10 @@ fn worth(trial: &Trial) -> f64 {
     trial.fit.cost + 2.0 * trial.fit.numbers.len() as f64
 }
 
+fn misfit(trial: &Trial, model: &Trial) -> Option<Objection> {
+    (!lowers(trial, model)).then_some(Objection::Fit)
+}
+
 /// Whether the cost of the fitted recordings is lower than that of `model` by two for each number that was added: by chance
 /// alone it is lower by one.
 fn lowers(trial: &Trial, model: &Trial) -> bool {
@@ -261,7 +283,8 @@ fn finding(
     comparison: Comparison,
 ) -> Finding {
     let numbers = fit.numbers.iter().filter(|n| structure.has(&n.name)).cloned().collect();
-    Finding { structure, answer, is_in_model, numbers, comparison, alternatives: Vec::new() }
+    let alternatives = Vec::new();
+    Finding { structure, answer, objection: None, is_in_model, numbers, comparison, alternatives }
 }
 
 impl Search<'_> {
@@ -296,21 +319,24 @@ impl Search<'_> {
         Some(begun)
     }
 
-    fn claims(
+    /// The first demand that a structure does not meet; of one that was added, with the fit that has its numbers, their size too.
+    fn objection(
         &self,
-        structure: &Structure,
-        is_given: bool,
-        fit: &OutputErrorFit,
+        added: Option<(&Structure, bool, &OutputErrorFit)>,
         comparison: &Comparison,
         largest: f64,
-    ) -> bool {
-        let own: Vec<&EstimatedNumber> = fit.numbers.iter().filter(|n| structure.has(&n.name)).collect();
-        let is_far = |n: &&EstimatedNumber| is_beyond(structure, n, is_given);
-        self.passes(comparison, largest) && (own.is_empty() || own.iter().any(is_far))
-    }
-
-    fn passes(&self, comparison: &Comparison, largest: f64) -> bool {
-        comparison.probability <= largest && comparison.reduction >= self.demands.reduction
+    ) -> Option<Objection> {
+        let is_small = |(structure, is_given, fit): (&Structure, bool, &OutputErrorFit)| {
+            let mut own = fit.numbers.iter().filter(|n| structure.has(&n.name)).peekable();
+            own.peek().is_some() && !own.any(|n| is_beyond(structure, n, is_given))
+        };
+        if comparison.probability > largest {
+            Some(Objection::Chance)
+        } else if comparison.reduction < self.demands.reduction {
+            Some(Objection::Reduction)
+        } else {
+            added.filter(|a| is_small(*a)).map(|_| Objection::Size)
+        }
     }
 }
 

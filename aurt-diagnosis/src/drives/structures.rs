@@ -118,7 +118,7 @@ pub const STRUCTURES: [Structure; 17] = [
     of(
         "viscous",
         "viscous friction or back-EMF",
-        &["viscous_nm_s_per_rad", "damping_nm_s_per_rad", "back_emf_nm_s_per_rad"],
+        &["viscous_nm_s_per_rad", "back_emf_nm_s_per_rad", "damping_nm_s_per_rad"],
         "constant speeds, slow and fast",
     ),
     of(

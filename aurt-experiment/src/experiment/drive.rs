@@ -2,7 +2,7 @@ use std::{collections::BTreeMap, ops::Range};
 
 use aurt_calibration::drives::{DrivenJoint, Floor, Mechanics, Selection};
 use aurt_plugins::{Node, NodeKind};
-use aurt_traits::{DriveModel, DriveParameter};
+use aurt_traits::{CommandSignal, DriveModel, DriveParameter};
 use serde_json::json;
 
 use super::{joint_count::JointCheck, section::Section};
@@ -14,6 +14,8 @@ pub struct Drive {
     pub span: Range<usize>,
     /// One for each joint.
     pub joints: Vec<DrivenJoint>,
+    /// `command`: the commands between two rows.
+    pub command: CommandSignal,
     /// `[drive.floor]`: what the last link can touch.
     pub floor: Option<Floor>,
     /// `estimate`, `shared` and `[drive.deviations]`.
@@ -24,6 +26,14 @@ pub struct Drive {
     pub piece_s: Option<f64>,
 }
 
+/// Keys that had another name, by drive: the former one, that of today, and its meaning.
+const RENAMED: [(&str, &str, &str, &str); 1] = [(
+    "position_servo",
+    "damping_nm_s_per_rad",
+    "back_emf_nm_s_per_rad",
+    "it is K_e, the braking by the back-EMF outside the saturation; K_d is `firmware_damping_nm_s_per_rad`",
+)];
+
 impl Drive {
     /// Reads `[drive]`. Every number is one for all joints or a list of one for each.
     pub(super) fn read(mut section: Section<'_, '_>, joints: Option<usize>) -> Option<Self> {
@@ -31,12 +41,18 @@ impl Drive {
             section.require("model", "model = \"position_servo\"").and_then(|node| model(&section, node));
         // Without a model none of its keys is known, and all of them would be complained about.
         let model = model?;
+        let renamed = RENAMED.iter().filter(|r| r.0 == model.name());
+        for (_, key, today, meaning) in renamed {
+            section.renamed(key, today, meaning);
+        }
         let mechanics = Mechanics::default().numbers();
         let of_drive = model.parameters();
         // Of a robot that cannot be read, the keys are known all the same.
         let numbers = of_drive.iter().chain(&mechanics);
         let count = joints.unwrap_or(1);
         let by_key: Vec<Vec<f64>> = numbers.map(|p| numbers_of(&mut section, p, count)).collect();
+        let signals = [("hold", CommandSignal::Hold), ("linear", CommandSignal::Linear)];
+        let command = section.choice("command", &signals).unwrap_or_else(|| model.usual_signal());
         let floor = section.section("floor").map(read_floor);
         let mut known: Vec<String> =
             of_drive.iter().chain(&mechanics).map(|p| p.parameter.name.clone()).collect();
@@ -58,7 +74,8 @@ impl Drive {
             joint
         });
         let selection = Selection { estimate, shared, deviations };
-        Some(Self { span, joints: joints.collect(), floor, selection, position_deviation_rad, piece_s })
+        let joints = joints.collect();
+        Some(Self { span, joints, command, floor, selection, position_deviation_rad, piece_s })
     }
 }
 
@@ -117,13 +134,22 @@ fn is_known(section: &Section<'_, '_>, key: &str, at: &Node, name: &str, known: 
     if known.iter().any(|k| k == stem) {
         return Some(name.to_owned());
     }
-    let help = aurt_plugins::suggestion::help(stem, "numbers", known.iter().map(String::as_str));
+    let today = RENAMED.iter().find(|r| r.1 == stem && known.iter().any(|k| k == r.2));
+    let help = match today {
+        Some((.., today, meaning)) => format!("it is called `{today}` today; {meaning}"),
+        None => aurt_plugins::suggestion::help(stem, "numbers", known.iter().map(String::as_str)),
+    };
     section.complain(key, at, &format!("names \"{name}\", which this drive does not have"), Some(help));
     None
 }
 
 fn deviations(mut section: Section<'_, '_>, known: &[String]) -> Vec<(String, f64)> {
     let mut found: BTreeMap<String, f64> = BTreeMap::new();
+    for (_, key, today, meaning) in &RENAMED {
+        if !known.iter().any(|k| k == key) && known.iter().any(|k| k == today) {
+            section.renamed(key, today, meaning);
+        }
+    }
     for key in known {
         if let Some(value) = section.positive(key) {
             found.insert(key.clone(), value);
@@ -138,6 +164,7 @@ mod tests {
     use std::path::Path;
 
     use aurt_plugins::Registry;
+    use aurt_traits::CommandSignal;
 
     use crate::{Experiment, experiment::Estimator};
 
@@ -167,6 +194,7 @@ mod tests {
         let drive = experiment.drive.unwrap();
         assert_eq!(drive.joints[1].drive.parameters()[0].value, 8.0);
         assert_eq!(drive.joints[0].mechanics.coulomb_nm, 0.2);
+        assert_eq!(drive.command, CommandSignal::Hold);
         assert_eq!(drive.floor.unwrap().height_m, -0.1);
         assert_eq!(drive.selection.deviations, [("delay_s".to_owned(), 0.01)]);
     }
@@ -179,6 +207,22 @@ mod tests {
             ("model = \"pd_law\"\ndelay_s = -1", "", "must lie within 0 and 0.5, is -1"),
             ("model = \"pd_law\"\ndelay_s = [0.1]", "", "delay_s"),
             ("model = \"pd_law\"\nestimate = [\"dead_band_rad\"]", "", "which this drive does not have"),
+            ("model = \"pd_law\"\ncommand = \"held\"", "", "did you mean \"hold\""),
+            (
+                "model = \"position_servo\"\ndamping_nm_s_per_rad = 0.3",
+                "",
+                "is called `back_emf_nm_s_per_rad` today",
+            ),
+            (
+                "model = \"position_servo\"\nestimate = [\"damping_nm_s_per_rad\"]",
+                "",
+                "K_d is `firmware_damping_nm_s_per_rad`",
+            ),
+            (
+                "model = \"position_servo\"\n[drive.deviations]\ndamping_nm_s_per_rad = 0.3",
+                "",
+                "K_d is `firmware_damping_nm_s_per_rad`",
+            ),
             ("model = \"pd_law\"", "[calibration]\nestimator = \"wls\"", "fits torques"),
             (
                 "model = \"pd_law\"",

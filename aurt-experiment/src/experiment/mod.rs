@@ -13,6 +13,7 @@ mod instrument;
 mod joined;
 mod joint_count;
 mod joint_dynamics;
+mod magnitude;
 mod paths;
 mod preprocess;
 mod recorded_as;
@@ -119,6 +120,7 @@ impl Experiment {
         let root = syntax(text).map_err(fail)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let reader = Reader::new(folder);
+        magnitude::check(&root, &reader);
         let experiment = read_sections(&root, &reader, path, text, registry);
         let (experiment, sizes) = experiment;
         let (mut complaints, checks) = reader.into_complaints();

@@ -104,6 +104,13 @@ impl<'n, 'r> Section<'n, 'r> {
         value
     }
 
+    /// A complaint about a key that has another name today.
+    pub(super) fn renamed(&mut self, key: &str, today: &str, meaning: &str) {
+        let Some(node) = self.node.get(key) else { return };
+        self.asked.push(key.to_owned());
+        self.complain(key, node, &format!("is called `{today}` today"), Some(meaning.to_owned()));
+    }
+
     /// A complaint about a value of this table.
     pub(super) fn complain(&self, key: &str, at: &Node, message: &str, help: Option<String>) {
         let mut complaint = Complaint::new(at.span.clone(), format!("`{key}` {message}"));

@@ -6,10 +6,11 @@ use aurt::{Progress, data::Source};
 use aurt_calibration::drives::DriveRecording;
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::driving::{
-    CalibratedDrive, DRIVE_FILE, IMPROVED_DRIVE_FILE, diagnose_drives, fit_drives,
+    CalibratedDrive, DRIVE_FILE, IMPROVED_DRIVE_FILE, check_drives, diagnose_drives, fit_drives,
 };
 use aurt_plugins::Registry;
 use aurt_recording::{AngleUnit, RecordedAs};
+use aurt_traits::CommandSignal;
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -17,15 +18,15 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 [drive]
 model = "position_servo"
-estimate = ["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]
+estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]
 gain_nm_per_rad = 10.0
-damping_nm_s_per_rad = 0.5
+back_emf_nm_s_per_rad = 0.5
 delay_s = 0.02
 coulomb_nm = 0.1
 position_deviation_rad = 1e-3
 [recordings]
 calibration = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
-validation = [{ file = "a.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
+validation = [{ file = "b.csv", columns = { time = 0, position = [1, 1], measurement = [2, 2] } }]
 "#;
 
 fn read(folder: &Path, text: &str) -> Experiment {
@@ -42,9 +43,13 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
         let rows = rows.map(|(k, (q, c))| format!("{},{q},{c}\n", k as f64 * 0.02));
         "time,q_0,q_cmd_0\n".to_owned() + &rows.collect::<String>()
     };
-    let command: Vec<f64> =
-        (0..600).map(|k| 0.4 * (k as f64 * 0.03).sin() + 0.1 * (k as f64 * 0.11).sin()).collect();
-    fs::write(folder.join("a.csv"), table(&command, &command)).unwrap();
+    let commands: [Vec<f64>; 2] = [0.0, 2.0].map(|phase| {
+        let wave = |k: f64| 0.4 * (k * 0.03 + phase).sin() + 0.1 * (k * 0.11).sin();
+        (0..600).map(|k| wave(f64::from(k))).collect()
+    });
+    for (name, command) in ["a.csv", "b.csv"].iter().zip(&commands) {
+        fs::write(folder.join(name), table(command, command)).unwrap();
+    }
     let experiment = read(folder, EXPERIMENT);
     let path = folder.join("experiment.toml");
     fs::write(&path, EXPERIMENT).unwrap();
@@ -63,18 +68,18 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     let mut numbers: Vec<f64> = arm.joints[0].drive.parameters().iter().map(|p| p.value).collect();
     (numbers[1], numbers[2]) = (0.4, 0.035);
     arm.joints[0].drive.set_parameters(&numbers);
-    let time_s: Vec<f64> = (0..600).map(|k| f64::from(k) * 0.02).collect();
-    let still = DriveRecording {
-        time_s,
-        command: vec![command.clone()],
-        position_rad: vec![vec![0.0; 600]],
-        ..DriveRecording::default()
-    };
-    let q = arm.rollout(&still).unwrap();
-    fs::write(folder.join("a.csv"), table(&q[0], &command)).unwrap();
+    for (name, command) in ["a.csv", "b.csv"].iter().zip(&commands) {
+        let still = DriveRecording {
+            time_s: (0..600).map(|k| f64::from(k) * 0.02).collect(),
+            command: vec![command.clone()],
+            position_rad: vec![vec![command[0]; 600]],
+            ..DriveRecording::default()
+        };
+        fs::write(folder.join(name), table(&arm.rollout(&still).unwrap()[0], command)).unwrap();
+    }
 
     let mut outcome = fit_drives(&experiment, &Progress::silent()).unwrap();
-    for (name, truth) in [("damping_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
+    for (name, truth) in [("back_emf_nm_s_per_rad_0", 0.4), ("delay_s_0", 0.035), ("coulomb_nm_0", 0.3)] {
         let numbers = outcome.json["numbers"].as_array().unwrap();
         let value = numbers.iter().find(|n| n["name"] == name).unwrap()["value"].as_f64().unwrap();
         assert!((value - truth).abs() < 0.01 * truth, "{name}: {value}");
@@ -112,14 +117,45 @@ fn a_servo_is_calibrated_from_its_commands_and_predicted_from_its_file() {
     // A window on the way starts where the robot was, as fast as it was; a model without estimates is judged as it is.
     let window = "window_s = [5.0, 9.0] }]\n";
     let text = EXPERIMENT.trim_end().trim_end_matches(" }]").to_owned() + ", " + window;
-    let text = text.replace(r#"["damping_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
-    let text = text.replace("damping_nm_s_per_rad = 0.5", "damping_nm_s_per_rad = 0.4");
+    let text = text.replace(r#"["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
+    let text = text.replace("back_emf_nm_s_per_rad = 0.5", "back_emf_nm_s_per_rad = 0.4");
     let text =
         text.replace("delay_s = 0.02", "delay_s = 0.035").replace("coulomb_nm = 0.1", "coulomb_nm = 0.3");
     let outcome = fit_drives(&read(folder, &text), &Progress::silent()).unwrap();
     assert!(outcome.json["held_out_rms"].as_f64().unwrap() < 3e-4, "{}", outcome.text);
-    let rows = &outcome.files.iter().find(|(name, _)| name == "rollout_a_1.csv").unwrap().1;
+    let rows = &outcome.files.iter().find(|(name, _)| name == "rollout_b.csv").unwrap().1;
     assert_eq!(String::from_utf8_lossy(rows).lines().count(), 202);
+
+    // Rows that are fitted judge nothing; parts of one recording that do not overlap do.
+    let parts = |fitted: &str, held_out: &str| {
+        let text = EXPERIMENT.replace("\"a.csv\"", &format!("\"a.csv\", window_s = {fitted}"));
+        let text = text.replace("\"b.csv\"", &format!("\"a.csv\", window_s = {held_out}"));
+        let text = text.replace(r#"["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm"]"#, "[]");
+        fit_drives(&read(folder, &text), &Progress::silent()).map_err(|e| e.to_string())
+    };
+    for (fitted, held_out) in [("[0, 6]", "[0, 6]"), ("[0, 6]", "[5.9, 12]"), ("[2, 6]", "[0, 20]")] {
+        let refused = parts(fitted, held_out).unwrap_err();
+        assert!(refused.contains("rows of a.csv are listed fitted and held out"), "{refused}");
+    }
+    assert!(parts("[0, 6]", "[6, 12]").is_ok());
+
+    // Commands that a slow host holds are told from those that are on the line between two rows, and short pieces are refused.
+    let checked = check_drives(&experiment, &Progress::silent()).unwrap();
+    assert_eq!(checked.json["command_of_recordings"], "hold", "{}", checked.text);
+    assert!(!checked.findings, "{}", checked.text);
+    let linear = EXPERIMENT.replace("[drive]", "[drive]\ncommand = \"linear\"");
+    let checked = check_drives(&read(folder, &linear), &Progress::silent()).unwrap();
+    assert!(checked.findings && checked.text.contains("write `command = \"hold\"`"), "{}", checked.text);
+    let short = EXPERIMENT.replace("[drive]", "[drive]\npiece_s = 1e-9");
+    let refused = fit_drives(&read(folder, &short), &Progress::silent()).unwrap_err().to_string();
+    assert!(refused.contains("fewer than 10 rows"), "{refused}");
+
+    // A file of earlier versions: K_e under its former name, commands on the line between two rows.
+    let former = fs::read_to_string(&file).unwrap().replace("back_emf_nm_s_per_rad", "damping_nm_s_per_rad");
+    fs::write(&file, former.replace("\"command\": \"hold\",", "")).unwrap();
+    let former = CalibratedDrive::read(&file).unwrap().unwrap().arm;
+    assert_eq!(former.command, CommandSignal::Linear);
+    assert_eq!(former.numbers(), model.arm.numbers());
 
     fs::write(&file, "{ \"drive_schema\": 7 }").unwrap();
     assert!(CalibratedDrive::read(&file).is_err());
@@ -136,8 +172,7 @@ fn what_a_servo_lacks_is_named_and_exported() {
     fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
     let lacking = EXPERIMENT
         .replace("\"delay_s\", \"coulomb_nm\"", "\"rotor_inertia_kg_m2\"")
-        .replace("delay_s = 0.02\ncoulomb_nm = 0.1", "delay_s = 0.0")
-        .replace("validation = [{ file = \"a.csv\"", "validation = [{ file = \"b.csv\"");
+        .replace("delay_s = 0.02\ncoulomb_nm = 0.1", "delay_s = 0.0");
     let command = |phase: f64| -> Vec<f64> {
         let wave =
             |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin() + if t > 12.0 { 0.2 } else { 0.0 };

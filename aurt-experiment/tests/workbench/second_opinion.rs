@@ -9,6 +9,7 @@ use aurt_experiment::workbench::driving::{DriveOutcome, second_opinion};
 use aurt_friction::drives::PositionServo;
 use aurt_plugins::Registry;
 use aurt_rbd::{Joint, Placement, SerialChain};
+use aurt_traits::CommandSignal;
 
 const EXPERIMENT: &str = r#"schema = 1
 [robot]
@@ -16,9 +17,9 @@ mdh = "mdh.csv"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 [drive]
 model = "position_servo"
-estimate = ["damping_nm_s_per_rad", "delay_s", "coulomb_nm", "rotor_inertia_kg_m2"]
+estimate = ["back_emf_nm_s_per_rad", "delay_s", "coulomb_nm", "rotor_inertia_kg_m2"]
 gain_nm_per_rad = 10.0
-damping_nm_s_per_rad = 0.5
+back_emf_nm_s_per_rad = 0.5
 delay_s = 0.02
 coulomb_nm = 0.1
 position_deviation_rad = 1e-3
@@ -32,7 +33,7 @@ fn record(folder: &Path) {
     fs::write(folder.join("mdh.csv"), "alpha,a,d\n0,0,0\n").unwrap();
     let drive = PositionServo {
         gain_nm_per_rad: 10.0,
-        damping_nm_s_per_rad: 0.4,
+        back_emf_nm_s_per_rad: 0.4,
         delay_s: 0.028,
         ..PositionServo::default()
     };
@@ -43,7 +44,13 @@ fn record(folder: &Path) {
     )
     .unwrap();
     let joints = vec![DrivenJoint { drive: Box::new(drive), mechanics }];
-    let arm = DrivenArm { chain, standard_parameters: vec![0.0; 10], joints, floor: None };
+    let arm = DrivenArm {
+        chain,
+        standard_parameters: vec![0.0; 10],
+        joints,
+        command: CommandSignal::Hold,
+        floor: None,
+    };
     for (name, phase) in [("a.csv", 0.0), ("b.csv", 1.0)] {
         let wave = |t: f64| 0.4 * (1.5 * t + phase).sin() + 0.1 * (5.5 * t).sin();
         let command: Vec<f64> = (0..1200).map(|k| wave(f64::from(k) * 0.02)).collect();
@@ -94,8 +101,12 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
         parts.iter().find(|p| p["structure"] == structure).unwrap()["change"].as_f64().unwrap()
     };
     // A servo that is late by T lags like one with K_p T more damping.
-    assert!((change("damping_nm_s_per_rad_0", "time_delay") - 10.0 * 0.028).abs() < 0.04, "{}", outcome.text);
-    assert!(change("damping_nm_s_per_rad_0", "coulomb") > 0.02, "{}", outcome.text);
+    assert!(
+        (change("back_emf_nm_s_per_rad_0", "time_delay") - 10.0 * 0.028).abs() < 0.04,
+        "{}",
+        outcome.text
+    );
+    assert!(change("back_emf_nm_s_per_rad_0", "coulomb") > 0.02, "{}", outcome.text);
     assert!(change("rotor_inertia_kg_m2_0", "time_delay") > 0.0, "{}", outcome.text);
     let delay = of("rotor_inertia_kg_m2_0")["stands_for"][0]["value"].as_f64().unwrap();
     assert!((delay - 0.028).abs() < 1e-3, "{}", outcome.text);
@@ -103,7 +114,7 @@ fn armature_and_damping_that_absorb_delay_and_dry_friction_are_said_to() {
         |name: &str| outcome.text.lines().find(|l| l.contains(name) && l.contains("stands for")).unwrap();
     assert!(sentence("rotor_inertia_kg_m2_0").contains("stands for a delay of the command (delay_s_0 0.02"));
     assert!(
-        sentence("damping_nm_s_per_rad_0").contains("dry friction (coulomb_nm_0 0.0"),
+        sentence("back_emf_nm_s_per_rad_0").contains("dry friction (coulomb_nm_0 0.0"),
         "{}",
         outcome.text
     );

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use aurt_rbd::SerialChain;
+use aurt_traits::CommandSignal;
 use serde_json::{Value, json};
 
 use super::{HOLDS, body, body::numbers, joint::JointDynamics};
@@ -87,7 +88,8 @@ pub struct Ground {
     pub point_m: [f64; 3],
 }
 
-/// The MJCF file of a chain with drives, and what it `lost` before.
+/// The MJCF file of a chain with drives, and what it `lost` before. Who writes `data.ctrl` treats `command` as the estimate did:
+/// the file states it as its custom text `command`.
 ///
 /// # Errors
 /// As [`super::export`].
@@ -97,6 +99,7 @@ pub fn driven(
     standard: &[f64],
     joints: &[DrivenJoint],
     ground: Option<Ground>,
+    command: CommandSignal,
     mut lost: Vec<String>,
 ) -> Result<Export, ExportError> {
     check_identifier(name)?;
@@ -132,9 +135,14 @@ pub fn driven(
     lost.splice(0..0, beyond);
     let said: String = lost.iter().map(|l| format!("  {}\n", l.replace("--", "- -"))).collect();
     let [x, y, z] = chain.gravity_m_s2();
+    let (signal, between, order) = match command {
+        CommandSignal::Hold => ("hold", "`data.ctrl` holds the last one", "zoh"),
+        CommandSignal::Linear => ("linear", "`data.ctrl` is on the line between them", "linear"),
+    };
     let mut text = format!(
-        "<!--\n  {name}, written by `aurt export mjcf`. Tried with MuJoCo 4.0; older versions have no delay of actuators.\n  MuJoCo cannot express:\n{said}-->\n\
-         <mujoco model=\"{name}\">\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
+        "<!--\n  {name}, written by `aurt export mjcf`. Tried with MuJoCo 4.0; older versions have no delay of actuators.\n  \
+         Between two commands, {between}.\n  MuJoCo cannot express:\n{said}-->\n\
+         <mujoco model=\"{name}\">\n  <custom>\n    <text name=\"command\" data=\"{signal}\"/>\n  </custom>\n  <compiler angle=\"radian\" inertiafromgeom=\"false\"/>\n  \
          <option gravity=\"{x:?} {y:?} {z:?}\" timestep=\"0.001\" integrator=\"implicitfast\"/>\n  <default>\n    \
          <joint {HOLDS}/>\n  </default>\n  <worldbody>\n{plane}{bodies}  </worldbody>\n  <actuator>\n"
     );
@@ -151,7 +159,7 @@ pub fn driven(
         if own.delay_s > 0.0 {
             // Samples of the history reach back by the delay at steps of a quarter of a millisecond.
             let samples = (own.delay_s / 2.5e-4).ceil() + 2.0;
-            let _ = write!(text, " delay=\"{:?}\" nsample=\"{samples}\" interp=\"linear\"", own.delay_s);
+            let _ = write!(text, " delay=\"{:?}\" nsample=\"{samples}\" interp=\"{order}\"", own.delay_s);
         }
         text.push_str("/>\n");
     }

@@ -2,7 +2,7 @@
 
 /// A drive that is a structure of [`drive_numbers!`](aurt_traits::drive_numbers), under a name.
 macro_rules! drive {
-    ($drive:ty, $name:literal, $command:ident, $initial:expr, $torque:expr) => {
+    ($drive:ty, $name:literal, $command:ident, $signal:ident, $initial:expr, $torque:expr) => {
         #[typetag::serde(name = $name)]
         impl aurt_traits::DriveModel for $drive {
             fn name(&self) -> &str {
@@ -10,6 +10,9 @@ macro_rules! drive {
             }
             fn command(&self) -> aurt_traits::Command {
                 aurt_traits::Command::$command
+            }
+            fn usual_signal(&self) -> aurt_traits::CommandSignal {
+                aurt_traits::CommandSignal::$signal
             }
             fn parameters(&self) -> Vec<aurt_traits::DriveParameter> {
                 self.numbers()

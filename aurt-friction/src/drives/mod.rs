@@ -7,20 +7,57 @@ mod position_servo;
 mod torque;
 mod voltage;
 
+use aurt_traits::DriveModel;
+
 pub use current::CurrentDrive;
 pub use pd_law::PdLaw;
 pub use position_servo::PositionServo;
 pub use torque::TorqueDrive;
 pub use voltage::VoltageDrive;
 
+/// A drive with its explanation.
+#[derive(Debug)]
+pub struct DriveListing {
+    /// The drive with its defaults.
+    pub drive: Box<dyn DriveModel>,
+    /// The text of its file.
+    source: &'static str,
+    /// The meaning of every number, with its symbol in the equation, in the order of [`DriveModel::parameters`].
+    pub meanings: Vec<String>,
+}
+
+impl DriveListing {
+    /// The explanation of the drive: the module documentation of its file.
+    #[must_use]
+    pub fn explanation(&self) -> String {
+        let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
+        lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Every drive, by name.
+#[must_use]
+pub fn listings() -> Vec<DriveListing> {
+    macro_rules! listing {
+        ($drive:ty, $file:literal) => {
+            DriveListing {
+                drive: Box::new(<$drive>::default()),
+                source: include_str!($file),
+                meanings: <$drive>::meanings(),
+            }
+        };
+    }
+    vec![
+        listing!(CurrentDrive, "current.rs"),
+        listing!(PdLaw, "pd_law.rs"),
+        listing!(PositionServo, "position_servo.rs"),
+        listing!(TorqueDrive, "torque.rs"),
+        listing!(VoltageDrive, "voltage.rs"),
+    ]
+}
+
 /// Every drive with its defaults, by name.
 #[must_use]
-pub fn all() -> Vec<Box<dyn aurt_traits::DriveModel>> {
-    vec![
-        Box::new(CurrentDrive::default()),
-        Box::new(PdLaw::default()),
-        Box::new(PositionServo::default()),
-        Box::new(TorqueDrive::default()),
-        Box::new(VoltageDrive::default()),
-    ]
+pub fn all() -> Vec<Box<dyn DriveModel>> {
+    listings().into_iter().map(|listing| listing.drive).collect()
 }

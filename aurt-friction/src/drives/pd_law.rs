@@ -8,18 +8,18 @@ drive_numbers! {
     /// A law of control that a torque-controlled drive carries out, τ = sat(K_p (q*(t − T) − q) − K_d q̇): quadrupeds,
     /// direct drives.
     pub struct PdLaw {
-        /// K_p in Nm/rad.
+        /// K_p: torque per position error.
         gain_nm_per_rad: "Nm/rad" = 10.0, 10.0, [0.0, 1e9];
-        /// K_d in Nm s/rad.
+        /// K_d: damping that the controller computes, within the saturation.
         damping_nm_s_per_rad: "Nm s/rad" = 0.0, 1.0, [0.0, 1e9];
-        /// Delay T of the command in s.
+        /// T: delay of the command.
         delay_s: "s" = 0.0, 0.01, [0.0, 0.5];
-        /// Largest torque in Nm.
+        /// sat: largest torque.
         torque_limit_nm: "Nm" = UNLIMITED, 10.0, [1e-9, UNLIMITED];
     }
 }
 
-drive!(PdLaw, "pd_law", Position, |_| Vec::new(), law);
+drive!(PdLaw, "pd_law", Position, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
     let wanted =

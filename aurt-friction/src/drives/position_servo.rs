@@ -6,8 +6,10 @@
 //!
 //! τ = sat(K_p d(r + b − q) + K_i ∫ d − K_d q̇) − K_e q̇
 //!
-//! with the dead band d(e) = e − sat_δ(e), the firmware's damping K_d and what the back-EMF brakes, K_e = k_t k_e/R; all as
-//! torques on the joint: K_p = (firmware gain) · (supply) · k_t/R.
+//! with the dead band d(e) = e − sat_δ(e), the firmware's damping K_d within the saturation, and the braking by the back-EMF
+//! behind it, K_e = k_t k_e/R; all as torques on the joint: K_p = (firmware gain) · (supply) · k_t/R. The firmware receives a
+//! command with each row of the recording and holds it until the next: q*(t) is a staircase (`command = "hold"`). A command
+//! that is sent much more often than recorded is on the line between two rows (`command = "linear"`).
 //!
 //! # Undetermined
 //! K_d (below saturation), K_e and viscous friction are one column. One scale of all torques is free unless a mass, an inertia
@@ -24,25 +26,26 @@ use crate::drives::declare::drive;
 drive_numbers! {
     /// A servo that follows a position; equations at the head of its file.
     pub struct PositionServo {
-        /// K_p in Nm/rad.
+        /// K_p: torque per position error.
         gain_nm_per_rad: "Nm/rad" = 10.0, 5.0, [1e-3, 1e6];
-        /// K_e in Nm s/rad.
-        damping_nm_s_per_rad: "Nm s/rad" = 0.3, 0.5, [0.0, 1e6];
-        /// T in s.
+        /// K_e: braking by the back-EMF, outside the saturation.
+        #[serde(alias = "damping_nm_s_per_rad")]
+        back_emf_nm_s_per_rad: "Nm s/rad" = 0.3, 0.5, [0.0, 1e6];
+        /// T: delay of the command.
         delay_s: "s" = 0.02, 0.03, [0.0, 0.5];
-        /// v in rad/s.
+        /// v: speed limit of the planned reference.
         speed_limit_rad_s: "rad/s" = UNLIMITED, 2.0, [0.05, UNLIMITED];
-        /// a in rad/s².
+        /// a: acceleration limit of the planned reference.
         acceleration_limit_rad_s2: "rad/s^2" = UNLIMITED, 50.0, [0.5, UNLIMITED];
-        /// δ in rad.
+        /// δ: dead band of the position error.
         dead_band_rad: "rad" = 0.0, 0.005, [0.0, 0.2];
-        /// b in rad.
+        /// b: zero of the firmware against that of the joint.
         command_offset_rad: "rad" = 0.0, 0.01, [-1.0, 1.0];
-        /// K_i in Nm/(rad s).
+        /// K_i: torque per integral of the position error.
         integral_nm_per_rad_s: "Nm/(rad s)" = 0.0, 5.0, [0.0, 1e6];
-        /// K_d in Nm s/rad.
+        /// K_d: damping that the firmware computes, within the saturation.
         firmware_damping_nm_s_per_rad: "Nm s/rad" = 0.0, 0.5, [0.0, 1e6];
-        /// Largest torque at rest in Nm.
+        /// sat: largest torque of the firmware, that at rest.
         torque_limit_nm: "Nm" = UNLIMITED, 2.0, [1e-3, UNLIMITED];
     }
 }
@@ -52,12 +55,14 @@ drive!(
     PositionServo,
     "position_servo",
     Position,
+    Hold,
     |command| vec![Jet::constant(command), Jet::ZERO, Jet::ZERO],
     servo
 );
 
 fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
-    let [gain, damping, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] = p
+    let [gain, back_emf, delay, speed, acceleration, dead_band, offset, integral, firmware_damping, limit] =
+        p
     else {
         return DriveTorque { torque: Jet::ZERO, damping: Jet::ZERO };
     };
@@ -82,8 +87,8 @@ fn servo(p: &[Jet], input: &DriveInput<'_>, state: &mut [Jet]) -> DriveTorque {
     let driven = firmware.clamp(*limit);
     let free = driven == firmware;
     DriveTorque {
-        torque: driven - *damping * input.velocity_rad_s,
-        damping: if free { *damping + *firmware_damping } else { *damping },
+        torque: driven - *back_emf * input.velocity_rad_s,
+        damping: if free { *back_emf + *firmware_damping } else { *back_emf },
     }
 }
 

@@ -7,12 +7,12 @@ use crate::drives::declare::drive;
 drive_numbers! {
     /// An ideal source of torque, τ = τ*(t − T).
     pub struct TorqueDrive {
-        /// Delay T of the command in s.
+        /// T: delay of the command.
         delay_s: "s" = 0.0, 0.01, [0.0, 0.5];
     }
 }
 
-drive!(TorqueDrive, "torque", Torque, |_| Vec::new(), law);
+drive!(TorqueDrive, "torque", Torque, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
     DriveTorque { torque: (input.command)(-p[0] + input.time_s), damping: Jet::ZERO }

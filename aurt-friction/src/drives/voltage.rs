@@ -10,16 +10,16 @@ drive_numbers! {
     /// A motor at a voltage with its back-EMF, τ = (k_t/R) u(t − T) − (k_t k_e/R) q̇; a PWM drive is one with u = duty ·
     /// supply.
     pub struct VoltageDrive {
-        /// Torque at rest per voltage, k_t/R, in Nm/V.
+        /// k_t/R: torque at rest per voltage.
         torque_nm_per_v: "Nm/V" = 1.0, 1.0, [1e-9, 1e9];
-        /// Braking by the back-EMF, k_t k_e/R, in Nm s/rad.
+        /// k_t k_e/R: braking by the back-EMF.
         back_emf_nm_s_per_rad: "Nm s/rad" = 0.0, 1.0, [0.0, 1e9];
-        /// Delay T of the command in s.
+        /// T: delay of the command.
         delay_s: "s" = 0.0, 0.01, [0.0, 0.5];
     }
 }
 
-drive!(VoltageDrive, "voltage", Voltage, |_| Vec::new(), law);
+drive!(VoltageDrive, "voltage", Voltage, Linear, |_| Vec::new(), law);
 
 fn law(p: &[Jet], input: &DriveInput<'_>, _: &mut [Jet]) -> DriveTorque {
     let driven = p[0] * (input.command)(-p[2] + input.time_s);

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use crate::Experiment;
 use aurt::Progress;
 use aurt_calibration::drives::{DriveRecording, Options};
-use aurt_diagnosis::drives::{Answer, Demands, Diagnosis, Finding, Structure, deciders, diagnose, is_beyond};
+use aurt_diagnosis::drives::{
+    Answer, Comparison, Demands, Diagnosis, Finding, Objection, Structure, deciders, diagnose, is_beyond,
+};
 use aurt_diagnosis::{Remainder, Rest};
 use aurt_files::output::pretty;
 use serde_json::{Value, json};
@@ -73,7 +75,7 @@ pub fn diagnose_drives(
     ];
     let doubts = doubts_of(&recordings);
     let findings = said.verdict() != "no_mismatch" || !doubts.is_empty();
-    Ok(DriveOutcome { text: said.text() + &warnings(&doubts), json, files, findings })
+    Ok(DriveOutcome { text: said.text(&demands) + &warnings(&doubts), json, files, findings })
 }
 
 /// Positions of the improved model: by pieces where the estimate is.
@@ -82,9 +84,8 @@ fn rollout(
     recording: &DriveRecording,
     options: &Options,
 ) -> Result<Vec<Vec<f64>>, aurt_calibration::drives::DriveError> {
-    let Some(piece_s) = options.piece_s else { return found.improved.arm.rollout(recording) };
     let mut all = vec![Vec::new(); recording.command.len()];
-    for piece in recording.pieces(piece_s) {
+    for piece in recording.pieces(options.piece_s)? {
         let simulated = found.improved.arm.rollout(&piece)?;
         // A piece ends with the sample at which the next one starts.
         all.iter_mut().zip(&simulated).for_each(|(a, s)| {
@@ -130,7 +131,7 @@ impl Said<'_> {
         }
     }
 
-    fn text(&self) -> String {
+    fn text(&self, demands: &Demands) -> String {
         let (before, after) = (&self.found.missed, &self.found.missed_improved);
         let held_out: Vec<&str> =
             self.recordings.iter().filter(|r| r.held_out).map(|r| r.label.as_str()).collect();
@@ -144,7 +145,7 @@ impl Said<'_> {
             (Answer::Missing, "missing: adding it predicts better"),
             (Answer::Wrong, "given wrong: with other numbers it predicts better"),
             (Answer::Needed, "needed: without it, predictions are worse"),
-            (Answer::NotSupported, "not supported: with it, predictions are no better"),
+            (Answer::NotSupported, "not supported: these recordings do not show it"),
         ] {
             let own: Vec<&Finding> = self.found.findings.iter().filter(|f| f.answer == answer).collect();
             if own.is_empty() {
@@ -152,10 +153,10 @@ impl Said<'_> {
             }
             let _ = write!(
                 text,
-                "\n{title}\n  {:24} {:>8} {:>8} {:>17} {:>8}\n",
-                "", "rms with", "without", "nats/s", "p"
+                "\n{title}\n  {:24} {:>8} {:>8} {:>7} {:>17} {:>8} {:>9}\n",
+                "", "rms with", "without", "error", "nats/s", "p", "blocks"
             );
-            own.iter().for_each(|f| line(f, &mut text));
+            own.iter().for_each(|f| line(f, demands, &mut text));
         }
         if !self.found.improved.undetermined.is_empty() {
             text.push_str("\nleft open by these recordings\n");
@@ -197,14 +198,21 @@ impl Said<'_> {
 
     fn table(&self) -> String {
         let mut text =
-            "structure,answer,in_model,rms_with_rad,rms_without_rad,gain_nats_per_s,gain_deviation,p\n"
+            "structure,answer,in_model,rms_with_rad,rms_without_rad,reduction,gain_nats_per_s,gain_deviation,p,blocks,objection\n"
                 .to_owned();
         for f in &self.found.findings {
             let c = &f.comparison;
             let [with, without] = c.rms_rad;
-            let numbers = [with, without, c.gain_per_s, c.deviation, c.probability].map(cell);
+            let numbers = [with, without, c.reduction, c.gain_per_s, c.deviation, c.probability].map(cell);
             let (id, answer) = (f.structure.id, word(f.answer));
-            let _ = writeln!(text, "{id},{answer},{},{}", f.is_in_model, numbers.join(","));
+            let objection = f.objection.map_or("", short);
+            let _ = writeln!(
+                text,
+                "{id},{answer},{},{},{},{objection}",
+                f.is_in_model,
+                numbers.join(","),
+                c.blocks
+            );
         }
         text
     }
@@ -214,10 +222,10 @@ impl Said<'_> {
             let c = &f.comparison;
             let numbers = f.numbers.iter().map(|n| json!({ "name": n.name, "value": n.value, "deviation": n.deviation, "unit": n.unit, "at_bound": n.at_bound }));
             json!({
-                "id": f.structure.id, "title": f.structure.title, "answer": word(f.answer), "in_model": f.is_in_model,
+                "id": f.structure.id, "title": f.structure.title, "answer": word(f.answer), "objection": f.objection.map(short), "in_model": f.is_in_model,
                 "numbers": numbers.collect::<Vec<_>>(), "alternatives": f.alternatives, "record": f.structure.decider,
                 "evidence": { "gain_nats_per_s": c.gain_per_s, "deviation": c.deviation, "p": c.probability,
-                    "reduction": c.reduction, "blocks": c.blocks, "held_out_rms_with": c.rms_rad[0], "held_out_rms_without": c.rms_rad[1] },
+                    "reduction": c.reduction, "blocks": c.blocks, "all_blocks": c.all_blocks, "held_out_rms_with": c.rms_rad[0], "held_out_rms_without": c.rms_rad[1] },
             })
         });
         let undetermined = self.found.improved.undetermined.iter();
@@ -252,17 +260,49 @@ const fn word(answer: Answer) -> &'static str {
     }
 }
 
-/// A structure with its evidence, then its numbers.
-fn line(f: &Finding, text: &mut String) {
+const fn short(objection: Objection) -> &'static str {
+    match objection {
+        Objection::Chance => "chance",
+        Objection::Reduction => "reduction",
+        Objection::Size => "size",
+        Objection::Fit => "fit",
+    }
+}
+
+/// Why a structure is not supported, in words.
+fn reason(objection: Objection, c: &Comparison, demands: &Demands) -> String {
+    match objection {
+        Objection::Chance if c.gain_per_s <= 0.0 => "predictions are no better with it".into(),
+        Objection::Chance => format!(
+            "better on average over the {} of {} blocks in which it acts, and not beyond chance",
+            c.blocks, c.all_blocks
+        ),
+        Objection::Reduction => {
+            format!("it lowers the error of no joint by {:.0} %", 100.0 * demands.reduction)
+        }
+        Objection::Size => "its size is not two deviations from nothing".into(),
+        Objection::Fit => "the fitted recordings are met no better with it than by chance".into(),
+    }
+}
+
+/// A structure with its evidence, then its numbers, or why it is not supported.
+fn line(f: &Finding, demands: &Demands, text: &mut String) {
     let c = &f.comparison;
     let [with, without] = c.rms_rad.map(|r| 1e3 * r);
     let own = if f.is_in_model || f.answer == Answer::Missing { "" } else { " (not in the model)" };
     let _ = writeln!(
         text,
-        "  {:24} {with:8.2} {without:8.2} {:8.2} ± {:<6.2} {:8.1e}  {}{own}",
-        f.structure.id, c.gain_per_s, c.deviation, c.probability, f.structure.title
+        "  {:24} {with:8.2} {without:8.2} {:5.0} % {:8.2} ± {:<6.2} {:8.1e} {:>9}  {}{own}",
+        f.structure.id,
+        -100.0 * c.reduction,
+        c.gain_per_s,
+        c.deviation,
+        c.probability,
+        format!("{}/{}", c.blocks, c.all_blocks),
+        f.structure.title
     );
-    if f.answer == Answer::NotSupported {
+    if let Some(objection) = f.objection {
+        let _ = writeln!(text, "      {}", reason(objection, c, demands));
         return;
     }
     let shown = |structure: &Structure| {

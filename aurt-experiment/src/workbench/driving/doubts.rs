@@ -1,7 +1,7 @@
 //! What commands and positions cannot be, or cannot tell, and what speaks against a model of them.
 
 use aurt_calibration::drives::{DriveRecording, DrivenArm};
-use aurt_traits::Command;
+use aurt_traits::{Command, CommandSignal};
 
 use super::Judged;
 
@@ -34,7 +34,7 @@ pub(super) fn unsigned(recording: &DriveRecording, arm: &DrivenArm) -> Option<St
 }
 
 /// What a person should know of a recording of position commands.
-pub(super) fn doubts(recording: &DriveRecording) -> Vec<String> {
+pub(super) fn doubts(recording: &DriveRecording, signal: CommandSignal) -> Vec<String> {
     let travel = |s: &Vec<f64>| {
         let (low, high) =
             s.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -50,8 +50,36 @@ pub(super) fn doubts(recording: &DriveRecording) -> Vec<String> {
             ));
         }
     }
+    if let Some(rows) = rows_per_command(recording).filter(|_| signal == CommandSignal::Linear) {
+        said.push(format!(
+            "the command changes with every {rows:.1}th row while it moves and holds between: write command = \"hold\""
+        ));
+    }
     said.extend(of_another_clock(recording));
     said
+}
+
+/// A command that moves is repeated in this many rows, and in as many rows it changes, at least.
+const STAIRS: usize = 20;
+
+/// Rows from change to change of a moving command that is sent less often than it is recorded: a staircase. None of one that
+/// changes with every row, or that does not move for long.
+pub(super) fn rows_per_command(recording: &DriveRecording) -> Option<f64> {
+    let (mut rows, mut changes, mut repeats) = (0, 0, 0);
+    for command in &recording.command {
+        let changed: Vec<usize> = (1..command.len()).filter(|k| command[*k] != command[*k - 1]).collect();
+        // Between changes that are the same number of rows apart it moves; longer pauses are rests.
+        let gaps: Vec<usize> = changed.windows(2).map(|w| w[1] - w[0]).collect();
+        let mut sorted = gaps.clone();
+        sorted.sort_unstable();
+        let Some(usual) = sorted.get(sorted.len() / 2).copied() else { continue };
+        let moving = gaps.iter().filter(|gap| **gap <= 2 * usual);
+        rows += moving.clone().sum::<usize>();
+        changes += moving.clone().count();
+        repeats += moving.filter(|gap| **gap > 1).count();
+    }
+    let is_staircase = changes >= STAIRS && 2 * repeats > changes;
+    is_staircase.then(|| rows as f64 / changes as f64)
 }
 
 /// Positions that are nearer to the commands by half at a shift that is no lag of a servo.
@@ -180,12 +208,18 @@ mod tests {
 
     #[test]
     fn joints_that_rest_and_clocks_that_differ_are_told() {
+        let doubts = |recording: &DriveRecording| super::doubts(recording, CommandSignal::Linear);
         assert!(doubts(&recording(4, 1.0)).is_empty());
         assert!(doubts(&recording(40, 1.0))[0].contains("follow their commands by 0.80 s"));
         let mut early = recording(30, 1.0);
         std::mem::swap(&mut early.command, &mut early.position_rad);
         assert!(doubts(&early)[0].contains("precede their commands by 0.60 s"));
         assert!(doubts(&recording(0, 1e-4))[0].contains("never moves"));
+        // Sent with every fifth row.
+        let mut slow = recording(4, 1.0);
+        slow.command[0] = (0..600).map(|k| slow.command[0][k / 5 * 5]).collect();
+        assert!(doubts(&slow)[0].contains("every 5.0th row") && doubts(&slow)[0].contains("hold"));
+        assert!(super::doubts(&slow, CommandSignal::Hold).is_empty());
     }
 
     #[test]

@@ -35,7 +35,7 @@ impl CalibratedDrive {
             // K_d acts within the clipping, K_e behind it.
             let (inside, behind) = match law {
                 "pd_law" => (get("damping_nm_s_per_rad"), 0.0),
-                "position_servo" => (get("firmware_damping_nm_s_per_rad"), get("damping_nm_s_per_rad")),
+                "position_servo" => (get("firmware_damping_nm_s_per_rad"), get("back_emf_nm_s_per_rad")),
                 _ => (0.0, get("back_emf_nm_s_per_rad")),
             };
             let stops = [mechanics.lower_stop_rad, mechanics.upper_stop_rad];
@@ -88,6 +88,6 @@ impl CalibratedDrive {
         if ground.is_none() && arm.floor.is_some() {
             lost.push("the floor, which is not across the z axis of the base".into());
         }
-        Ok(driven(name, &arm.chain, &standard, &joints, ground, lost)?.into())
+        Ok(driven(name, &arm.chain, &standard, &joints, ground, arm.command, lost)?.into())
     }
 }

@@ -22,7 +22,7 @@ pub(super) struct Fit {
 
 /// A servo that is its gain alone.
 fn bare(gain_nm_per_rad: f64) -> PositionServo {
-    PositionServo { gain_nm_per_rad, damping_nm_s_per_rad: 0.0, delay_s: 0.0, ..PositionServo::default() }
+    PositionServo { gain_nm_per_rad, back_emf_nm_s_per_rad: 0.0, delay_s: 0.0, ..PositionServo::default() }
 }
 
 /// A rotor without friction; the least inertia that can be simulated if there is none.
@@ -160,7 +160,7 @@ fn bam(path: &Path, table: &Map<String, Value>, joints: usize) -> Result<Fit, Fa
     let duty =
         need("kp", None)? * need("error_gain", known.map(|k| k.1))? * of("error_gain_ratio").unwrap_or(1.0);
     let servo = PositionServo {
-        damping_nm_s_per_rad: kt * per_volt,
+        back_emf_nm_s_per_rad: kt * per_volt,
         delay_s: of("command_delay").unwrap_or(0.0),
         speed_limit_rad_s: of("max_velocity").unwrap_or(bare(1.0).speed_limit_rad_s),
         torque_limit_nm: per_volt * vin * need("max_pwm", known.map(|k| k.2))?,
@@ -307,7 +307,7 @@ mod tests {
         let read = servo(r#", "vin": 12, "max_velocity": 5, "load_friction_base": 0.1"#).unwrap();
         let (drive, mechanics) = &read.joints[1];
         assert!((drive.gain_nm_per_rad - 1.5 / 2.0 * 12.0 * 16.0 * 0.166).abs() < 1e-12);
-        assert!((drive.damping_nm_s_per_rad - 1.5 * 1.5 / 2.0).abs() < 1e-12);
+        assert!((drive.back_emf_nm_s_per_rad - 1.5 * 1.5 / 2.0).abs() < 1e-12);
         assert!((drive.torque_limit_nm - 1.5 / 2.0 * 12.0 * 0.97).abs() < 1e-12);
         assert_eq!(
             (drive.speed_limit_rad_s, mechanics.coulomb_nm, mechanics.coulomb_per_load),

@@ -5,6 +5,7 @@ use aurt::Progress;
 use aurt_calibration::drives::{DriveRecording, DrivenArm, stem};
 use aurt_diagnosis::drives::Missed;
 use aurt_export::isaac::{self, Actuator};
+use aurt_traits::CommandSignal;
 
 use super::{CalibratedDrive, follows_positions, of_drive, options_of, read_all};
 use crate::workbench::{exporting::Exported, failure::Failure};
@@ -42,7 +43,7 @@ impl CalibratedDrive {
             // K_d acts within the limit, K_e behind it.
             let [inside, behind] = match joint.drive.name() {
                 "pd_law" => [of("damping_nm_s_per_rad"), 0.0],
-                _ => [of("firmware_damping_nm_s_per_rad"), of("damping_nm_s_per_rad")],
+                _ => [of("firmware_damping_nm_s_per_rad"), of("back_emf_nm_s_per_rad")],
             };
             Actuator {
                 stiffness: of("gain_nm_per_rad"),
@@ -57,6 +58,9 @@ impl CalibratedDrive {
         };
         let actuators: Vec<Actuator> = arm.joints.iter().map(actuator).collect();
         let mut lost = Vec::new();
+        if arm.command == CommandSignal::Linear {
+            lost.push("commands on the line between two of them: actuators of Isaac Lab hold the last, half a period later on average".to_owned());
+        }
         let held_out = experiment.map(|e| self.held_out(e)).transpose()?;
         let miss = |arm: &DrivenArm| -> Result<String, Failure> {
             let (Some(experiment), Some(held_out)) = (experiment, &held_out) else {

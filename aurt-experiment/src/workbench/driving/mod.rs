@@ -2,7 +2,7 @@
 
 use std::{fmt::Write, path::Path};
 
-use crate::Experiment;
+use crate::{Experiment, experiment::RecordingSource};
 use aurt::{
     Progress, Role,
     data::{Loaded, Purpose, Source},
@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 
 use crate::workbench::{experiments::source, failure::Failure};
 
+mod checking;
 mod diagnosing;
 mod doubts;
 mod exporting;
@@ -28,6 +29,7 @@ mod isaac;
 mod rival;
 mod second_opinion;
 
+pub use checking::check_drives;
 pub use diagnosing::{IMPROVED_DRIVE_FILE, diagnose_drives};
 pub use second_opinion::second_opinion;
 
@@ -175,6 +177,8 @@ fn read_all(
     let joints = experiment.robot.robot_joints();
     let listed = experiment.recordings.calibration.iter().map(|r| (r, false));
     let listed = listed.chain(experiment.recordings.validation.iter().map(|r| (r, true)));
+    let listed: Vec<(&RecordingSource, bool)> = listed.collect();
+    refuse_overlap(experiment, &listed)?;
     let mut recordings = Vec::new();
     let mut samples = SampleRegister::default();
     for (recording, held_out) in listed {
@@ -192,6 +196,25 @@ fn read_all(
         recordings.push(Read { held_out, ..read });
     }
     Ok(recordings)
+}
+
+/// Refuses rows that are listed twice: held out and fitted they judge nothing, fitted twice they count twice.
+fn refuse_overlap(experiment: &Experiment, listed: &[(&RecordingSource, bool)]) -> Result<(), Failure> {
+    let file = |r: &RecordingSource| std::fs::canonicalize(&r.file).unwrap_or_else(|_| r.file.clone());
+    let window = |r: &RecordingSource| r.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    for (k, (later, held_out)) in listed.iter().enumerate() {
+        let overlaps = |(earlier, _): &&(&RecordingSource, bool)| {
+            let ([begin, end], [other_begin, other_end]) = (window(later), window(earlier));
+            let is_same = file(later) == file(earlier) && later.recorded.take == earlier.recorded.take;
+            is_same && begin.max(other_begin) < end.min(other_end)
+        };
+        let Some((_, fitted_too)) = listed[..k].iter().find(overlaps) else { continue };
+        let both = if held_out == fitted_too { "twice" } else { "fitted and held out" };
+        let reason = format!("rows of {} are listed {both}", later.written);
+        let remedy = "list other recordings, or parts that do not overlap with `window_s`";
+        return Err(Failure::unfit(&experiment.path, reason, remedy));
+    }
+    Ok(())
 }
 
 fn options_of(experiment: &Experiment) -> Options {
@@ -217,7 +240,8 @@ fn arm_of(experiment: &Experiment) -> Result<(DrivenArm, Vec<String>), Failure> 
             vec![0.0; INERTIAL_PARAMETERS * chain.joints().len()]
         }
     };
-    Ok((DrivenArm { chain, standard_parameters, joints: drive.joints.clone(), floor: drive.floor }, notes))
+    let (joints, command, floor) = (drive.joints.clone(), drive.command, drive.floor);
+    Ok((DrivenArm { chain, standard_parameters, joints, command, floor }, notes))
 }
 
 fn without_drive(experiment: &Experiment) -> Failure {
@@ -263,7 +287,7 @@ fn read(mut source: Source, joints: &RobotJoints, arm: &DrivenArm) -> Result<Rea
         return Err(Failure::unfit(&loaded.source.file, reason, remedy));
     }
     let notes = loaded.recording.report.notes();
-    let doubts = if follows { doubts::doubts(&recording) } else { Vec::new() };
+    let doubts = if follows { doubts::doubts(&recording, arm.command) } else { Vec::new() };
     Ok(Read {
         label: loaded.source.label,
         file: loaded.source.file,

@@ -20,7 +20,12 @@ use super::{
 use crate::workbench::{diagnosing::selection, failure::Failure};
 
 /// The keys of viscous friction: one column of a motion that does not saturate.
-const VISCOUS: [&str; 3] = ["damping_nm_s_per_rad", "firmware_damping_nm_s_per_rad", "viscous_nm_s_per_rad"];
+const VISCOUS: [&str; 4] = [
+    "back_emf_nm_s_per_rad",
+    "damping_nm_s_per_rad",
+    "firmware_damping_nm_s_per_rad",
+    "viscous_nm_s_per_rad",
+];
 /// Other keys that a fit can state and recordings determine.
 const STATED: [&str; 7] = [
     "gain_nm_per_rad",
@@ -143,7 +148,7 @@ fn given(own: &DrivenArm, joints: &[(PositionServo, Mechanics)]) -> (DrivenArm, 
             ..*mechanics
         };
         if joint.drive.name() == "pd_law" {
-            joint.mechanics.viscous_nm_s_per_rad += servo.damping_nm_s_per_rad;
+            joint.mechanics.viscous_nm_s_per_rad += servo.back_emf_nm_s_per_rad;
             joint.mechanics.torque_offset_nm += servo.gain_nm_per_rad * servo.command_offset_rad;
             joint.drive = Box::new(PdLaw {
                 gain_nm_per_rad: servo.gain_nm_per_rad,
@@ -178,7 +183,9 @@ fn again(
     let acts = |key: &str, numbers: &[f64]| {
         names.iter().zip(numbers).any(|(name, n)| stem(name) == key && *n > 1e-6 && *n < 1e9)
     };
-    let viscous = VISCOUS.into_iter().find(|k| is_own(k)).unwrap_or(VISCOUS[0]);
+    let has = |key: &&str| names.iter().any(|name| stem(name) == *key);
+    let viscous = VISCOUS.into_iter().find(|k| is_own(k)).or(VISCOUS.into_iter().find(has));
+    let viscous = viscous.unwrap_or(VISCOUS[0]);
     let is_viscous = VISCOUS.into_iter().any(|k| acts(k, &theirs));
     let is_stated = |key: &str| if key == viscous { is_viscous } else { acts(key, &theirs) };
     let keys = || STATED.into_iter().chain([viscous]).filter(|key| is_stated(key));

@@ -2,10 +2,7 @@
 
 use aurt_simulation::{Random, effects::Family};
 
-use super::{
-    arm::{Servo, ServoArm},
-    motion::STREAM_S,
-};
+use super::arm::{Servo, ServoArm};
 
 /// A parameter by its name in verdicts, whether it is that of all joints, and its value.
 type Parameter = (&'static str, bool, fn(&Servo) -> f64);
@@ -32,8 +29,7 @@ pub(super) const EFFECTS: [ServoEffect; 11] = [
         family: Family::D,
         sizes: [1e-3, 0.08],
         in_vocabulary: true,
-        // A command that is held for a period comes half of it late on average.
-        parameter: Some(("delay_s", true, |s| s.delay_s + 0.5 * STREAM_S)),
+        parameter: Some(("delay_s", true, |s| s.delay_s)),
         put: |arm, size, _| arm.servos.iter_mut().for_each(|s| s.delay_s = size),
     },
     ServoEffect {

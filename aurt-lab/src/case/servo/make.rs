@@ -181,8 +181,8 @@ fn apart(a: &Recorded, b: &Recorded) -> Vec<f64> {
 fn experiment(arm: &ServoArm, gains_given: bool) -> String {
     let joints = arm.servos.len();
     let has = |value: fn(&super::arm::Servo) -> f64| arm.servos.iter().any(|s| value(s) > 0.0);
-    let mut estimate = vec!["damping_nm_s_per_rad", "rotor_inertia_kg_m2"];
-    let mut given = "damping_nm_s_per_rad = 0.4\nrotor_inertia_kg_m2 = 0.01\n".to_owned();
+    let mut estimate = vec!["back_emf_nm_s_per_rad", "rotor_inertia_kg_m2"];
+    let mut given = "back_emf_nm_s_per_rad = 0.4\nrotor_inertia_kg_m2 = 0.01\n".to_owned();
     if gains_given {
         let gains: Vec<String> = arm.servos.iter().map(|s| format!("{:.3}", s.gain_nm_per_rad)).collect();
         let _ = writeln!(given, "gain_nm_per_rad = [{}]", gains.join(", "));

@@ -1,0 +1,126 @@
+//! `aurt check` of an experiment with a `[drive]`: doubts about its recordings, and the command between two rows.
+
+use std::fmt::Write;
+
+use crate::Experiment;
+use aurt::Progress;
+use aurt_calibration::drives::{DriveRecording, OutputErrorFit, Selection, output_error, stem};
+use aurt_diagnosis::drives::{Missed, compare};
+use aurt_traits::CommandSignal;
+use serde_json::json;
+
+use super::{
+    DriveOutcome, arm_of, doubts::rows_per_command, doubts_of, of_drive, options_of, read_all, warnings,
+    without_drive,
+};
+use crate::workbench::failure::Failure;
+
+/// Largest probability at which one signal is said to be that of the recordings.
+const LEVEL: f64 = 0.01;
+const SIGNALS: [(CommandSignal, &str); 2] =
+    [(CommandSignal::Hold, "hold"), (CommandSignal::Linear, "linear")];
+
+/// Checks the recordings of an experiment and tells how its commands act between two rows: the drive is estimated with commands
+/// that hold and with commands on the line between two, both with a delay, and the positions decide (those held out, else those
+/// fitted).
+///
+/// # Errors
+/// Why it could not be done.
+pub fn check_drives(experiment: &Experiment, progress: &Progress) -> Result<DriveOutcome, Failure> {
+    let (arm, mut notes) = arm_of(experiment)?;
+    let Some(drive) = &experiment.drive else { return Err(without_drive(experiment)) };
+    let recordings = read_all(experiment, &arm, &mut notes, progress)?;
+    let of = |held_out: bool| -> Vec<DriveRecording> {
+        recordings.iter().filter(|r| r.held_out == held_out).map(|r| r.recording.clone()).collect()
+    };
+    let (fitted, held_out) = (of(false), of(true));
+    let judging = if held_out.is_empty() { &fitted } else { &held_out };
+    let options = options_of(experiment);
+    let selection = with_delay(&drive.selection);
+    let failed = |error| of_drive(&error, experiment, &recordings);
+    let mut tried: Vec<(&str, OutputErrorFit, Missed)> = Vec::new();
+    for (command, name) in SIGNALS {
+        progress.step(format!("estimating with command = \"{name}\""));
+        let arm = aurt_calibration::drives::DrivenArm { command, ..arm.clone() };
+        let fit = output_error(&arm, &selection, &fitted, &options).map_err(failed)?;
+        let missed = Missed::of(&fit.arm, judging, &options).map_err(failed)?;
+        tried.push((name, fit, missed));
+    }
+    let [hold, linear] = &tried[..] else { return Err(without_drive(experiment)) };
+    let written = if drive.command == CommandSignal::Hold { hold.0 } else { linear.0 };
+    let p =
+        [compare(&hold.2, &linear.2, &options), compare(&linear.2, &hold.2, &options)].map(|c| c.probability);
+    let told = if p[0] <= LEVEL {
+        Some(hold.0)
+    } else if p[1] <= LEVEL {
+        Some(linear.0)
+    } else {
+        None
+    };
+    let mut doubts = doubts_of(&recordings);
+    if let Some(told) = told.filter(|told| *told != written) {
+        doubts.push(format!(
+            "the positions are those of command = \"{told}\" (p = {:.1e}), and [drive] has \"{written}\": write `command = \"{told}\"`",
+            p[0].min(p[1])
+        ));
+    }
+    let stairs = recordings.iter().filter_map(|r| rows_per_command(&r.recording)).fold(f64::NAN, f64::max);
+    let mut text = format!(
+        "{} recordings of commands and positions\n\nthe command between two rows\n",
+        recordings.len()
+    );
+    if stairs.is_finite() {
+        let _ = writeln!(
+            text,
+            "  it changes with every {stairs:.1}th row while it moves: it is sent less often than recorded, and holds"
+        );
+    }
+    for (name, fit, missed) in &tried {
+        let delay = fit.numbers.iter().find(|n| stem(&n.name) == "delay_s");
+        let delay = delay.map_or_else(String::new, |d| {
+            format!(", {} {:.2} ± {:.2} ms", d.name, 1e3 * d.value, 1e3 * d.deviation)
+        });
+        let _ = writeln!(
+            text,
+            "  {name:8} rms of the positions {:.2}e-3 rad or m{delay}",
+            1e3 * missed.rms_all_rad()
+        );
+    }
+    let _ = match told {
+        Some(told) => writeln!(text, "  the positions are those of \"{told}\" (p = {:.1e})", p[0].min(p[1])),
+        None => writeln!(
+            text,
+            "  both meet the positions alike: \"{written}\" of [drive] is taken; a command that is held looks like one that comes half \
+             a row later"
+        ),
+    };
+    notes.iter().for_each(|note| text.push_str(&format!("note: {note}\n")));
+    let by_signal = tried.iter().map(|(name, fit, missed)| {
+        let numbers =
+            fit.numbers.iter().map(|n| json!({ "name": n.name, "value": n.value, "deviation": n.deviation }));
+        json!({ "command": name, "rms": missed.rms_rad, "numbers": numbers.collect::<Vec<_>>() })
+    });
+    let json = json!({
+        "kind": "drive",
+        "command_in_experiment": written,
+        "command_of_recordings": told,
+        "p_hold": p[0],
+        "p_linear": p[1],
+        "rows_per_command": Some(stairs).filter(|s| s.is_finite()),
+        "signals": by_signal.collect::<Vec<_>>(),
+        "warnings": doubts,
+        "notes": notes,
+    });
+    let findings = !doubts.is_empty();
+    Ok(DriveOutcome { text: text + &warnings(&doubts), json, files: Vec::new(), findings })
+}
+
+/// The selection with a delay, without which commands that hold stand for one.
+fn with_delay(selection: &Selection) -> Selection {
+    let mut selection = selection.clone();
+    if !selection.estimate.iter().any(|key| stem(key) == "delay_s") {
+        selection.estimate.push("delay_s".to_owned());
+        selection.shared.push("delay_s".to_owned());
+    }
+    selection
+}
