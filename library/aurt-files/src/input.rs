@@ -13,6 +13,8 @@ use std::{
     time::Duration,
 };
 
+use crate::protected::note;
+
 /// Largest text that is written by hand: experiments, scenarios, plans, limits, geometries.
 pub const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Largest saved model, verdict or plan of a sweep.
@@ -28,6 +30,26 @@ const PIPE_PATIENCE: Duration = Duration::from_secs(5);
 /// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices, sockets and files
 /// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds.
 pub fn open(path: &Path) -> Result<File> {
+    match readable(path)? {
+        Readable::Regular => {
+            let file = File::open(path)?;
+            note(path, &file.metadata()?);
+            Ok(file)
+        }
+        #[cfg(unix)]
+        Readable::Pipe => open_pipe(path),
+    }
+}
+
+/// A kind of file that can be read to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Readable {
+    Regular,
+    #[cfg(unix)]
+    Pipe,
+}
+
+fn readable(path: &Path) -> Result<Readable> {
     let metadata = fs::metadata(path)?;
     let kind = metadata.file_type();
     if kind.is_file() {
@@ -37,19 +59,31 @@ pub fn open(path: &Path) -> Result<File> {
                 "it is not a regular file but one of the kernel; save its contents to a file and name that";
             return Err(Error::new(ErrorKind::InvalidInput, reason));
         }
-        return File::open(path);
+        return Ok(Readable::Regular);
     }
     if kind.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder; name a file in it"));
     }
     #[cfg(unix)]
     if is_pipe(kind) {
-        return open_pipe(path);
+        return Ok(Readable::Pipe);
     }
     Err(Error::new(
         ErrorKind::InvalidInput,
         "it is a device or a socket; save its contents to a file and name that",
     ))
+}
+
+/// The bytes of a regular file of at most `most_bytes` bytes that is no input of a command: its program may write it again
+/// (a list, a plan), or run it (a library).
+///
+/// # Errors
+/// As [`open`], but [`ErrorKind::InvalidInput`] for every pipe; [`ErrorKind::FileTooLarge`].
+pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
+    if readable(path)? != Readable::Regular {
+        return Err(Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+    }
+    read_bounded(&File::open(path)?, most_bytes)
 }
 
 #[cfg(unix)]
@@ -104,7 +138,10 @@ fn open_pipe(path: &Path) -> Result<File> {
 /// # Errors
 /// As [`open`]; [`ErrorKind::FileTooLarge`]; [`ErrorKind::InvalidData`] as [`text_of`].
 pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
-    let file = open(path)?;
+    text_of(read_bounded(&open(path)?, most_bytes)?)
+}
+
+fn read_bounded(file: &File, most_bytes: u64) -> Result<Vec<u8>> {
     let length = file.metadata().map_or(0, |m| if m.is_file() { m.len() } else { 0 });
     let too_large = || {
         let reason =
@@ -119,7 +156,7 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
     if bytes.len() as u64 > most_bytes {
         return Err(too_large());
     }
-    text_of(bytes)
+    Ok(bytes)
 }
 
 /// Bytes as text, without a byte order mark.
@@ -188,6 +225,7 @@ mod tests {
         let path = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
         assert!(made.success());
+        assert_eq!(read_regular(&path, 1).unwrap_err().kind(), ErrorKind::InvalidInput);
         let begin = std::time::Instant::now();
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
@@ -219,9 +257,11 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn files_of_the_kernel_are_refused() {
         for path in ["/proc/kmsg", "/proc/cpuinfo"] {
-            let error = open(Path::new(path)).unwrap_err();
-            assert_eq!(error.kind(), ErrorKind::InvalidInput);
-            assert!(error.to_string().contains("not a regular file"), "{error}");
+            let both = [open(Path::new(path)).unwrap_err(), read_regular(Path::new(path), 1).unwrap_err()];
+            for error in both {
+                assert_eq!(error.kind(), ErrorKind::InvalidInput);
+                assert!(error.to_string().contains("not a regular file"), "{error}");
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use aurt_experiment::Experiment;
 use aurt_report::rendering::text::wrapped;
 use aurt_workbench::{
     driving::CalibratedDrive,
-    exporting::{Format, Kind, ModelFile, Target, correct, export},
+    exporting::{Format, Kind, ModelFile, Replaced, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
@@ -68,6 +68,9 @@ pub struct Export {
     /// Of `isaac`: experiment of the drives, by whose held-out recordings what is lost is judged
     #[arg(long, value_name = "DRIVES.toml")]
     experiment: Option<PathBuf>,
+    /// Replace files in the folder that are not by `aurt export`, and FMUs; never the model or the file of `--into`
+    #[arg(long)]
+    force: bool,
 }
 
 /// A target of an export.
@@ -186,7 +189,8 @@ impl Export {
         };
         let inputs: Vec<&Path> =
             [Some(&self.model), self.into.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
-        let paths = made.write(&out, "--out", &inputs)?;
+        let replaced = if self.force { Replaced::Any } else { Replaced::Exports };
+        let paths = made.write(&out, "--out", &inputs, replaced)?;
 
         let mut text = format!("{} of {}\n", target.name(), self.model.display());
         text.extend(made.notes.iter().map(|n| wrapped(&format!("note: {n}"))));
