@@ -71,7 +71,7 @@ impl OutputFile {
             (Ok(output), Ok(input)) => output == input,
             _ => false,
         };
-        if inputs.iter().any(|input| same(&input)) {
+        if inputs.iter().any(|input| same(&input)) || aurt_files::is_input(path) {
             return Err(refuse("is an input of this command and would be overwritten", "name another file"));
         }
         clear_unfinished(folder);

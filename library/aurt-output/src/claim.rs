@@ -229,7 +229,9 @@ fn try_take(folder: &Path, missing: Missing) -> io::Result<Option<Held>> {
     match file.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => return Ok(None),
-        Err(TryLockError::Error(_)) if missing == Missing::Make => return Ok(Some(Held { folder, lock: None })),
+        Err(TryLockError::Error(_)) if missing == Missing::Make => {
+            return Ok(Some(Held { folder, lock: None }));
+        }
         Err(TryLockError::Error(error)) => return Err(error),
     }
     // Whoever held it until now may have removed the file that was opened.

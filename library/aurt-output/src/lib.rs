@@ -36,14 +36,14 @@ use std::{
 
 use thiserror::Error;
 
-use crate::{
-    claim::{abandon_claims, make_folders},
-    staging::{Published, Staged, folder_of, meant, sync_folder, write_special},
-};
 pub use crate::{
     claim::{Claim, clear_unfinished, take_cleared},
     json::pretty,
     staging::{StagedFolder, is_named_pipe, is_special},
+};
+use crate::{
+    claim::{abandon_claims, make_folders},
+    staging::{Published, Staged, folder_of, meant, sync_folder, write_special},
 };
 
 /// Beginning of the names of private folders.
@@ -133,7 +133,8 @@ pub fn write_outputs(outputs: &[Output<'_>]) -> Result<(), WriteError> {
             continue;
         }
         refuse_input(path)?;
-        let target = if folder.is_none() { meant(path).map_err(WriteError::at(path))? } else { path.to_path_buf() };
+        let target =
+            if folder.is_none() { meant(path).map_err(WriteError::at(path))? } else { path.to_path_buf() };
         made.make(folder_of(&target))?;
         let claim = match folder {
             Some(folder) => {

@@ -86,7 +86,8 @@ impl Staged {
         }
         let old = self.claim.fresh();
         // File systems without hard links get a copy.
-        let copied = |error| if found.is_file() { fs::copy(&self.target, &old).map(drop) } else { Err(error) };
+        let copied =
+            |error| if found.is_file() { fs::copy(&self.target, &old).map(drop) } else { Err(error) };
         fs::hard_link(&self.target, &old).or_else(copied).map_err(WriteError::at(&self.target))?;
         self.old = Some(old);
         Ok(())

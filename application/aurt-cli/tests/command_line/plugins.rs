@@ -121,7 +121,8 @@ fn libraries_and_their_list_are_regular_files() {
     succeeded(Command::new("mkfifo").arg(&pipe));
     for endless in ["/dev/zero", "/proc/kmsg", &pipe] {
         folder.aurt_with([("AURT_TRUST", ""), ("AURT_TRUST_FILE", endless)], ["models"]).refused(&[endless]);
-        folder.write("experiment.toml", &EXPERIMENT.replace("LIBRARY", endless).replace("MODEL", "saturating"));
+        folder
+            .write("experiment.toml", &EXPERIMENT.replace("LIBRARY", endless).replace("MODEL", "saturating"));
         folder.aurt(["run", "experiment.toml", "--out", "out"]).refused(&[endless]);
         folder.aurt(["trust", endless]).refused(&[endless]);
     }

@@ -68,8 +68,7 @@ pub(crate) fn load(file: &LibraryFile) -> Result<Loaded, LibraryProblem> {
     loaded.insert(file.blake3.clone(), declaration);
     // SAFETY: the entry returned the library's declaration, which lives as long as the library.
     let (name, version, models) = unsafe { read_declaration(declaration.0) }?;
-    let listing =
-        LibraryListing { name, version, path: file.path.clone(), blake3: file.blake3.clone() };
+    let listing = LibraryListing { name, version, path: file.path.clone(), blake3: file.blake3.clone() };
     let models = models
         .into_iter()
         // SAFETY: `read_declaration` found these tables within the declared ones.

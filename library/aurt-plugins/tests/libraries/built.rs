@@ -33,7 +33,13 @@ pub fn needs_neighbour(folder: &Path) -> Option<PathBuf> {
     let made = |name: &str, code: &str, arguments: &[&str]| {
         std::fs::write(folder.join(format!("{name}.c")), code).unwrap();
         let mut compiler = Command::new("cc");
-        compiler.current_dir(folder).args(["-shared", "-fPIC", "-o", &format!("lib{name}.so"), &format!("{name}.c")]);
+        compiler.current_dir(folder).args([
+            "-shared",
+            "-fPIC",
+            "-o",
+            &format!("lib{name}.so"),
+            &format!("{name}.c"),
+        ]);
         let output = compiler.args(arguments).output().ok()?;
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         Some(folder.join(format!("lib{name}.so")))
