@@ -85,9 +85,12 @@ impl Claim {
                 }
             }
             let path = fs::canonicalize(path)?;
-            // A run that found no folder holds the place beside it until its end.
-            if let Some(beside) = beside(&path).ok().filter(|beside| beside.is_dir()) {
-                drop(take(beside)?);
+            // A run that found no folder holds the place beside it until its end; what else lies there is no obstacle.
+            if let Some(beside) = beside(&path).ok().filter(|beside| beside.is_dir())
+                && let Err(error) = take(beside)
+                && error.kind() == ErrorKind::ResourceBusy
+            {
+                return Err(error);
             }
             take(path.join(named(OsStr::new(""))))
         };

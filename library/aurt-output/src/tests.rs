@@ -68,10 +68,16 @@ fn a_staged_folder_that_an_interruption_removed_is_not_made_again() {
     assert!(contents(parent.path()).is_empty());
 }
 
+fn private_folder(path: &Path) {
+    fs::create_dir(path).unwrap();
+    #[cfg(unix)]
+    fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+}
+
 /// A claim as a killed process leaves it: nobody holds its lock.
 fn abandoned(folder: &Path, name: &str) {
     let claim = folder.join(name);
-    fs::create_dir(&claim).unwrap();
+    private_folder(&claim);
     fs::write(claim.join("lock"), "").unwrap();
     fs::write(claim.join("1-0"), "half").unwrap();
     fs::create_dir(claim.join("1-1")).unwrap();
@@ -94,7 +100,7 @@ fn what_a_killed_process_left_is_removed_by_whoever_writes_to_that_place_or_clea
     assert_eq!(contents(&folder), listed([("a", "1"), ("out", "a folder")]));
     assert_eq!(contents(&folder.join("out")), listed([("b", "2")]));
     // It was killed before it had locked anything, and while it staged something else.
-    fs::create_dir(folder.join(".aurt-c.part")).unwrap();
+    private_folder(&folder.join(".aurt-c.part"));
     abandoned(&folder, ".aurt-1-7.part");
     take_cleared();
     clear_unfinished(&folder);
@@ -134,7 +140,7 @@ fn a_journal_of_somebody_else_is_not_read() {
     fs::write(at("forged"), "forged").unwrap();
     let (forged, victim) = (at("forged"), at("victim"));
     let journal = format!("{}\0{}\0\0complete\n", forged.display(), victim.display());
-    fs::create_dir(at(".aurt-a.part")).unwrap();
+    private_folder(&at(".aurt-a.part"));
     for place in [".aurt-1.journal", ".aurt-a.part/journal", ".aurt-1.part"] {
         fs::write(at(place), &journal).unwrap();
     }
@@ -165,7 +171,7 @@ fn a_place_for_unfinished_results_that_others_may_change_is_not_used() {
         assert!(error.contains("no folder of yours alone"), "{error}");
     }
     // A lock that is no file is removed, not opened.
-    fs::create_dir(at(".aurt-c.part")).unwrap();
+    private_folder(&at(".aurt-c.part"));
     let pipe = at(".aurt-c.part/lock");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     write_file(&at("c"), b"1").unwrap();

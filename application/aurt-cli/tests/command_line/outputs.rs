@@ -1,6 +1,9 @@
 //! Outputs appear whole or not at all.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use crate::support::{DEMO, Folder, with_cell, with_line};
 
@@ -59,9 +62,9 @@ fn what_a_command_has_read_is_not_overwritten() {
         assert!(folder.read(file) == before && folder.names() == names, "{command}: {:?}", folder.names());
     };
     let toml = folder.read("experiment.toml");
-    copy("other_motion.csv", "predicted_other_motion.csv");
-    let two = "\"other_motion.csv\", \"predicted_other_motion.csv\"";
-    stays(&toml.replace("\"other_motion.csv\"", two), "run own.toml --out .", "predicted_other_motion.csv");
+    copy("exciting_motion.csv", "predicted_other_motion.csv");
+    let recording = toml.replace("exciting_motion.csv", "predicted_other_motion.csv");
+    stays(&recording, "run own.toml --out .", "predicted_other_motion.csv");
     copy("mdh.csv", "calibrated_parameters.csv");
     let table = toml.replace("mdh.csv", "calibrated_parameters.csv");
     stays(&table, "run own.toml --out .", "calibrated_parameters.csv");
@@ -76,11 +79,18 @@ fn what_a_command_has_read_is_not_overwritten() {
     }
 }
 
+/// Makes a folder as commands make it for unfinished results.
+fn private_folder(path: &Path) {
+    fs::create_dir_all(path).unwrap();
+    #[cfg(unix)]
+    fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+}
+
 #[test]
 fn two_commands_do_not_write_to_one_place() {
     let folder = experiment();
     let held = |place: &str| {
-        fs::create_dir_all(folder.path(place)).unwrap();
+        private_folder(&folder.path(place));
         let lock = fs::File::create(folder.path(place).join("lock")).unwrap();
         lock.lock().unwrap();
         lock
