@@ -6,7 +6,6 @@ mod arguments;
 mod commands;
 mod interrupt;
 mod rendering;
-mod supervised;
 mod values;
 
 use std::process::ExitCode;
@@ -31,7 +30,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<Report, Failure> {
     if arguments.allow_plugins {
         registry.trust(Trust::all());
     }
-    registry.before_libraries(supervised::before_library);
     for library in &arguments.plugin {
         registry.load_library(library)?;
     }
@@ -67,11 +65,10 @@ fn main() -> ExitCode {
     };
     let terminal = Terminal::new(arguments.json, arguments.quiet);
     interrupt::listen();
+    aurt_files::protect_inputs();
     let outcome = run(&arguments, &terminal);
     terminal.print_cleared(&aurt_files::output::take_cleared());
-    let status = report(outcome, &terminal);
-    supervised::ended();
-    status
+    report(outcome, &terminal)
 }
 
 /// Says how the command went, and with which status it ends.

@@ -29,4 +29,4 @@ pub mod urdf;
 
 pub use error::ExportError;
 pub use program::Check;
-pub use source::{Export, Provenance, Source};
+pub use source::{Export, Provenance, Source, is_export};

@@ -58,7 +58,7 @@ impl Provenance {
         let by = self.aurt_version.as_ref().map_or_else(String::new, |v| format!(", aurt {v}"));
         let mut lines = vec![
             format!("Model: {} (schema {}{by})", self.file, self.schema),
-            format!("BLAKE3 of the model: {}", self.blake3),
+            format!("{HASH}{}", self.blake3),
         ];
         if !self.recordings.is_empty() {
             lines.push(format!("Calibrated on: {}", self.recordings.join(", ")));
@@ -66,6 +66,17 @@ impl Provenance {
         lines
     }
 }
+
+/// Whether a text states that it is an export.
+#[must_use]
+pub fn is_export(text: &str) -> bool {
+    text.contains(WRITTEN_BY) || text.contains(HASH)
+}
+
+/// Words that begin the statement which target wrote a file.
+const WRITTEN_BY: &str = "written by `aurt export ";
+/// Words before the hash of the model.
+const HASH: &str = "BLAKE3 of the model: ";
 
 impl<'a> Source<'a> {
     /// The chain or tree of a model that can be exported at all.

@@ -12,7 +12,7 @@ use std::{
     process::{Command, Output},
 };
 
-use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, mjcf, rust, sdf, urdf};
+use aurt_export::{Export, ExportError, Provenance, Source, c, fmu, is_export, mjcf, rust, sdf, urdf};
 use aurt_friction::arm_terms::{joint_selection::JointSelection, torque_ripple::TorqueRipple};
 use aurt_rbd::robots::{KNOWN_ROBOTS, Part};
 use aurt_rbd::{ChainDynamics, RobotDescription, SerialChain};
@@ -45,6 +45,8 @@ fn source<'a>(case: &'a Case, provenance: &'a Provenance) -> Source<'a> {
 
 fn write(export: &Export, folder: &Path) {
     for (name, text) in &export.files {
+        // What a later export may replace.
+        assert!(is_export(text), "{name} does not state what wrote it");
         let path = folder.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();

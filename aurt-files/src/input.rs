@@ -1,7 +1,7 @@
 //! Opening and reading the files of users.
 
 use std::{
-    fs::{self, File, FileType},
+    fs::{self, File},
     io::{Error, ErrorKind, Read, Result},
     path::Path,
 };
@@ -11,13 +11,12 @@ use std::{
     time::{Duration, Instant},
 };
 
+use crate::protected::note;
+
 /// Largest text that is written by hand: experiments, scenarios, plans, limits, geometries.
 pub const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Largest saved model, verdict or plan of a sweep.
 pub const MOST_MODEL_BYTES: u64 = 1 << 30;
-
-/// Bytes of a file that are held at once where it is not needed as a whole.
-const PIECE_BYTES: usize = 1 << 16;
 
 /// How long a pipe may be without a writer, or its writer without a word.
 #[cfg(unix)]
@@ -29,12 +28,14 @@ const PIPE_PATIENCE: Duration = Duration::from_secs(5);
 /// What the system says; [`ErrorKind::IsADirectory`] for folders; [`ErrorKind::InvalidInput`] for devices, sockets and files
 /// of the kernel (`/proc/kmsg`), which may never end; [`ErrorKind::TimedOut`] for a pipe without a byte within five seconds.
 pub fn open(path: &Path) -> Result<File> {
-    let (file, kind) = open_at_once(path)?;
-    #[cfg(unix)]
-    if kind.is_fifo() {
-        wait_for_writer(&file)?;
+    let (file, metadata) = open_at_once(path)?;
+    if metadata.is_file() {
+        note(path, &metadata);
+        return Ok(file);
     }
-    let _ = kind;
+    #[cfg(unix)]
+    wait_for_writer(&file)?;
+    }
     Ok(file)
 }
 
@@ -43,34 +44,31 @@ pub fn open(path: &Path) -> Result<File> {
 /// # Errors
 /// As [`open`]; [`ErrorKind::InvalidInput`] for pipes.
 pub fn open_regular(path: &Path) -> Result<File> {
-    let (file, kind) = open_at_once(path)?;
-    if kind.is_file() {
-        return Ok(file);
+    let (file, metadata) = open_at_once(path)?;
+    if !metadata.is_file() {
+        let reason = "it is a pipe, which can be read once only; save its contents to a file and name that";
+        return Err(Error::new(ErrorKind::InvalidInput, reason));
     }
-    let reason = "it is a pipe, which can be read once only; save its contents to a file and name that";
-    Err(Error::new(ErrorKind::InvalidInput, reason))
+    note(path, &metadata);
+    Ok(file)
 }
 
-/// Hands the bytes of a regular file to `take`, piece by piece.
+/// The bytes of a regular file of at most `most_bytes` bytes that is no input of a command: its program may write it again
+/// (a list, a plan), or run it (a library).
 ///
 /// # Errors
-/// As [`open_regular`]; what reading says.
-pub fn read_pieces(path: &Path, mut take: impl FnMut(&[u8])) -> Result<()> {
-    let mut file = open_regular(path)?;
-    let mut piece = vec![0; PIECE_BYTES];
-    loop {
-        match file.read(&mut piece) {
-            Ok(0) => return Ok(()),
-            Ok(length) => take(&piece[..length]),
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
+/// As [`open`], but [`ErrorKind::InvalidInput`] for every pipe; [`ErrorKind::FileTooLarge`].
+pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
+    let (file, metadata) = open_at_once(path)?;
+    if !metadata.is_file() {
+        return Err(Error::new(ErrorKind::InvalidInput, "it is no regular file"));
     }
+    read_bounded(&file, most_bytes)
 }
 
 /// Opens a regular file or a pipe without waiting for anybody. Opening a device can have an effect, so its name is looked at
 /// first; what was opened is looked at again, since the name may have come to mean another file in between.
-fn open_at_once(path: &Path) -> Result<(File, FileType)> {
+fn open_at_once(path: &Path) -> Result<(File, fs::Metadata)> {
     readable(&fs::metadata(path)?)?;
     let mut options = fs::OpenOptions::new();
     options.read(true);
@@ -79,7 +77,7 @@ fn open_at_once(path: &Path) -> Result<(File, FileType)> {
     let file = options.open(path)?;
     let metadata = file.metadata()?;
     readable(&metadata)?;
-    Ok((file, metadata.file_type()))
+    Ok((file, metadata))
 }
 
 /// Refuses all but regular files and pipes.
@@ -154,7 +152,10 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
 /// # Errors
 /// As [`open`]; [`ErrorKind::FileTooLarge`].
 pub fn read_bytes(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
-    let file = open(path)?;
+    read_bounded(&open(path)?, most_bytes)
+}
+
+fn read_bounded(file: &File, most_bytes: u64) -> Result<Vec<u8>> {
     let length = file.metadata().map_or(0, |m| if m.is_file() { m.len() } else { 0 });
     let too_large = || {
         let reason =
@@ -238,6 +239,7 @@ mod tests {
         let path = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
         assert!(made.success());
+        assert_eq!(read_regular(&path, 1).unwrap_err().kind(), ErrorKind::InvalidInput);
         let begin = std::time::Instant::now();
         assert_eq!(error(&path).kind(), ErrorKind::TimedOut);
         assert!(begin.elapsed() < 2 * PIPE_PATIENCE);
@@ -269,9 +271,11 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn files_of_the_kernel_are_refused() {
         for path in ["/proc/kmsg", "/proc/cpuinfo"] {
-            let error = open(Path::new(path)).unwrap_err();
-            assert_eq!(error.kind(), ErrorKind::InvalidInput);
-            assert!(error.to_string().contains("not a regular file"), "{error}");
+            let both = [open(Path::new(path)).unwrap_err(), read_regular(Path::new(path), 1).unwrap_err()];
+            for error in both {
+                assert_eq!(error.kind(), ErrorKind::InvalidInput);
+                assert!(error.to_string().contains("not a regular file"), "{error}");
+            }
         }
     }
 }

@@ -36,7 +36,6 @@ mod trust;
 pub use build::SlotModel;
 pub use configuration::{Entry, Node, NodeKind, Span};
 pub use describe::ModelDescription;
-pub use dynamic::{Told, longest_call, time_limit, watch_calls};
 pub use error::{BuildError, Error, LibraryProblem};
 pub use listing::{LibraryListing, ModelListing, Origin};
 pub use new_plugin::{NewPlugin, PluginLanguage, new_plugin};

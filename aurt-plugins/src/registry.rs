@@ -8,10 +8,10 @@ use aurt_traits::{ModelEntry, Slot};
 
 use crate::{
     Error, Span,
-    dynamic::{self, LibraryModel},
+    dynamic::{self, LibraryFile, LibraryModel},
     error::{BuildError, LibraryProblem},
     listing::{LibraryListing, ModelListing},
-    trust::{Trust, hash_of},
+    trust::Trust,
 };
 
 /// All models that can be named: the statically linked ones and those of loaded libraries, by slot and name.
@@ -19,8 +19,6 @@ use crate::{
 pub struct Registry {
     models: BTreeMap<(Slot, String), Registered>,
     libraries: Vec<LibraryListing>,
-    /// Called before a library is loaded into this process.
-    before_library: Option<fn(&Path)>,
     /// Which libraries may be loaded because a file names them.
     trust: Trust,
     /// What to say of saved models by former names.
@@ -76,13 +74,15 @@ impl Registry {
     /// name exists.
     pub fn load_library(&mut self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
-        if path.canonicalize().is_ok_and(|file| self.libraries.iter().any(|known| known.path == file)) {
+        self.load(path, &LibraryFile::read(path)?)
+    }
+
+    fn load(&mut self, path: &Path, file: &LibraryFile) -> Result<(), Error> {
+        if self.libraries.iter().any(|known| known.path == file.path) {
             return Ok(());
         }
-        if let Some(before) = self.before_library {
-            before(path);
-        }
-        let (library, models) = dynamic::load(path)?;
+        let (library, models) =
+            dynamic::load(file).map_err(|problem| Error::Library { path: path.to_owned(), problem })?;
         let mut with_library = self.clone();
         for (listing, model) in models {
             with_library.add(listing, Some(model))?;
@@ -92,16 +92,18 @@ impl Registry {
         Ok(())
     }
 
-    /// Loads a dynamic library because a file names it: if it is loaded already, or its bytes are trusted.
+    /// Loads a dynamic library because a file names it: if it is loaded already, or its bytes are trusted. These bytes are
+    /// loaded, whatever stands in the file by then.
     ///
     /// # Errors
     /// As [`Self::load_library`], and [`LibraryProblem::NotTrusted`].
     pub fn load_named_library(&mut self, path: &Path) -> Result<(), Error> {
-        let hash = hash_of(path)?;
-        if !self.trust.allows(&hash) && !self.libraries.iter().any(|known| known.blake3 == hash) {
+        let file = LibraryFile::read(path)?;
+        let is_loaded = || self.libraries.iter().any(|known| known.blake3 == file.blake3);
+        if !self.trust.allows(&file.blake3) && !is_loaded() {
             return Err(Error::Library { path: path.to_owned(), problem: LibraryProblem::NotTrusted });
         }
-        self.load_library(path)
+        self.load(path, &file)
     }
 
     /// Says which libraries may be loaded because a file names them; none, until then.
@@ -115,11 +117,6 @@ impl Registry {
         let mut trust = self.trust.clone();
         self.libraries.iter().for_each(|library| trust.insert(library.blake3.clone()));
         trust
-    }
-
-    /// Has a function called before every library that is loaded into this process, with its path: loading runs its code.
-    pub fn before_libraries(&mut self, before: fn(&Path)) {
-        self.before_library = Some(before);
     }
 
     /// The loaded libraries, in the order of loading.

@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::Error;
+use crate::{Error, dynamic::LibraryFile};
 
 /// Names what is trusted beside the list: `all`, or hashes separated by spaces.
 const ENVIRONMENT: &str = "AURT_TRUST";
@@ -78,7 +78,7 @@ impl Trust {
     /// # Errors
     /// A library that cannot be read, a list that cannot be written.
     pub fn add(list: &Path, library: &Path) -> Result<String, Error> {
-        let hash = hash_of(library)?;
+        let hash = LibraryFile::read(library)?.blake3;
         let fail = |source| Error::Write { path: list.to_owned(), source };
         let mut lines = read(list)?;
         let file = library.canonicalize().unwrap_or_else(|_| library.to_owned());
@@ -112,28 +112,14 @@ impl Trust {
     }
 }
 
-/// The BLAKE3 hash of a file's bytes, in hexadecimal digits.
-///
-/// # Errors
-/// [`Error::Library`] if it does not exist or is no regular file, with the system's reason if it cannot be read.
-pub fn hash_of(library: &Path) -> Result<String, Error> {
-    use crate::LibraryProblem::{Missing, NotALibrary};
-    let fail = |problem| Error::Library { path: library.to_owned(), problem };
-    let file = library.canonicalize().map_err(|_| fail(Missing))?;
-    if !file.is_file() {
-        return Err(fail(NotALibrary("it is no regular file".to_owned())));
-    }
-    let bytes = fs::read(&file).map_err(|error| fail(NotALibrary(error.to_string())))?;
-    Ok(blake3::hash(&bytes).to_hex().to_string())
-}
-
 fn read(list: &Path) -> Result<Vec<(String, String)>, Error> {
     let fail = |reason: String| Error::TrustList { path: list.to_owned(), reason };
-    let text = match fs::read_to_string(list) {
-        Ok(text) => text,
+    let bytes = match aurt_files::read_regular(list, aurt_files::MOST_TEXT_BYTES) {
+        Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => return Err(fail(error.to_string())),
     };
+    let text = aurt_files::text_of(bytes).map_err(|error| fail(error.to_string()))?;
     let line = |(number, line): (usize, &str)| {
         let (hash, file) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
         let is_hash = hash.len() == DIGITS && hash.bytes().all(|b| b.is_ascii_hexdigit());
@@ -159,7 +145,7 @@ mod tests {
         assert_eq!(listed.len(), 1);
         assert!(listed[0].0 == hash && listed[0].1.ends_with("a.so"), "{listed:?}");
         fs::write(&library, b"other code").unwrap();
-        assert_ne!(hash_of(&library).unwrap(), hash);
+        assert_ne!(LibraryFile::read(&library).unwrap().blake3, hash);
         assert!(!Trust::default().allows(&hash) && Trust::all().allows(&hash));
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use aurt::CalibratedModel;
 use aurt_experiment::workbench::{
-    exporting::{self, Format, Kind, ModelFile, Target},
+    exporting::{self, Format, Kind, ModelFile, Replaced, Target},
     failure::Failure,
     output::OutputFolder,
 };
@@ -89,7 +89,12 @@ impl Order {
     ///
     /// # Errors
     /// What the target cannot take, and where files cannot be.
-    pub fn carry_out(&self, model: &CalibratedModel, out: &Path) -> Result<Exported, Failure> {
+    pub fn carry_out(
+        &self,
+        model: &CalibratedModel,
+        out: &Path,
+        replaced: Replaced,
+    ) -> Result<Exported, Failure> {
         let out = OutputFolder::new("out", out)?;
         let model = ModelFile::of(model.clone())?;
         let made = match &self.into {
@@ -99,7 +104,7 @@ impl Order {
             None => exporting::export(&model, &self.name, self.target)?,
         };
         let inputs: Vec<&Path> = self.into.iter().map(|(file, _)| file.as_path()).collect();
-        let files = made.write(&out, "out", &inputs)?;
+        let files = made.write(&out, "out", &inputs, replaced)?;
         Ok(Exported { files, notes: made.notes, changed: made.changed, lost: made.lost })
     }
 }

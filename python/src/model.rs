@@ -7,7 +7,7 @@ use aurt::{
     traits::{ArmTerm, Invariant, RobotModel},
 };
 use aurt_experiment::Experiment;
-use aurt_experiment::workbench::experiments::fit_experiment;
+use aurt_experiment::workbench::{experiments::fit_experiment, exporting::Replaced};
 use aurt_plugins::Registry;
 use aurt_report::reports::calibration;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -222,7 +222,9 @@ impl Model {
     ///     A MuJoCo or URDF file of yours, which is written with corrected dynamics instead of a new one.
     /// base, tip : str or None
     ///     Bodies of that file between which the chain is, where there is a choice.
-    #[pyo3(signature = (target, out, *, name="robot", kind=None, into=None, base=None, tip=None))]
+    /// force : bool, default False
+    ///     Whether files in the folder are replaced that no export wrote, and FMUs.
+    #[pyo3(signature = (target, out, *, name="robot", kind=None, into=None, base=None, tip=None, force=false))]
     fn export(
         &self,
         py: Python<'_>,
@@ -233,10 +235,12 @@ impl Model {
         into: Option<PathBuf>,
         base: Option<String>,
         tip: Option<String>,
+        force: bool,
     ) -> PyResult<Exported> {
         let order = Order::new(target, kind, into, [base, tip], name)?;
         let model = self.calibrated.clone();
-        work::run(py, None, move |_| order.carry_out(&model, &out))
+        let replaced = if force { Replaced::Any } else { Replaced::Exports };
+        work::run(py, None, move |_| order.carry_out(&model, &out, replaced))
     }
 
     /// How the model moves when it follows the recording's motion, or when what was measured drives it.

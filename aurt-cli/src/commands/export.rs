@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use aurt_experiment::Experiment;
 use aurt_experiment::workbench::{
     driving::CalibratedDrive,
-    exporting::{Format, Kind, ModelFile, Target, correct, export},
+    exporting::{Format, Kind, ModelFile, Replaced, Target, correct, export},
     failure::Failure,
     output::OutputFolder,
 };
@@ -68,6 +68,9 @@ pub struct Export {
     /// For `isaac`: experiment of the drives, whose held-out recordings show what the export loses
     #[arg(long, value_name = "DRIVES.toml")]
     experiment: Option<PathBuf>,
+    /// Replace files in the folder that are not by `aurt export`, and FMUs; never the model or the file of `--into`
+    #[arg(long)]
+    force: bool,
 }
 
 /// A target of an export.
@@ -186,7 +189,8 @@ impl Export {
         };
         let inputs: Vec<&Path> =
             [Some(&self.model), self.into.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
-        let paths = made.write(&out, "--out", &inputs)?;
+        let replaced = if self.force { Replaced::Any } else { Replaced::Exports };
+        let paths = made.write(&out, "--out", &inputs, replaced)?;
 
         let mut text = format!("{} of {}\n", target.name(), self.model.display());
         text.extend(made.notes.iter().map(|n| wrapped(&format!("note: {n}"))));

@@ -1,6 +1,9 @@
 //! Outputs appear whole or not at all.
 
-use std::fs;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use crate::support::{DEMO, Folder, with_cell, with_line};
 
@@ -45,6 +48,113 @@ fn a_failing_run_leaves_nothing() {
     folder.aurt("run experiment.toml --out out".split(' ')).refused(&["700"]);
     assert_eq!(folder.read("out/metrics.json"), "earlier");
     assert_eq!(fs::read_dir(folder.path("out")).unwrap().count(), 1);
+}
+
+/// A file of some name, which the command reads, stays as it is when the command would write to that name.
+#[test]
+fn what_a_command_has_read_is_not_overwritten() {
+    let folder = experiment();
+    let copy = |from: &str, to: &str| drop(fs::copy(folder.path(from), folder.path(to)).unwrap());
+    let stays = |experiment: &str, command: &str, file: &str| {
+        folder.write("own.toml", experiment);
+        let (before, names) = (folder.read(file), folder.names());
+        folder.aurt(command.split(' ')).refused(&[file, "overwritten"]);
+        assert!(folder.read(file) == before && folder.names() == names, "{command}: {:?}", folder.names());
+    };
+    let toml = folder.read("experiment.toml");
+    copy("exciting_motion.csv", "predicted_other_motion.csv");
+    let recording = toml.replace("exciting_motion.csv", "predicted_other_motion.csv");
+    stays(&recording, "run own.toml --out .", "predicted_other_motion.csv");
+    copy("mdh.csv", "calibrated_parameters.csv");
+    let table = toml.replace("mdh.csv", "calibrated_parameters.csv");
+    stays(&table, "run own.toml --out .", "calibrated_parameters.csv");
+    stays(&toml, "check own.toml --fixed mdh.csv", "mdh.csv");
+    // Under another name: a link among the results, and a second name of the same file.
+    #[cfg(unix)]
+    for second_name in [std::os::unix::fs::symlink::<PathBuf, PathBuf>, fs::hard_link] {
+        fs::create_dir(folder.path("out")).unwrap();
+        second_name(folder.path("other_motion.csv"), folder.path("out/metrics.json")).unwrap();
+        stays(&toml, "run own.toml --out out", "out/metrics.json");
+        fs::remove_dir_all(folder.path("out")).unwrap();
+    }
+}
+
+/// Makes a folder as commands make it for unfinished results.
+fn private_folder(path: &Path) {
+    fs::create_dir_all(path).unwrap();
+    #[cfg(unix)]
+    fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+}
+
+#[test]
+fn two_commands_do_not_write_to_one_place() {
+    let folder = experiment();
+    let held = |place: &str| {
+        private_folder(&folder.path(place));
+        let lock = fs::File::create(folder.path(place).join("lock")).unwrap();
+        lock.lock().unwrap();
+        lock
+    };
+    let run = || folder.aurt("run experiment.toml --out out".split(' '));
+    for place in [".aurt-out.part", "out/.aurt-.part"] {
+        let lock = held(place);
+        run().refused(&["--out", "another run writes there", "wait until it has ended"]);
+        assert!(folder.path(place).is_dir() && !folder.path("out/metrics.json").exists());
+        drop(lock);
+    }
+    // Nobody holds them any more: they are of killed commands.
+    let said = run().succeeded().stderr();
+    assert!(said.contains("that a killed command had left"), "{said}");
+    assert!(folder.names().iter().all(|name| !name.starts_with(".aurt-")), "{:?}", folder.names());
+    assert!(!folder.path("out/.aurt-.part").exists() && folder.path("out/metrics.json").exists());
+    let lock = held(".aurt-p.csv.part");
+    let predict =
+        "predict --model out/rd_calibrated.json --data other_motion.csv --gravity 0 0 -9.81 --out p.csv";
+    folder.aurt(predict.split(' ')).refused(&["p.csv", "another run writes there"]);
+    drop(lock);
+    folder.aurt(predict.split(' ')).succeeded();
+}
+
+/// A list of renames that somebody has put into the folder is no instruction, and is not even opened.
+#[cfg(unix)]
+#[test]
+fn a_forged_journal_does_nothing() {
+    let folder = experiment();
+    folder.write("victim", "stays");
+    folder.write("forged", "forged");
+    let journal =
+        format!("{}\0{}\0\0complete\n", folder.path("forged").display(), folder.path("victim").display());
+    fs::create_dir(folder.path("out")).unwrap();
+    for place in [".aurt-1.journal", "out/.aurt-1.journal"] {
+        folder.write(place, &journal);
+    }
+    std::os::unix::fs::symlink("/dev/zero", folder.path(".aurt-2.journal")).unwrap();
+    let pipe = folder.path("out/.aurt-3.journal");
+    assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
+    folder.aurt("run experiment.toml --out out".split(' ')).succeeded();
+    folder.aurt("run experiment.toml --out new".split(' ')).succeeded();
+    assert_eq!((folder.read("victim"), folder.read("forged")), ("stays".into(), "forged".into()));
+}
+
+#[test]
+fn exports_replace_exports_alone() {
+    let folder = Folder::new();
+    fs::copy(DEMO.path("demo/rd_calibrated.json"), folder.path("rd_calibrated.json")).unwrap();
+    let export = |line: &str| folder.aurt(format!("export {line} --name robot --out .").split(' '));
+    for (target, file) in [("c rd_calibrated.json", "main.c"), ("rust rd_calibrated.json", "Cargo.toml")] {
+        folder.write(file, "mine");
+        export(target).refused(&["--out", file, "is not by `aurt export`", "--force"]);
+        assert_eq!(folder.read(file), "mine");
+        export(&format!("{target} --force")).succeeded();
+        // Its own files are replaced.
+        export(target).succeeded();
+        assert_ne!(folder.read(file), "mine");
+    }
+    // What it reads, never.
+    let model = folder.read("rd_calibrated.json");
+    folder.write("main.c", &model);
+    export("c main.c --force").refused(&["main.c", "overwritten"]);
+    assert_eq!(folder.read("main.c"), model);
 }
 
 #[test]

@@ -112,6 +112,22 @@ fn asks_first(folder: &Folder, library: &str) {
     aurt(&run).refused(&["line 1 begins with no BLAKE3 hash"]);
 }
 
+/// What never ends is no list and no library, and is refused before anything is asked about trust.
+#[cfg(target_os = "linux")]
+#[test]
+fn libraries_and_their_list_are_regular_files() {
+    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
+    let pipe = text(&folder.path("pipe"));
+    succeeded(Command::new("mkfifo").arg(&pipe));
+    for endless in ["/dev/zero", "/proc/kmsg", &pipe] {
+        folder.aurt_with([("AURT_TRUST", ""), ("AURT_TRUST_FILE", endless)], ["models"]).refused(&[endless]);
+        folder
+            .write("experiment.toml", &EXPERIMENT.replace("LIBRARY", endless).replace("MODEL", "saturating"));
+        folder.aurt(["run", "experiment.toml", "--out", "out"]).refused(&[endless]);
+        folder.aurt(["trust", endless]).refused(&[endless]);
+    }
+}
+
 #[test]
 fn a_new_rust_plugin_is_calibrated_and_swept() {
     let folder = Folder::new();
@@ -178,34 +194,6 @@ fn a_library_that_panics_or_gives_no_number_fails_its_point_alone() {
         assert_eq!(table["ranked"].as_array().unwrap().len(), 2);
         let error = table["failed"][0]["error"].as_str().unwrap();
         assert!(error.contains("model `faulty` failed") && error.contains(reason), "{error}");
-    }
-}
-
-#[test]
-fn a_library_that_crashes_or_never_returns_is_named() {
-    let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
-    let (base, _) = EXPERIMENT.split_once("[sweep.grid]").unwrap();
-    for (fault, reason) in [
-        ("CRASHES", "crashed (signal 11)"),
-        ("CRASHES_LATE", "crashed (signal 11)"),
-        ("WRITES_FAR", "crashed (signal 11)"),
-        ("LOOPS", "has not returned for"),
-        ("EXITS", "ended the command with exit status 0"),
-    ] {
-        let defined = format!("-D{fault}");
-        let Some(library) = folder.library(fault, "aurt-plugins/tests/fixtures/faulty.c", &[&defined]) else {
-            return;
-        };
-        let base = base.replace("MODEL", "saturating").replace("LIBRARY", &text(&library));
-        let hysteresis = "hysteresis = { model = \"sign\" }";
-        assert!(base.contains(hysteresis), "{base}");
-        folder.write("experiment.toml", &base.replace(hysteresis, "hysteresis = { model = \"faulty\" }"));
-        let limit = [("AURT_LIBRARY_TIME_LIMIT_S", "2")];
-        let run = folder.aurt_with(limit, ["run", "experiment.toml", "--out", fault]);
-        assert_eq!(run.status(), 2);
-        let said = run.stderr();
-        assert!(["model `faulty` of the library", fault, reason].iter().all(|w| said.contains(w)), "{said}");
-        assert!(!folder.path(fault).exists(), "{said}");
     }
 }
 

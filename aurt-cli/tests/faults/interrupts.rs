@@ -148,8 +148,9 @@ fn what_is_interrupted_is_whole_or_absent() {
                     let all_or_none = kept.is_empty() || kept.len() == expected.len();
                     assert!(resumes || all_or_none, "{line}, {signal}: {:?}", kept.keys());
                 }
-                if resumes {
+                if resumes || signal == "KILL" {
                     assert!(is_done(start(program(), folder.path(), line).wait().unwrap()), "{line} again");
+                    assert_eq!(parts(folder.path()), Vec::<PathBuf>::new(), "{line}, {signal}, again");
                     let again = results(folder.path());
                     assert!(again.keys().eq(expected.keys()), "{line}: {:?}", again.keys());
                     let equal = again.iter().all(|(name, bytes)| same(name, bytes, &expected[name]));

@@ -175,7 +175,8 @@ impl Folder {
     /// [`SweepError::Read`]; [`SweepError::Folder`] if it is another version's.
     pub fn plan(&self) -> Result<Plan, SweepError> {
         let path = self.file(PLAN);
-        let text = aurt_files::read_text(&path, aurt_files::MOST_MODEL_BYTES)
+        let text = aurt_files::read_regular(&path, aurt_files::MOST_MODEL_BYTES)
+            .and_then(aurt_files::text_of)
             .map_err(|source| SweepError::Read { path, source })?;
         let refuse = |reason: String| SweepError::Folder {
             path: self.file(PLAN),

@@ -1,6 +1,10 @@
 //! Calibrated models as sources and files of other programs.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
 
 use aurt_export::{
     Check, Export, Provenance, Source, c,
@@ -106,12 +110,13 @@ impl Exported {
     /// Writes the files into a folder, all or none; `inputs` are what must survive. Returns their paths.
     ///
     /// # Errors
-    /// [`Failure::Output`] where an archive or an input is in the way; what writing reports.
+    /// [`Failure::Output`] where an input, or a file that is not replaced, is in the way; what writing reports.
     pub fn write(
         &self,
         out: &OutputFolder,
         option: &'static str,
         inputs: &[&Path],
+        replaced: Replaced,
     ) -> Result<Vec<PathBuf>, Failure> {
         let paths: Vec<PathBuf> = self.files.iter().map(|(name, _)| out.path().join(name)).collect();
         for path in &paths {
@@ -119,9 +124,16 @@ impl Exported {
                 let (reason, remedy) = (reason.to_owned(), remedy.to_owned());
                 Err(Failure::Output { option, path: path.clone(), reason, remedy })
             };
+            let remedy = "name another folder, remove the file, or overwrite it with `--force` (in Python `force=True`)";
             // An archive of another kind or version has the same name, and importers keep what they have unpacked.
-            if path.extension().is_some_and(|extension| extension == "fmu") && path.exists() {
-                return refuse("exists", "name another folder, or remove the file");
+            let is_archive = path.extension().is_some_and(|extension| extension == "fmu");
+            if replaced == Replaced::Exports && path.symlink_metadata().is_ok() {
+                if is_archive {
+                    return refuse("exists", remedy);
+                }
+                if !is_export(path) {
+                    return refuse("exists and is not by `aurt export`", remedy);
+                }
             }
             if inputs.iter().any(|input| same_file(path, input)) {
                 return refuse("is an input of this command and would be overwritten", "name another folder");
@@ -131,6 +143,26 @@ impl Exported {
         Ok(paths)
     }
 }
+
+/// Files that an export may replace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replaced {
+    /// Text files of earlier exports.
+    Exports,
+    /// All but inputs.
+    Any,
+}
+
+/// Whether a file begins as exports do.
+fn is_export(path: &Path) -> bool {
+    let mut beginning = Vec::new();
+    // Whatever is no regular file, or is not read, is not ours; it is no input that has to survive.
+    let mut read = || File::open(path)?.take(HEADING_BYTES).read_to_end(&mut beginning);
+    path.is_file() && read().is_ok() && aurt_export::is_export(&String::from_utf8_lossy(&beginning))
+}
+
+/// Bytes at the beginning of an export that state where it comes from; `mjcf --into` puts them before the user's own text.
+const HEADING_BYTES: u64 = 1 << 16;
 
 fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)

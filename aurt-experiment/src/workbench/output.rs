@@ -1,20 +1,44 @@
-//! Where a command writes its results. Whether a path can be written at all is asked before any work is done, and what a
-//! killed command left there is cleared away; results appear together or not at all.
+//! Where a command writes its results. Whether a path can be written at all is asked before any work is done, no other
+//! command may write there until this one has ended, and what a killed one left there is cleared away; results appear
+//! together or not at all.
 
 use std::{
     fs,
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
-use aurt_files::output::{clear_unfinished, is_named_pipe, write_file, write_files, write_folder};
+use aurt_files::output::{
+    Claim, Output, WriteError, clear_unfinished, is_named_pipe, is_special, write_file, write_folder,
+    write_outputs,
+};
 use aurt_report::Page;
 
 use crate::workbench::failure::Failure;
 
+/// Claims a place for a command.
+fn claim(
+    option: &'static str,
+    path: &Path,
+    claimed: impl FnOnce(&Path) -> Result<Claim, WriteError>,
+) -> Result<Claim, Failure> {
+    claimed(path).map_err(|error| match error.source.kind() {
+        ErrorKind::ResourceBusy => Failure::Output {
+            option,
+            path: error.path,
+            reason: "is in use: another run writes there".into(),
+            remedy: "wait until it has ended, or name another place".into(),
+        },
+        _ => error.into(),
+    })
+}
+
 /// A file that a command is going to write.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct OutputFile {
     path: PathBuf,
+    /// None for devices.
+    _claim: Option<Claim>,
 }
 
 impl OutputFile {
@@ -47,11 +71,12 @@ impl OutputFile {
             (Ok(output), Ok(input)) => output == input,
             _ => false,
         };
-        if inputs.iter().any(|input| same(&input)) {
+        if inputs.iter().any(|input| same(&input)) || aurt_files::is_input(path) {
             return Err(refuse("is an input of this command and would be overwritten", "name another file"));
         }
         clear_unfinished(folder);
-        Ok(Self { path: path.to_owned() })
+        let claim = if is_special(path) { None } else { Some(claim(option, path, Claim::file)?) };
+        Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
     /// The path.
@@ -88,9 +113,11 @@ pub fn distinct(outputs: &[(&'static str, &Path)]) -> Result<(), Failure> {
 }
 
 /// A folder that a command fills with several files, all or none.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct OutputFolder {
     path: PathBuf,
+    /// None for a folder that is to appear in one that does not exist yet.
+    _claim: Option<Claim>,
 }
 
 impl OutputFolder {
@@ -116,7 +143,7 @@ impl OutputFolder {
             let reason = format!("lies in {}, which is not an existing folder", parent.display());
             return Err(refuse(reason, "create that folder first"));
         }
-        Ok(Self::at(path))
+        Self::at(option, path)
     }
 
     /// The same for a folder whose own folder may have to be made, such as one within another output.
@@ -128,13 +155,16 @@ impl OutputFolder {
         if path.as_os_str().is_empty() || known.is_file() {
             return Self::new(option, known);
         }
-        Ok(Self::at(path))
+        Self::at(option, path)
     }
 
     /// A new folder is staged beside its place, files of an existing one within it.
-    fn at(path: &Path) -> Self {
-        clear_unfinished(if path.exists() { path } else { folder_of(path) });
-        Self { path: path.to_owned() }
+    fn at(option: &'static str, path: &Path) -> Result<Self, Failure> {
+        let exists = path.exists();
+        clear_unfinished(if exists { path } else { folder_of(path) });
+        let has_place = exists || folder_of(path).is_dir();
+        let claim = if has_place { Some(claim(option, path, Claim::folder)?) } else { None };
+        Ok(Self { path: path.to_owned(), _claim: claim })
     }
 
     /// The path.
@@ -157,13 +187,26 @@ impl OutputFolder {
 pub struct Outputs {
     /// The folder that is to hold results, if it does not exist.
     new_folder: Option<PathBuf>,
-    files: Vec<(PathBuf, Vec<u8>)>,
+    files: Vec<ResultFile>,
+}
+
+#[derive(Debug)]
+struct ResultFile {
+    path: PathBuf,
+    folder: Option<PathBuf>,
+    contents: Vec<u8>,
+}
+
+impl ResultFile {
+    fn output(&self) -> Output<'_> {
+        Output { path: &self.path, folder: self.folder.as_deref(), contents: &self.contents }
+    }
 }
 
 impl Outputs {
     /// Adds a file.
     pub fn file(&mut self, file: &OutputFile, contents: Vec<u8>) {
-        self.files.push((file.path.clone(), contents));
+        self.files.push(ResultFile { path: file.path.clone(), folder: None, contents });
     }
 
     /// Adds files of a folder.
@@ -171,7 +214,12 @@ impl Outputs {
         if self.new_folder.is_none() && !folder.path.exists() {
             self.new_folder = Some(folder.path.clone());
         }
-        self.files.extend(files.into_iter().map(|(name, contents)| (folder.path.join(name), contents)));
+        let file = |(name, contents): (String, Vec<u8>)| ResultFile {
+            path: folder.path.join(name),
+            folder: Some(folder.path.clone()),
+            contents,
+        };
+        self.files.extend(files.into_iter().map(file));
     }
 
     /// Adds the figures of a page, if they are asked for, and says where they will be.
@@ -182,13 +230,13 @@ impl Outputs {
             folder,
             page.figures().into_iter().map(|(name, figure)| (name, figure.to_svg().into_bytes())),
         );
-        self.files[first..].iter().map(|(path, _)| path.clone()).collect()
+        self.files[first..].iter().map(|file| file.path.clone()).collect()
     }
 
     /// The files that have been added.
     #[must_use]
     pub fn paths(&self) -> Vec<PathBuf> {
-        self.files.iter().map(|(path, _)| path.clone()).collect()
+        self.files.iter().map(|file| file.path.clone()).collect()
     }
 
     /// Writes everything or, on failure, nothing.
@@ -196,17 +244,19 @@ impl Outputs {
     /// # Errors
     /// [`Failure::Library`]; [`Failure::NotFinite`] for a table with a number that is none.
     pub fn write(self) -> Result<(), Failure> {
-        self.files.iter().try_for_each(|(path, contents)| check_finite(path, contents))?;
+        self.files.iter().try_for_each(|file| check_finite(&file.path, &file.contents))?;
         let within = self.new_folder.as_ref().and_then(|folder| {
-            let inside = |(path, contents): &(PathBuf, Vec<u8>)| {
-                Some((path.strip_prefix(folder).ok()?.to_owned(), contents.clone()))
+            let inside = |file: &ResultFile| {
+                Some((file.path.strip_prefix(folder).ok()?.to_owned(), file.contents.clone()))
             };
             Some((folder, self.files.iter().map(inside).collect::<Option<Vec<_>>>()?))
         });
         match within {
             // A folder that does not exist appears at once.
             Some((folder, files)) => write_folder(folder, &files)?,
-            None => write_files(&self.files)?,
+            None => {
+                write_outputs(&self.files.iter().map(ResultFile::output).collect::<Vec<_>>())?;
+            }
         }
         Ok(())
     }

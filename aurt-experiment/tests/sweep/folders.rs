@@ -1,9 +1,6 @@
 //! What is kept, what is found again, and who may work in a folder.
 
-use std::{
-    fs,
-    time::{Duration, SystemTime},
-};
+use std::fs;
 
 use aurt_experiment::sweep::{Folder, Loader, Outcome, Plan, Ranking, Rows, SweepError, run_point};
 
@@ -28,16 +25,20 @@ fn nothing_is_computed_twice_and_what_is_lost_is_made_again() {
     }
     // What a killed process was writing is no result and goes.
     let left = bench.path("out/results/.aurt-abc.part");
-    fs::write(&left, "{").unwrap();
-    long_ago(&left);
+    fs::create_dir(&left).unwrap();
+    make_private(&left);
+    fs::write(left.join("lock"), "").unwrap();
+    fs::write(left.join("1-0"), "{").unwrap();
     assert_eq!(bench.run("out").1.run, 2);
     assert_eq!(contents(&bench.path("out")), whole);
 }
 
-/// Makes a file look as if a process had left it a minute ago.
-fn long_ago(path: &std::path::Path) {
-    let a_minute_ago = SystemTime::now() - Duration::from_secs(60);
-    fs::File::options().write(true).open(path).unwrap().set_modified(a_minute_ago).unwrap();
+/// Gives a folder the permissions of one for unfinished results.
+fn make_private(folder: &std::path::Path) {
+    #[cfg(unix)]
+    fs::set_permissions(folder, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+    #[cfg(not(unix))]
+    let _ = folder;
 }
 
 #[test]
@@ -188,9 +189,15 @@ fn a_sweep_that_was_ended_while_it_was_planned_is_planned_again() {
     // Everything that a sweep makes before its plan, in the order in which it makes it.
     let made: [&[&str]; 4] = [
         &["lock"],
-        &["lock", "points/0001.toml", "points/.aurt-abc.part"],
-        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml"],
-        &["lock", "points/0001.toml", "results/.aurt-abc.part", "experiment.toml", ".aurt-abc.part"],
+        &["lock", "points/0001.toml", "points/.aurt-abc.part/lock"],
+        &["lock", "points/0001.toml", "results/.aurt-abc.part/lock", "experiment.toml"],
+        &[
+            "lock",
+            "points/0001.toml",
+            "results/.aurt-abc.part/lock",
+            "experiment.toml",
+            ".aurt-abc.part/lock",
+        ],
     ];
     for (k, files) in made.into_iter().enumerate() {
         let out = format!("out{k}");
@@ -198,7 +205,9 @@ fn a_sweep_that_was_ended_while_it_was_planned_is_planned_again() {
             let path = bench.path(&format!("{out}/{file}"));
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(&path, "").unwrap();
-            long_ago(&path);
+            if file.ends_with("/lock") {
+                make_private(path.parent().unwrap());
+            }
         }
         bench.run(&out);
         assert!(contents(&bench.path(&out)) == whole, "{files:?}");

@@ -2,6 +2,8 @@
 
 use std::process::Command;
 
+use aurt_files::output::StagedFolder;
+
 /// A file of the archive.
 type File = (String, Vec<u8>);
 
@@ -34,7 +36,9 @@ pub(super) fn build(name: &str, sources: &[(String, String)]) -> (Option<File>, 
 
 fn compiled(name: &str, compiler: &std::ffi::OsStr, sources: &[(String, String)]) -> Result<Vec<u8>, String> {
     let no_room = |error: std::io::Error| format!("there is no room for the compiler: {error}");
-    let folder = tempfile::tempdir().map_err(no_room)?;
+    // What a killed export left there goes first.
+    aurt_files::output::clear_unfinished(&std::env::temp_dir());
+    let folder = StagedFolder::new(&std::env::temp_dir()).map_err(|error| no_room(error.source))?;
     for (file, text) in sources {
         std::fs::write(folder.path().join(file), text).map_err(no_room)?;
     }

@@ -1,4 +1,4 @@
-"""What MuJoCo has no words for: call `Drives.step` with the commands before each `mj_step`.
+"""What MuJoCo has no words for, written by `aurt export mjcf`: call `Drives.step` with the commands before each `mj_step`.
 
 The firmware's reference follows the command within its limits, and dry friction is F_C + F_L |load| + F_S exp(-(v/v_S)^2).
 """

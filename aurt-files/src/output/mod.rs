@@ -6,43 +6,47 @@
 //! | [`write_files`] | several files, in one folder or in several |
 //! | [`write_folder`] | the files of a folder, which is made if it does not exist |
 //!
-//! Contents are staged beside their targets under names that begin with [`STAGED`], and written through to the disk.
-//! A folder that does not exist is staged as a whole and renamed once. Several files for existing folders are renamed one
-//! by one under a journal: an error takes back what was renamed before it; after a killed process or a power failure, the
-//! next write into that folder completes the renames. What a killed process left staged is removed then, too;
-//! [`clear_unfinished`] does so at any time, and [`take_cleared`] tells where something was found.
+//! Contents are staged in a private folder beside their targets whose name begins with [`STAGED`], written through to the
+//! disk and renamed. A folder that does not exist is staged as a whole and renamed once. Several files for existing folders
+//! are renamed one by one: an error takes back what was renamed before it, and a process that is killed in between leaves
+//! new files beside old ones, and the private folder. [`clear_unfinished`] and the next write to the same place remove that;
+//! nothing in it is ever read, and [`take_cleared`] tells where something was found.
 //!
-//! What is staged is noted, so that [`abandon`] takes it along when a command is interrupted; renames that have begun are
-//! done first. From then on nothing is staged, and no folder made: threads that would wait until the process ends.
+//! A private folder is a [`Claim`]: other processes that want to write to the same place are refused as long as its process
+//! lives. [`abandon`] removes those of this process when a command is interrupted; renames that have begun are done first.
+//! From then on nothing is staged, and no folder made: threads that would wait until the process ends.
 //!
-//! Links keep their place (what they point to is replaced); devices and the pipes of a shell are written to directly, last.
-//! Pipes with names are refused: writing would wait for a reader, perhaps for ever.
+//! Files that the program has read ([`crate::protect_inputs`]) are not replaced. Links that a person names keep their
+//! place (what they point to is replaced), those among the files of a folder are replaced; devices and the pipes of a shell
+//! are written to directly, last. Pipes with names are refused: writing would wait for a reader, perhaps for ever.
 
-mod journal;
+mod claim;
 mod json;
 mod staging;
-mod unfinished;
 
 use std::{
+    collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
 use thiserror::Error;
 
-use crate::output::{
-    journal::Journal,
-    staging::{Staged, folder_of, is_of_the_system, meant, sync_folder, write_special},
-    unfinished::{make_folders, publishing},
-};
 pub use crate::output::{
-    journal::clear_unfinished,
+    claim::{Claim, clear_unfinished, take_cleared},
     json::pretty,
-    staging::{StagedFolder, is_named_pipe},
-    unfinished::{abandon, take_cleared},
+    staging::{StagedFolder, is_named_pipe, is_special},
+};
+use crate::output::{
+    claim::{abandon_claims, make_folders},
+    staging::{Published, Staged, folder_of, meant, sync_folder, write_special},
 };
 
-/// What names of staged files begin with.
+/// Beginning of the names of private folders.
 pub const STAGED: &str = ".aurt-";
 
 /// A file or folder could not be written.
@@ -69,6 +73,17 @@ enum Durability {
     Unsynced,
 }
 
+/// A file that is to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Output<'a> {
+    /// Its path.
+    pub path: &'a Path,
+    /// The folder of results that it is part of; a link there is replaced.
+    pub folder: Option<&'a Path>,
+    /// What is to stand in it.
+    pub contents: &'a [u8],
+}
+
 /// Writes a file as a whole.
 ///
 /// # Errors
@@ -77,13 +92,14 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
     write_files(&[(path, contents)])
 }
 
-/// Writes a file that can be made again as a whole, without waiting for the disk: a power failure may lose it, and
-/// nothing left by killed processes is looked for.
+/// Writes a file that can be made again as a whole, without waiting for the disk: a power failure may lose it.
 ///
 /// # Errors
 /// [`WriteError`]; then the file is as it was.
 pub fn write_file_unsynced(path: &Path, contents: &[u8]) -> Result<(), WriteError> {
-    Staged::new(path, contents, Durability::Unsynced)?.publish(&publishing())
+    refuse_input(path)?;
+    let staged = Staged::new(path.to_owned(), contents, Durability::Unsynced, Claim::file(path)?)?;
+    publish(vec![staged])
 }
 
 /// Writes several files, all or none. Folders that do not exist are made.
@@ -91,40 +107,63 @@ pub fn write_file_unsynced(path: &Path, contents: &[u8]) -> Result<(), WriteErro
 /// # Errors
 /// [`WriteError`]; then every file is as it was.
 pub fn write_files<P: AsRef<Path>, C: AsRef<[u8]>>(files: &[(P, C)]) -> Result<(), WriteError> {
-    let mut folders: Vec<PathBuf> = Vec::new();
+    let outputs: Vec<Output<'_>> = files
+        .iter()
+        .map(|(path, contents)| Output { path: path.as_ref(), folder: None, contents: contents.as_ref() })
+        .collect();
+    write_outputs(&outputs)
+}
+
+/// The same for files of which some are named and others part of folders.
+///
+/// # Errors
+/// As [`write_files`].
+pub fn write_outputs(outputs: &[Output<'_>]) -> Result<(), WriteError> {
     let mut made = MadeFolders::default();
+    let mut claims = Vec::new();
     let mut staged = Vec::new();
     let mut special = Vec::new();
-    for (path, contents) in files {
-        let path = path.as_ref();
-        if is_named_pipe(path) {
+    for Output { path, folder, contents } in outputs {
+        if folder.is_none() && is_named_pipe(path) {
             let source = io::Error::other("it is a pipe, which may have no reader; name a file");
-            return Err(WriteError { path: path.to_owned(), source });
+            return Err(WriteError { path: path.to_path_buf(), source });
         }
-        if is_of_the_system(path) || fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-            special.push((path.to_owned(), contents.as_ref()));
+        if folder.is_none() && is_special(path) {
+            special.push((path, contents));
             continue;
         }
-        let path = meant(path)?;
-        let folder = folder_of(&path).to_owned();
-        if !folders.contains(&folder) {
-            made.make(&folder)?;
-            clear_unfinished(&folder);
-            folders.push(folder);
-        }
-        staged.push(Staged::new(&path, contents.as_ref(), Durability::Synced)?);
+        refuse_input(path)?;
+        let target =
+            if folder.is_none() { meant(path).map_err(WriteError::at(path))? } else { path.to_path_buf() };
+        made.make(folder_of(&target))?;
+        let claim = match folder {
+            Some(folder) => {
+                let claim = Claim::folder(folder)?;
+                claims.push(claim.clone());
+                // A folder below may be of another file system.
+                if folder_of(path) == *folder { claim } else { Claim::entry(path)? }
+            }
+            None => Claim::entry(&target)?,
+        };
+        staged.push(Staged::new(target, contents, Durability::Synced, claim)?);
     }
     publish(staged)?;
     made.keep();
-    for folder in &folders {
-        sync_folder(folder);
-    }
     let publishing = publishing();
     special.into_iter().try_for_each(|(path, contents)| {
-        write_special(&path, contents)?;
+        write_special(path, contents)?;
         publishing.kept_one();
         Ok(())
     })
+}
+
+/// A file that the program has read stays as it is.
+fn refuse_input(path: &Path) -> Result<(), WriteError> {
+    if !crate::is_input(path) {
+        return Ok(());
+    }
+    let reason = "this command has read it, so it is not overwritten; name another place for the results";
+    Err(WriteError { path: path.to_owned(), source: io::Error::other(reason) })
 }
 
 /// Folders that are made for files; they go when the files cannot be written.
@@ -161,27 +200,23 @@ impl Drop for MadeFolders {
 /// Renames staged files to their targets, all or none.
 fn publish(mut staged: Vec<Staged>) -> Result<(), WriteError> {
     let publishing = publishing();
-    if staged.len() < 2 {
-        return staged.pop().map_or(Ok(()), |one| one.publish(&publishing));
+    if staged.len() > 1 {
+        staged.iter_mut().try_for_each(Staged::keep_old)?;
     }
-    for one in &mut staged {
-        one.keep_old()?;
-    }
-    let journal = Journal::write(&staged)?;
     let mut published = Vec::new();
     for one in staged {
         match one.rename() {
             Ok(done) => published.push(done),
             Err(error) => {
-                published.into_iter().rev().for_each(staging::Published::take_back);
+                published.into_iter().rev().for_each(Published::take_back);
                 return Err(error);
             }
         }
     }
     published.iter().for_each(|_| publishing.kept_one());
-    // The journal and the second names go before an interruption may come.
-    drop((journal, published));
     drop(publishing);
+    let folders: BTreeSet<PathBuf> = published.iter().filter_map(Published::folder_to_sync).collect();
+    folders.iter().for_each(|folder| sync_folder(folder));
     Ok(())
 }
 
@@ -194,32 +229,45 @@ pub fn write_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
     folder: &Path,
     files: &[(N, C)],
 ) -> Result<(), WriteError> {
-    if folder.exists() {
-        let placed: Vec<(PathBuf, &[u8])> =
-            files.iter().map(|(name, contents)| (folder.join(name), contents.as_ref())).collect();
-        return write_files(&placed);
+    if !folder.exists() && write_new_folder(folder, files)? {
+        return Ok(());
     }
+    let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+    let outputs: Vec<Output<'_>> = paths
+        .iter()
+        .zip(files)
+        .map(|(path, (_, contents))| Output { path, folder: Some(folder), contents: contents.as_ref() })
+        .collect();
+    write_outputs(&outputs)
+}
+
+/// Writes a folder that appears at once; whether it did, or somebody else has made it meanwhile.
+fn write_new_folder<N: AsRef<Path>, C: AsRef<[u8]>>(
+    folder: &Path,
+    files: &[(N, C)],
+) -> Result<bool, WriteError> {
     let parent = folder_of(folder);
     make_folders(parent).map_err(WriteError::at(parent))?;
-    clear_unfinished(parent);
-    let staging = StagedFolder::new(parent)?;
-    let staged = staging.path();
+    let claim = Claim::folder(folder)?;
+    let staged = claim.fresh();
+    fs::create_dir(&staged).map_err(WriteError::at(folder))?;
     for (name, contents) in files {
         let path = staged.join(name);
         let fail = || WriteError::at(&folder.join(name));
-        make_below(staged, name.as_ref()).map_err(fail())?;
+        make_below(&staged, name.as_ref()).map_err(fail())?;
         let mut file = fs::File::create_new(&path).map_err(fail())?;
         io::Write::write_all(&mut file, contents.as_ref()).and_then(|()| file.sync_data()).map_err(fail())?;
     }
-    sync_folder(staged);
+    sync_folder(&staged);
     let publishing = publishing();
-    fs::rename(staged, folder).map_err(WriteError::at(folder))?;
-    files.iter().for_each(|_| publishing.kept_one());
-    // Nothing is left under its name to be removed.
-    drop(staging);
+    match fs::rename(&staged, folder) {
+        Ok(()) => files.iter().for_each(|_| publishing.kept_one()),
+        Err(_) if folder.is_dir() => return Ok(false),
+        Err(error) => return Err(WriteError { path: folder.to_owned(), source: error }),
+    }
     drop(publishing);
     sync_folder(parent);
-    Ok(())
+    Ok(true)
 }
 
 /// Makes the folders of a name below a folder, but never the folder itself: one that an interruption has removed stays
@@ -234,6 +282,39 @@ fn make_below(folder: &Path, name: &Path) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Held while finished files take their names; for good by an interrupted command.
+static PUBLISHING: Mutex<()> = Mutex::new(());
+/// Files that have taken their names.
+static KEPT: AtomicUsize = AtomicUsize::new(0);
+
+/// Held by whoever gives finished files their names: an interruption waits until all of them have theirs.
+#[derive(Debug)]
+struct Publishing {
+    _held: MutexGuard<'static, ()>,
+}
+
+/// Waits until nobody else publishes, or for ever if the command is being ended.
+fn publishing() -> Publishing {
+    Publishing { _held: PUBLISHING.lock().unwrap_or_else(PoisonError::into_inner) }
+}
+
+impl Publishing {
+    /// Notes that a file has its name.
+    fn kept_one(&self) {
+        KEPT.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Removes everything that is being written and lets nothing be published any more; for the end of an interrupted
+/// command, once: a second call waits for ever. Returns how many files had been written whole before.
+#[must_use]
+pub fn abandon() -> usize {
+    // Kept for good: whoever publishes from now on waits until the process ends.
+    std::mem::forget(publishing());
+    abandon_claims();
+    KEPT.load(Ordering::Relaxed)
 }
 
 #[cfg(test)]

@@ -1,9 +1,4 @@
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-    time::{Duration, SystemTime},
-};
+use std::{collections::BTreeMap, fs, path::Path};
 
 use super::*;
 
@@ -73,57 +68,137 @@ fn a_staged_folder_that_an_interruption_removed_is_not_made_again() {
     assert!(contents(parent.path()).is_empty());
 }
 
-/// Makes a file look as if a process had left it a minute ago.
-fn abandoned(path: &Path, text: impl AsRef<[u8]>) -> PathBuf {
-    fs::write(path, text).unwrap();
-    let file = fs::File::options().write(true).open(path).unwrap();
-    file.set_modified(SystemTime::now() - Duration::from_secs(60)).unwrap();
-    path.to_owned()
+fn private_folder(path: &Path) {
+    fs::create_dir(path).unwrap();
+    #[cfg(unix)]
+    fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+}
+
+/// A claim as a killed process leaves it: nobody holds its lock.
+fn abandoned(folder: &Path, name: &str) {
+    let claim = folder.join(name);
+    private_folder(&claim);
+    fs::write(claim.join("lock"), "").unwrap();
+    fs::write(claim.join("1-0"), "half").unwrap();
+    fs::create_dir(claim.join("1-1")).unwrap();
+    fs::write(claim.join("1-1/metrics.json"), "half").unwrap();
 }
 
 #[test]
-fn what_a_killed_process_left_staged_is_removed_by_the_next_write() {
-    let folder = tempfile::tempdir().unwrap();
-    abandoned(&folder.path().join(".aurt-dead.part"), "half");
-    let living = tempfile::Builder::new().prefix(STAGED).suffix(".part").tempfile_in(folder.path()).unwrap();
-    living.as_file().set_modified(SystemTime::now() - Duration::from_secs(60)).unwrap();
-    living.as_file().lock().unwrap();
-    write_file(&folder.path().join("a"), b"1").unwrap();
-    assert_eq!(take_cleared().remove(folder.path()), Some(1));
-    let left = contents(folder.path());
-    let living = living.path().file_name().unwrap().to_string_lossy().into_owned();
-    assert_eq!(left, listed([("a", "1"), (&living, "")]));
+fn what_a_killed_process_left_is_removed_by_whoever_writes_to_that_place_or_clears_its_folder() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().canonicalize().unwrap();
+    abandoned(&folder, ".aurt-a.part");
+    write_file(&folder.join("a"), b"1").unwrap();
+    assert_eq!(take_cleared().remove(&folder), Some(1));
+    assert_eq!(contents(&folder), listed([("a", "1")]));
+    // It was killed while it staged a folder that somebody has made since then, and within that.
+    abandoned(&folder, ".aurt-out.part");
+    fs::create_dir(folder.join("out")).unwrap();
+    abandoned(&folder.join("out"), ".aurt-.part");
+    write_folder(&folder.join("out"), &[("b", "2")]).unwrap();
+    assert_eq!(contents(&folder), listed([("a", "1"), ("out", "a folder")]));
+    assert_eq!(contents(&folder.join("out")), listed([("b", "2")]));
+    // It was killed before it had locked anything, and while it staged something else.
+    private_folder(&folder.join(".aurt-c.part"));
+    abandoned(&folder, ".aurt-1-7.part");
+    take_cleared();
+    clear_unfinished(&folder);
+    assert_eq!(contents(&folder), listed([("a", "1"), ("out", "a folder")]));
+    assert_eq!(take_cleared().remove(&folder), Some(1));
 }
 
 #[test]
-fn renames_of_a_killed_process_are_completed_by_the_next_write() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
-    // It had renamed `a` and was killed before `b`.
-    fs::write(at("a"), "new a").unwrap();
-    fs::write(at("b"), "old b").unwrap();
-    abandoned(&at(".aurt-2.part"), "new b");
-    abandoned(&at(".aurt-1.old"), "old a");
-    abandoned(&at(".aurt-2.old"), "old b");
-    let entries = [(".aurt-1.part", "a", ".aurt-1.old"), (".aurt-2.part", "b", ".aurt-2.old")];
-    let mut journal = Vec::new();
-    for (part, target, old) in entries {
-        for name in [part, target, old] {
-            journal.extend_from_slice(at(name).as_os_str().as_encoded_bytes());
-            journal.push(0);
-        }
+fn what_somebody_holds_is_refused_and_stays() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().canonicalize().unwrap();
+    let held = folder.join(".aurt-a.part");
+    abandoned(&folder, ".aurt-a.part");
+    // Another description of the lock, as another process has one.
+    let other = fs::File::options().write(true).open(held.join("lock")).unwrap();
+    other.lock().unwrap();
+    clear_unfinished(&folder);
+    let error = write_file(&folder.join("a"), b"1").unwrap_err();
+    assert_eq!(error.source.kind(), std::io::ErrorKind::ResourceBusy);
+    assert!(error.to_string().contains("another run writes there"), "{error}");
+    assert!(held.join("1-0").exists() && !folder.join("a").exists());
+    drop(other);
+    write_file(&folder.join("a"), b"1").unwrap();
+    assert_eq!(contents(&folder), listed([("a", "1")]));
+    // Threads of one process share what it holds.
+    let _held = Claim::folder(&folder).unwrap();
+    write_folder(&folder, &[("b", "2")]).unwrap();
+    assert!(folder.join(".aurt-.part/lock").is_file());
+}
+
+#[test]
+fn a_journal_of_somebody_else_is_not_read() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path();
+    let at = |name: &str| folder.join(name);
+    fs::write(at("victim"), "stays").unwrap();
+    fs::write(at("forged"), "forged").unwrap();
+    let (forged, victim) = (at("forged"), at("victim"));
+    let journal = format!("{}\0{}\0\0complete\n", forged.display(), victim.display());
+    private_folder(&at(".aurt-a.part"));
+    for place in [".aurt-1.journal", ".aurt-a.part/journal", ".aurt-1.part"] {
+        fs::write(at(place), &journal).unwrap();
     }
-    let unfinished = journal.clone();
-    journal.extend_from_slice(b"complete\n");
-    abandoned(&at(".aurt-3.journal"), journal);
-    write_file(&at("c"), b"1").unwrap();
-    assert_eq!(contents(folder.path()), listed([("a", "new a"), ("b", "new b"), ("c", "1")]));
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(&victim, at(".aurt-2.part")).unwrap();
+    write_file(&at("a"), b"1").unwrap();
+    write_folder(folder, &[("b", "2")]).unwrap();
+    clear_unfinished(folder);
+    assert_eq!(fs::read_to_string(victim).unwrap(), "stays");
+    assert_eq!(fs::read_to_string(forged).unwrap(), "forged");
+    // What is not made like ours stays; what is named like ours for `a` is ours.
+    assert!(at(".aurt-1.journal").exists() && at(".aurt-1.part").exists() && !at(".aurt-a.part").exists());
+}
 
-    // A journal that was not complete was never in force.
-    abandoned(&at(".aurt-2.part"), "newer b");
-    abandoned(&at(".aurt-3.journal"), unfinished);
-    clear_unfinished(folder.path());
-    assert_eq!(contents(folder.path()), listed([("a", "new a"), ("b", "new b"), ("c", "1")]));
+#[cfg(unix)]
+#[test]
+fn a_place_for_unfinished_results_that_others_may_change_is_not_used() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let parent = tempfile::tempdir().unwrap();
+    let at = |name: &str| parent.path().join(name);
+    fs::create_dir(at("elsewhere")).unwrap();
+    fs::write(at("elsewhere/precious"), "stays").unwrap();
+    symlink(at("elsewhere"), at(".aurt-a.part")).unwrap();
+    fs::create_dir(at(".aurt-b.part")).unwrap();
+    fs::set_permissions(at(".aurt-b.part"), fs::Permissions::from_mode(0o777)).unwrap();
+    for name in ["a", "b"] {
+        let error = write_file(&at(name), b"1").unwrap_err().to_string();
+        assert!(error.contains("no folder of yours alone"), "{error}");
+    }
+    // A lock that is no file is removed, not opened.
+    private_folder(&at(".aurt-c.part"));
+    let pipe = at(".aurt-c.part/lock");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    write_file(&at("c"), b"1").unwrap();
+    assert_eq!(fs::read_to_string(at("elsewhere/precious")).unwrap(), "stays");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_among_the_files_of_a_folder_is_replaced() {
+    let parent = tempfile::tempdir().unwrap();
+    let at = |name: &str| parent.path().join(name);
+    fs::create_dir(at("out")).unwrap();
+    fs::write(at("recording"), "stays").unwrap();
+    std::os::unix::fs::symlink(at("recording"), at("out/metrics.json")).unwrap();
+    write_folder(&at("out"), &[("metrics.json", "{}"), ("below/figure", "f")]).unwrap();
+    assert_eq!(fs::read_to_string(at("recording")).unwrap(), "stays");
+    assert_eq!(contents(&at("out")), listed([("metrics.json", "{}"), ("below", "a folder")]));
+    assert_eq!(contents(&at("out/below")), listed([("figure", "f")]));
+}
+
+#[test]
+fn names_of_any_length_have_a_place() {
+    let parent = tempfile::tempdir().unwrap();
+    let name = "x".repeat(255);
+    write_folder(&parent.path().join(&name), &[(&name, "1")]).unwrap();
+    write_file(&parent.path().join(&name).join(&name), b"2").unwrap();
+    assert_eq!(contents(&parent.path().join(&name)), listed([(&name, "2")]));
 }
 
 #[cfg(unix)]

@@ -15,7 +15,7 @@ use aurt_traits::{
 };
 use serde_json::{Map, Value};
 
-use super::{calls, description::Described, library::LibraryModel};
+use super::{description::Described, library::LibraryModel};
 
 /// The key under which a saved model of a library says where it is from.
 pub(crate) const PLUGIN_KEY: &str = "plugin";
@@ -108,12 +108,10 @@ impl Instance {
         let text = Value::Object(config.clone()).to_string();
         let mut pointer = ptr::null_mut();
         let function = model.table.functions.create.ok_or_else(|| missing("create"))?;
-        let running = calls::enter(&model);
         // SAFETY: the table is the library's own, the text has the given length, and the pointers are to local values.
         call(|error| unsafe {
             function(model.table.address, text.as_ptr().cast(), text.len(), &raw mut pointer, error)
         })?;
-        drop(running);
         Ok(Self { model, config, pointer, described: Mutex::default(), guarded: AtomicUsize::new(0) })
     }
 
@@ -121,10 +119,8 @@ impl Instance {
     pub(crate) fn with_shape(&self, values: &[f64]) -> Result<Self, Fault> {
         let other = Self::create(self.model.clone(), self.config.clone())?;
         let function = self.model.table.functions.set_shape.ok_or_else(|| missing("set_shape"))?;
-        let running = calls::enter(&self.model);
         // SAFETY: nobody else knows the new instance; the values have the given length.
         call(|error| unsafe { function(other.pointer, values.as_ptr(), values.len(), error) })?;
-        drop(running);
         Ok(other)
     }
 
@@ -139,10 +135,8 @@ impl Instance {
         // A library of a later minor version writes a longer description.
         let mut place = vec![0_u64; table.description_size.div_ceil(8)];
         let description = place.as_mut_ptr().cast::<abi::Description>();
-        let running = calls::enter(&self.model);
         // SAFETY: the place has the size that the library declares; the lock keeps other descriptions away.
         call(|error| unsafe { function(self.pointer, robot_joints, description, error) })?;
-        drop(running);
         // SAFETY: the library has filled the description; what it points to lives until the next one.
         let described = unsafe { Described::read(&*description) }.map_err(Fault)?;
         let described = Arc::new(described);
@@ -154,7 +148,6 @@ impl Instance {
     pub(crate) fn initial_state(&self, first: &Series, state_len: usize) -> Result<Vec<f64>, Fault> {
         let mut state = vec![0.0; state_len];
         if let Some(function) = self.model.table.functions.initial_state {
-            let _running = calls::enter(&self.model);
             // SAFETY: series and state are ours for the time of the call, of the lengths given.
             call(|error| unsafe { function(self.pointer, first, state.as_mut_ptr(), state_len, error) })?;
         }
@@ -170,7 +163,6 @@ impl Instance {
     ) -> Result<(), Fault> {
         let function = self.model.table.functions.evaluate.ok_or_else(|| missing("evaluate"))?;
         let columns = out.columns();
-        let _running = calls::enter(&self.model);
         let (out, stride) = out.raw_mut();
         // SAFETY: series, state and output are ours for the time of the call, of the lengths given.
         call(|error| unsafe {

@@ -1,7 +1,7 @@
 use std::{
+    collections::BTreeMap,
     ffi::{CStr, c_char},
-    path::Path,
-    sync::Arc,
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use aurt_traits::{
@@ -10,11 +10,10 @@ use aurt_traits::{
 };
 use libloading::Library;
 
-use super::description::MOST;
+use super::{description::MOST, file::LibraryFile};
 use crate::{
-    error::{Error, LibraryProblem},
+    error::LibraryProblem,
     listing::{LibraryListing, ModelListing, Origin},
-    trust::hash_of,
 };
 
 /// A model of a library.
@@ -49,41 +48,65 @@ type Listed = (ModelListing, Arc<LibraryModel>);
 /// What a library is, and its models.
 pub(crate) type Loaded = (LibraryListing, Vec<Listed>);
 
-/// Opens a library and lists its models.
-pub(crate) fn load(path: &Path) -> Result<Loaded, Error> {
-    let fail = |problem| Error::Library { path: path.to_owned(), problem };
-    let file = path.canonicalize().map_err(|_| fail(LibraryProblem::Missing))?;
-    if !file.is_file() {
-        // The loader would wait at a pipe for ever.
-        return Err(fail(LibraryProblem::NotALibrary("it is no regular file".to_owned())));
-    }
-    let blake3 = hash_of(&file)?;
-    // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is code
-    // that runs with the user's rights, like a linked crate.
-    let library = unsafe { Library::new(&file) }.map_err(|e| {
-        // What the loader says stands in the error's source.
-        let said = std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string);
-        fail(LibraryProblem::NotALibrary(said.replace(&format!("{}: ", file.display()), "")))
-    })?;
+/// The declaration of a loaded library, which lives as long as the process.
+#[derive(Debug, Clone, Copy)]
+struct DeclarationAddress(*const Declaration);
+
+// SAFETY: declarations are constant, as the ABI demands.
+unsafe impl Send for DeclarationAddress {}
+
+/// What is loaded, by hashes: the same bytes are loaded once.
+static LOADED: Mutex<BTreeMap<String, DeclarationAddress>> = Mutex::new(BTreeMap::new());
+
+/// Loads a library and lists its models.
+pub(crate) fn load(file: &LibraryFile) -> Result<Loaded, LibraryProblem> {
+    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    let declaration = match loaded.get(&file.blake3) {
+        Some(known) => *known,
+        None => load_first(file)?,
+    };
+    loaded.insert(file.blake3.clone(), declaration);
+    // SAFETY: the entry returned the library's declaration, which lives as long as the library.
+    let (name, version, models) = unsafe { read_declaration(declaration.0) }?;
+    let listing = LibraryListing { name, version, path: file.path.clone(), blake3: file.blake3.clone() };
+    let models = models
+        .into_iter()
+        // SAFETY: `read_declaration` found these tables within the declared ones.
+        .map(|(address, size)| unsafe { read_model(address, size, &listing) })
+        .collect::<Result<Vec<_>, LibraryProblem>>()?;
+    Ok((listing, models))
+}
+
+/// Loads the bytes that were read: the file may be another one by now.
+fn load_first(file: &LibraryFile) -> Result<DeclarationAddress, LibraryProblem> {
+    let library = file
+        .with_private_copy(|copy| {
+            // SAFETY: loading runs the library's initialisers. That is what the user asks for by naming it: a plugin is
+            // code that runs with the user's rights, like a linked crate.
+            unsafe { Library::new(copy) }.map_err(|error| refused(&error, &format!("{}: ", copy.display())))
+        })
+        .map_err(|error| LibraryProblem::NotALibrary(format!("it cannot be copied: {error}")))??;
     let declaration = {
         // SAFETY: a function of this name is the ABI's entry; what it returns is checked before it is believed.
         let entry = unsafe { library.get::<unsafe extern "C" fn() -> *const Declaration>(abi::ENTRY) }
-            .map_err(|_| fail(LibraryProblem::NotAPlugin))?;
+            .map_err(|_| LibraryProblem::NotAPlugin)?;
         // SAFETY: as above.
         unsafe { entry() }
     };
     // Code and constants of the library will be in use until the process ends.
     std::mem::forget(library);
-    // SAFETY: the entry returns the library's declaration, which lives as long as the library.
-    let declared = unsafe { read_declaration(declaration) };
-    let (name, version, models) = declared.map_err(fail)?;
-    let listing = LibraryListing { name, version, path: file, blake3 };
-    let models = models
-        .into_iter()
-        // SAFETY: `read_declaration` found these tables within the declared ones.
-        .map(|(address, size)| unsafe { read_model(address, size, &listing) }.map_err(fail))
-        .collect::<Result<Vec<_>, Error>>()?;
-    Ok((listing, models))
+    Ok(DeclarationAddress(declaration))
+}
+
+/// What the loader says of a library, which stands in the error's source.
+fn refused(error: &libloading::Error, of_copy: &str) -> LibraryProblem {
+    let said = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
+    LibraryProblem::NotALibrary(match said.strip_prefix(of_copy) {
+        Some(said) => said.to_owned(),
+        None => format!(
+            "{said}; a plugin is one file, and libraries that lie beside it are not loaded: link them into it"
+        ),
+    })
 }
 
 type Tables = Vec<(*const ModelTable, usize)>;

@@ -5,16 +5,16 @@
 //! code and constants of a library may be in use anywhere.
 
 mod arm_term;
-mod calls;
 mod description;
+mod file;
 mod guarded;
 mod instance;
 mod joint_model;
 mod library;
 mod model;
 
-pub use self::calls::{Told, longest_call, time_limit, watch_calls};
 pub(crate) use self::{
+    file::LibraryFile,
     instance::{Fault, PLUGIN_KEY},
     library::{LibraryModel, load},
     model::LibraryTerm,

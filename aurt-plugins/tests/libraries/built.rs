@@ -28,6 +28,27 @@ pub fn faulty(fault: &str) -> Option<PathBuf> {
     compile(&format!("faulty_{fault}"), Path::new("tests/fixtures/faulty.c"), &[&format!("-D{fault}")])
 }
 
+/// A library that asks for `libneighbour.so` beside it (`$ORIGIN`), and that library.
+pub fn needs_neighbour(folder: &Path) -> Option<PathBuf> {
+    let made = |name: &str, code: &str, arguments: &[&str]| {
+        std::fs::write(folder.join(format!("{name}.c")), code).unwrap();
+        let mut compiler = Command::new("cc");
+        compiler.current_dir(folder).args([
+            "-shared",
+            "-fPIC",
+            "-o",
+            &format!("lib{name}.so"),
+            &format!("{name}.c"),
+        ]);
+        let output = compiler.args(arguments).output().ok()?;
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Some(folder.join(format!("lib{name}.so")))
+    };
+    made("neighbour", "int neighbour(void) { return 1; }", &[])?;
+    let needy = "int neighbour(void); int aurt_plugin(void) { return neighbour(); }";
+    made("needy", needy, &["-L.", "-lneighbour", "-Wl,-rpath,$ORIGIN"])
+}
+
 /// Compiles a library once, though several tests ask for it at the same time.
 fn compile(name: &str, source: &Path, arguments: &[&str]) -> Option<PathBuf> {
     static COMPILED: Mutex<Option<HashMap<String, Option<PathBuf>>>> = Mutex::new(None);

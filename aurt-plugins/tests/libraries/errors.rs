@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use aurt_experiment::Experiment;
-use aurt_plugins::Error;
+use aurt_plugins::{Error, Registry, Trust};
 use aurt_traits::{Columns, HysteresisModel, JointModel, JointSeries, ModelError};
 use serde_json::json;
 
@@ -40,6 +40,47 @@ fn what_is_no_plugin_is_refused() {
     let Some(no_entry) = built::faulty("NO_ENTRY") else { return };
     let shown = refusal(&no_entry);
     assert!(shown.contains("is a library, but no plugin: it does not export `aurt_plugin`"), "{shown}");
+}
+
+/// What stands in the file by the time of the loading does not matter, nor what lies beside it.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_bytes_that_are_trusted_are_loaded_and_no_neighbours() {
+    let (Some(good), Some(other)) = (built::faulty("ANOTHER"), built::faulty("NO_ENTRY")) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("libplugin.so");
+    let point_to = |library: &Path| {
+        let next = folder.path().join("next");
+        std::os::unix::fs::symlink(library, &next).unwrap();
+        fs::rename(next, &link).unwrap();
+    };
+    point_to(&good);
+    let list = folder.path().join("list");
+    Trust::add(&list, &link).unwrap();
+    let hash = Trust::listed(&list).unwrap().remove(0).0;
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !stop.load(std::sync::atomic::Ordering::Relaxed) {
+                [&other, &good].into_iter().for_each(|library| point_to(library));
+            }
+        });
+        for _ in 0..300 {
+            let mut registry = Registry::linked().unwrap();
+            let mut trust = Trust::default();
+            trust.insert(hash.clone());
+            registry.trust(trust);
+            match registry.load_named_library(&link) {
+                Ok(()) => assert_eq!(registry.libraries()[0].blake3, hash),
+                // Never that of the other library, which has no entry.
+                Err(error) => assert!(error.to_string().contains("is not trusted"), "{error}"),
+            }
+        }
+        stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    });
+    let Some(needy) = built::needs_neighbour(folder.path()) else { return };
+    let shown = refusal(&needy);
+    assert!(shown.contains("libneighbour.so") && shown.contains("a plugin is one file"), "{shown}");
 }
 
 #[test]

@@ -259,6 +259,7 @@ class Model:
         into: _Path | None = None,
         base: str | None = None,
         tip: str | None = None,
+        force: bool = False,
     ) -> Exported:
         """Writes the model for another program into the folder `out`, as `aurt export` does."""
 
