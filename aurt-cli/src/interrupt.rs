@@ -1,6 +1,5 @@
 //! Ctrl-C: what is being written goes, what is written stays.
 
-
 use crate::rendering::terminal::print_error;
 
 /// Exit status of a command that was interrupted, as shells have it for SIGINT.

@@ -35,7 +35,6 @@ pub fn open(path: &Path) -> Result<File> {
     }
     #[cfg(unix)]
     wait_for_writer(&file)?;
-    }
     Ok(file)
 }
 
