@@ -153,7 +153,7 @@ pub enum RecordingError {
         /// Rows that have such a cell, this one included.
         rows: usize,
         /// What to do.
-        remedy: String,
+        remedy: &'static str,
     },
     /// A number that is not finite, in a file that is no text.
     #[error(

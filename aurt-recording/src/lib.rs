@@ -47,14 +47,12 @@
 mod arrays;
 #[cfg(feature = "mcap")]
 mod bag;
-mod bandwidth;
 mod branches;
 mod csv;
 mod error;
 mod foreign;
 mod format;
 mod formats;
-mod interpolated;
 mod joined;
 #[cfg(feature = "lerobot")]
 mod lerobot;
@@ -73,15 +71,14 @@ mod reading;
 mod recorded_as;
 mod recording;
 mod robot_joints;
+mod sampling;
 mod selection;
 mod spread;
-mod stamps;
 #[cfg(any(feature = "mcap", feature = "parquet"))]
 mod written;
 
 #[cfg(feature = "mcap")]
 pub use bag::Bag;
-pub use bandwidth::suitable_f_dyn_hz;
 pub use branches::BranchMotion;
 pub use csv::{Csv, families::is_time_name};
 pub use error::RecordingError;
@@ -107,9 +104,9 @@ pub use reading::{read_recording, read_running};
 pub use recorded_as::{AngleUnit, CurrentUnit, DroppedRows, JoinedFile, Quantity, RecordedAs, TimeUnit};
 pub use recording::{DroppedRow, ReadReport, RecordedJoints, Recording};
 pub use robot_joints::{RobotJoints, RobotRecording};
+pub use sampling::{StampUnit, suitable_f_dyn_hz};
 pub use selection::{ColumnRef, ColumnSelection, ColumnsRef};
 pub use spread::Stretches;
-pub use stamps::StampUnit;
 #[cfg(feature = "parquet")]
 pub use written::parquet;
 #[cfg(feature = "mcap")]

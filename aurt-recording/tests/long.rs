@@ -83,7 +83,7 @@ fn a_long_file_becomes_what_the_whole_one_does() {
     let path = folder.path().join("long.csv");
     write(&path, 150_000, false);
     let whole = read_recording(&path, &ReadOptions::default()).unwrap();
-    assert!(whole.report.irregularities[0].contains("unwrapped"), "{:?}", whole.report.irregularities);
+    assert!(whole.report.remarks[0].contains("unwrapped"), "{:?}", whole.report.remarks);
     for trim_rest in [true, false] {
         let long = LongRecording::read(&path, &ReadOptions::default()).unwrap();
         assert_eq!(long.samples(), whole.samples());

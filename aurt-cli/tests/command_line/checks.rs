@@ -148,3 +148,67 @@ fn columns_that_are_not_recognised_are_asked_about() {
     );
     folder.aurt("run own.toml --out own".split(' ')).succeeded();
 }
+
+/// Stamps in ms are told with the key that says so, written by `--fixed` and by `init`; what they propose runs.
+#[test]
+fn stamps_in_milliseconds_are_told_with_the_fix() {
+    let folder = Folder::new().with_whole_demo();
+    for name in ["exciting_motion.csv", "other_motion.csv", "point_to_point.csv"] {
+        let text = folder.read(name);
+        let stamp = |line: &str| match line.split_once(',') {
+            Some((t, rest)) if t.parse::<f64>().is_ok() => {
+                format!("{:.3},{rest}\n", 1e3 * t.parse::<f64>().unwrap())
+            }
+            _ => format!("{line}\n"),
+        };
+        folder.write(name, &text.lines().map(stamp).collect::<String>());
+    }
+    let run = folder.aurt("check experiment.toml --fixed fixed.toml".split(' '));
+    let said = run.stdout().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(run.status(), 1, "{said}");
+    assert!(said.contains("seem to be in ms") && said.contains("time = \"ms\""), "{said}");
+    assert!(!said.contains("no joint moves"), "{said}");
+    folder.aurt("run fixed.toml --out fixed".split(' ')).succeeded();
+    let drafted =
+        "init exciting_motion.csv other_motion.csv --robot mdh.csv --gravity 0 0 -9.81 --out first.toml";
+    folder.aurt(drafted.split(' '));
+    assert!(folder.read("first.toml").contains("time = \"ms\""));
+}
+
+/// What was repaired while reading is a remark.
+#[test]
+fn remarks_are_no_findings() {
+    let folder = Folder::new().with_demo(&["exciting_motion.csv", "mdh.csv"]);
+    let text = folder.read("exciting_motion.csv");
+    let turned: String = text
+        .lines()
+        .enumerate()
+        .map(|(k, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let turn = if k > 400 { std::f64::consts::TAU } else { 0.0 };
+            let cell = cells[1].parse::<f64>().map_or(cells[1].to_owned(), |q| (q + turn).to_string());
+            with_cell(line, 2, &cell) + "\n"
+        })
+        .collect();
+    folder.write("turned.csv", &turned);
+    let run = folder.aurt("check turned.csv --mdh mdh.csv".split(' ')).succeeded();
+    assert!(run.stdout().contains("it was"), "{}", run.stdout());
+}
+
+/// The same recording under two names, or in two roles, is refused by every command.
+#[test]
+fn a_sample_counts_once() {
+    let folder = Folder::new().with_whole_demo();
+    let toml = folder.read("experiment.toml");
+    folder.write("copy.csv", &folder.read("exciting_motion.csv"));
+    let twice = toml.replace("[\"exciting_motion.csv\"]", "[\"exciting_motion.csv\", \"copy.csv\"]");
+    folder.write("twice.toml", &twice);
+    let question = "target = [\"other_motion.csv\"]\nvalidation = [\"other_motion.csv\"]";
+    let asked = toml.replace("validation = [\"other_motion.csv\", \"point_to_point.csv\"]", question);
+    folder.write("asked.toml", &asked);
+    for line in ["run twice.toml --out out", "diagnose twice.toml --out out", "check twice.toml"] {
+        folder.aurt(line.split(' ')).refused(&["copy.csv", "exciting_motion.csv", "each sample counts once"]);
+    }
+    folder.aurt("diagnose asked.toml --out out".split(' ')).refused(&["other_motion.csv", "not held-out"]);
+    folder.aurt("check copy.csv exciting_motion.csv".split(' ')).refused(&["the same samples"]);
+}

@@ -98,3 +98,33 @@ fn files_that_do_not_belong_together_are_refused_with_the_cure() {
     );
     refused("{ file = \"exciting_motion.csv\", joined = [\"none.csv\"] }", &["none.csv", "does not exist"]);
 }
+
+/// Units stated at any level hold for the quantity, in whichever file it lies.
+#[test]
+fn units_of_a_recording_in_two_files_are_those_of_its_quantities() {
+    let folder = Folder::new().with_whole_demo();
+    let toml = folder.read("experiment.toml");
+    let degrees = |line: &str| {
+        let cells = line.split(',').enumerate().map(|(k, cell)| match cell.parse::<f64>() {
+            Ok(value) if k > 0 => value.to_degrees().to_string(),
+            _ => cell.to_owned(),
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    let entry = split(&folder, "exciting_motion.csv");
+    let positions: String = folder.read("q_exciting_motion.csv").lines().map(degrees).collect();
+    folder.write("q_exciting_motion.csv", &positions);
+    let entry = entry.replace(" }", ", angle = \"deg\" }");
+    folder.write("degrees.toml", &toml.replace("\"exciting_motion.csv\"", &entry));
+    for (experiment, out) in [("experiment.toml", "whole"), ("degrees.toml", "degrees")] {
+        folder.aurt(["run", experiment, "--out", out]).succeeded();
+    }
+    let values = |out: &str| -> Vec<f64> {
+        let table = folder.read(&format!("{out}/calibrated_parameters.csv"));
+        let value = |line: &str| line.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+        table.lines().skip(1).map(value).collect()
+    };
+    for (one, two) in values("whole").iter().zip(values("degrees")) {
+        assert!((one - two).abs() < 1e-4 * one.abs().max(1.0), "{one} {two}");
+    }
+}

@@ -133,6 +133,8 @@ fn motion(t: f64, waves: &[[f64; 3]]) -> Jet {
     times(sum, window)
 }
 
+const DAYS: [&str; 3] = ["monday", "tuesday", "wednesday"];
+
 /// What was recorded on one day: stamps, and of shoulder and elbow positions and torques.
 struct Day {
     time_s: Vec<f64>,
@@ -187,7 +189,7 @@ impl Day {
             std::fs::write(&path, mcap(&path, &self.time_s, 0.0, &names, &[topic], &[]).unwrap()).unwrap();
             return;
         }
-        let is_current = written == Written::Currents && name == "tuesday";
+        let is_current = written == Written::Currents && name != DAYS[0];
         let (measured, per_nm) = if is_current { ("current", 0.1) } else { ("torque", 1.0) };
         let (angle, factor) =
             if written == Written::Degrees { (" [deg]", 180.0 / std::f64::consts::PI) } else { ("", 1.0) };
@@ -231,8 +233,8 @@ fn run(folder: &Folder, line: &str) -> Run {
     run
 }
 
-/// A folder with the two days, and what the plain recordings make: the model, and the structure of one.
-fn recorded(days: &[Day; 2], written: Written) -> Folder {
+/// A folder with the three days, of which the last is in no experiment, and what the plain recordings make: the model, and the structure of one.
+fn recorded(days: &[Day; 3], written: Written) -> Folder {
     let folder = Folder::new();
     folder.write("arm.urdf", URDF);
     folder.write("mdh.csv", MDH);
@@ -240,7 +242,7 @@ fn recorded(days: &[Day; 2], written: Written) -> Folder {
     for written in BTreeSet::from([Written::Plain, written]) {
         folder.write("experiment.toml", &experiment("urdf = 'arm.urdf'\ntip = 'fore'", written));
         folder.write("table.toml", &experiment(named, written));
-        days.iter().zip(["monday", "tuesday"]).for_each(|(day, name)| day.write(&folder, name, written));
+        days.iter().zip(DAYS).for_each(|(day, name)| day.write(&folder, name, written));
         if written == Written::Plain {
             run(&folder, "run experiment.toml --out plain").succeeded();
             std::fs::copy(folder.path("plain/rd_calibrated.json"), folder.path("model.json")).unwrap();
@@ -260,7 +262,9 @@ fn on(line: &str, written: Written) -> String {
     if written != Written::Bag {
         return line.to_owned();
     }
-    let bags = line.replace("monday.csv", "monday.mcap").replace("tuesday.csv", "tuesday.mcap");
+    let bags = DAYS
+        .iter()
+        .fold(line.to_owned(), |line, day| line.replace(&format!("{day}.csv"), &format!("{day}.mcap")));
     // `track` takes the unit of the experiment's recordings.
     let says = bags != line && !line.starts_with("track");
     if says { bags.replacen(' ', " --unit Nm ", 1) } else { bags }
@@ -341,7 +345,7 @@ fn of_part(cells: &BTreeMap<String, Value>, entry: &Entry) -> BTreeMap<String, V
 
 #[test]
 fn what_is_written_in_another_way_gives_the_same_or_is_refused() {
-    let days = [Day::new(1.0), Day::new(2.0)];
+    let days = [Day::new(1.0), Day::new(2.0), Day::new(3.0)];
     let plain: Vec<_> = {
         let folder = recorded(&days, Written::Plain);
         ENTRIES.iter().map(|entry| outcome(&folder, entry, Written::Plain)).collect()

@@ -30,10 +30,10 @@ fn write_bag(folder: &Folder, name: &str, recording: &Recording, joints: &[BagJo
     std::fs::write(path, bag).unwrap();
 }
 
-/// Two recordings of the two-link arm as bags with these joints, and an experiment on them.
+/// Three recordings of the two-link arm as bags with these joints, and an experiment on them.
 pub fn recorded(joints: &[BagJoint]) -> Folder {
     let folder = Folder::new();
-    for (name, seed) in [("monday", 1), ("tuesday", 2)] {
+    for (name, seed) in [("monday", 1), ("tuesday", 2), ("wednesday", 3)] {
         let scenario = format!(
             "robot = 'two_link'\nseed = {seed}\n[motion]\nkind = 'multi_sine'\nduration_s = 12.0\nharmonics = 5\n\
              top_hz = 0.8\nshare = 0.5\n[logger]\nrate_hz = 125\n"
@@ -116,7 +116,7 @@ fn results(folder: &Folder) -> Vec<(&'static str, String)> {
         &["simulate", "--motion", "tuesday.mcap", "--out", "moved.csv"],
         &[&MODEL[..], &unit].concat(),
     ));
-    run(&with(&["track", "experiment.toml", "--window-s", "2", "tuesday.mcap", "--out", "track"], &MODEL));
+    run(&with(&["track", "experiment.toml", "--window-s", "2", "wednesday.mcap", "--out", "track"], &MODEL));
     run(&["diagnose", "experiment.toml", "--out", "diagnosis"]);
     run(&["gains", "experiment.toml", "--expect", "--out", "gains"]);
     run(&with(

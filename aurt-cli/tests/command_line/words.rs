@@ -161,5 +161,8 @@ fn an_experiment_that_is_not_there_is_looked_for() {
     assert!(said.contains(place.to_str().unwrap().trim_end_matches('/')), "{said}");
     folder.write("experiment.toml", "");
     folder.aurt("run experimant.toml --out out".split(' ')).refused(&["did you mean experiment.toml?"]);
+    folder.write("typo.toml", "");
+    let unrelated = folder.aurt("run nope.toml --out out".split(' ')).stderr();
+    assert!(!unrelated.contains("did you mean"), "{unrelated}");
     folder.aurt("diagnose no/where.toml --out out".split(' ')).refused(&["no folder no either"]);
 }

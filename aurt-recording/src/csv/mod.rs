@@ -213,7 +213,7 @@ impl Reader<'_> {
                     let reason = format!("its last cell is `{text}`");
                     return Err(RecordingError::TruncatedLastLine { path, line: number, reason });
                 }
-                let remedy = remedy_for(&text).to_owned();
+                let remedy = remedy_for(&text);
                 let name = header.names.get(column).cloned();
                 let counts = is_no_number(&text);
                 let error = RecordingError::Cell {

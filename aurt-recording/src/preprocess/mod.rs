@@ -38,7 +38,7 @@ use crate::preprocess::segment::Plan;
 use crate::preprocess::zero_phase::{CUTOFF_RANGE, FILTER_ORDER};
 use crate::recorded_as::TimeUnit;
 use crate::recording::Recording;
-use crate::stamps::LOGGED_HZ;
+use crate::sampling::stamps::LOGGED_HZ;
 
 /// Largest decimation; it stands for a wrong f_dyn, not for a choice.
 const COARSEST_DECIMATION: f64 = 1e5;

@@ -98,7 +98,7 @@ pub const ENTRIES: [Entry; 17] = [
     },
     Entry {
         takes: &["track RECORDING", "track EXPERIMENT.toml"],
-        lines: &["track experiment.toml --model model.json tuesday.csv --window-s 1.5 --out track"],
+        lines: &["track experiment.toml --model model.json wednesday.csv --window-s 1.5 --out track"],
         results: &["track/track.json#/recordings/0/drift", "track/track.json#/alarms"],
         in_part: &["alarms"],
         knows_head: true,
