@@ -76,7 +76,7 @@ pub fn plain(experiment: &Experiment) -> Result<RealExperiment, Failure> {
             aurt_files::read_text(path, aurt_files::MOST_TEXT_BYTES)
                 .map_err(|source| aurt_plugins::model::Error::Read { path: path.clone(), source })?,
         ),
-        _ => None,
+        Geometry::Urdf { .. } | Geometry::Known(_) => None,
     };
     Ok(RealExperiment {
         name: experiment.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
