@@ -224,8 +224,9 @@ impl Recording {
     /// For `pickle`: the series as arrays, and the rest.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, PickledRecording<'py>)> {
         let inner = &self.inner;
-        let optional =
-            |family: &Option<Vec<Vec<f64>>>| family.as_ref().map(|series| samples_by_joint(py, series)).transpose();
+        let optional = |family: &Option<Vec<Vec<f64>>>| {
+            family.as_ref().map(|series| samples_by_joint(py, series)).transpose()
+        };
         let restored = py.import("aurt._plain")?.getattr("restored_recording")?;
         let state = pickled::recording_state(inner).to_string();
         let (velocity, measured) = (optional(&inner.velocity_rad_s)?, optional(&inner.measurement)?);

@@ -72,6 +72,8 @@ pub fn bounded(
 
 #[cfg(test)]
 mod tests {
+    use aurt_traits::RobotNames;
+
     use super::bounded;
 
     #[test]
