@@ -111,7 +111,7 @@ fn hostile() -> Folder {
         format!("[[sweep.variant]]\nname = \"{name}\"\nset = {{ \"preprocess.f_dyn_hz\" = {f:?} }}\n")
     };
     let variants = variant("a\\u001b[8m\\u202eb", 4.0) + &variant("c", 6.0);
-    folder.write("sweep.toml", &(text + variants));
+    folder.write("sweep.toml", &(text + &variants));
     folder
 }
 
