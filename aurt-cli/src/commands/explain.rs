@@ -192,7 +192,7 @@ fn drive_text(terminal: &Terminal, listing: &DriveListing) -> String {
     format!(
         "{}\n\nIts numbers; a limit of 1e9 is none\n{}\nThose of every joint\n{}\nexample\n  [drive]\n  model = \"{name}\"\n  \
          command = \"{between}\"  # the {command} between two rows: \"hold\" or \"linear\"\n",
-        page_text(terminal, &listing.explanation()).trim_end(),
+        page_text(terminal, &listing.explanation().replace('*', "∗")).trim_end(),
         table(&listing.drive.parameters(), &listing.meanings),
         table(&Mechanics::default().numbers(), &Mechanics::meanings()),
     )
