@@ -81,7 +81,10 @@ fn readable(path: &Path) -> Result<Readable> {
 /// As [`open`], but [`ErrorKind::InvalidInput`] for every pipe; [`ErrorKind::FileTooLarge`].
 pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     if readable(path)? != Readable::Regular {
-        return Err(Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+        return Err(Error::new(
+            ErrorKind::InvalidInput,
+            "it is a pipe; save its contents to a file and name that",
+        ));
     }
     read_bounded(&File::open(path)?, most_bytes)
 }
