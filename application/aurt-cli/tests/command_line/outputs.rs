@@ -72,8 +72,8 @@ fn what_a_command_has_read_is_not_overwritten() {
     // Under another name: a link among the results, and a second name of the same file.
     #[cfg(unix)]
     for is_link in [true, false] {
-        let second_name =
-            if is_link { std::os::unix::fs::symlink::<PathBuf, PathBuf> } else { fs::hard_link };
+        let second_name: fn(PathBuf, PathBuf) -> std::io::Result<()> =
+            if is_link { std::os::unix::fs::symlink } else { fs::hard_link };
         fs::create_dir(folder.path("out")).unwrap();
         second_name(folder.path("other_motion.csv"), folder.path("out/metrics.json")).unwrap();
         stays(&toml, "run own.toml --out out", "out/metrics.json");
