@@ -60,7 +60,10 @@ pub fn open_regular(path: &Path) -> Result<File> {
 pub fn read_regular(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     let (file, metadata) = open_at_once(path)?;
     if !metadata.is_file() {
-        return Err(Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+        return Err(Error::new(
+            ErrorKind::InvalidInput,
+            "it is a pipe; save its contents to a file and name that",
+        ));
     }
     read_bounded(&file, most_bytes)
 }

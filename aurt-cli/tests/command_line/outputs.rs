@@ -54,7 +54,7 @@ fn a_failing_run_leaves_nothing() {
 #[test]
 fn what_a_command_has_read_is_not_overwritten() {
     let folder = experiment();
-    let copy = |from: &str, to: &str| drop(fs::copy(folder.path(from), folder.path(to)).unwrap());
+    let copy = |from: &str, to: &str| fs::copy(folder.path(from), folder.path(to)).unwrap();
     let stays = |experiment: &str, command: &str, file: &str| {
         folder.write("own.toml", experiment);
         let (before, names) = (folder.read(file), folder.names());
@@ -71,7 +71,9 @@ fn what_a_command_has_read_is_not_overwritten() {
     stays(&toml, "check own.toml --fixed mdh.csv", "mdh.csv");
     // Under another name: a link among the results, and a second name of the same file.
     #[cfg(unix)]
-    for second_name in [std::os::unix::fs::symlink::<PathBuf, PathBuf>, fs::hard_link] {
+    for is_link in [true, false] {
+        let second_name: fn(PathBuf, PathBuf) -> std::io::Result<()> =
+            if is_link { std::os::unix::fs::symlink } else { fs::hard_link };
         fs::create_dir(folder.path("out")).unwrap();
         second_name(folder.path("other_motion.csv"), folder.path("out/metrics.json")).unwrap();
         stays(&toml, "run own.toml --out out", "out/metrics.json");

@@ -119,7 +119,7 @@ fn libraries_and_their_list_are_regular_files() {
     let folder = Folder::new().with_demo(&["mdh.csv", "exciting_motion.csv", "other_motion.csv"]);
     let pipe = text(&folder.path("pipe"));
     succeeded(Command::new("mkfifo").arg(&pipe));
-    for endless in ["/dev/zero", "/proc/kmsg", &pipe] {
+    for endless in ["/dev/zero", "/proc/kmsg", pipe.as_str()] {
         folder.aurt_with([("AURT_TRUST", ""), ("AURT_TRUST_FILE", endless)], ["models"]).refused(&[endless]);
         folder
             .write("experiment.toml", &EXPERIMENT.replace("LIBRARY", endless).replace("MODEL", "saturating"));

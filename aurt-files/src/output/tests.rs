@@ -102,7 +102,7 @@ fn what_a_killed_process_left_is_removed_by_whoever_writes_to_that_place_or_clea
     // It was killed before it had locked anything, and while it staged something else.
     private_folder(&folder.join(".aurt-c.part"));
     abandoned(&folder, ".aurt-1-7.part");
-    take_cleared();
+    assert_eq!(take_cleared().remove(&folder), Some(1));
     clear_unfinished(&folder);
     assert_eq!(contents(&folder), listed([("a", "1"), ("out", "a folder")]));
     assert_eq!(take_cleared().remove(&folder), Some(1));
@@ -119,7 +119,7 @@ fn what_somebody_holds_is_refused_and_stays() {
     other.lock().unwrap();
     clear_unfinished(&folder);
     let error = write_file(&folder.join("a"), b"1").unwrap_err();
-    assert_eq!(error.source.kind(), std::io::ErrorKind::ResourceBusy);
+    assert_eq!(error.source.kind(), io::ErrorKind::ResourceBusy);
     assert!(error.to_string().contains("another run writes there"), "{error}");
     assert!(held.join("1-0").exists() && !folder.join("a").exists());
     drop(other);

@@ -59,25 +59,30 @@ fn the_bytes_that_are_trusted_are_loaded_and_no_neighbours() {
     Trust::add(&list, &link).unwrap();
     let hash = Trust::listed(&list).unwrap().remove(0).0;
     let stop = std::sync::atomic::AtomicBool::new(false);
-    std::thread::scope(|scope| {
+    let load = || {
+        let mut registry = Registry::linked().unwrap();
+        let mut trust = Trust::default();
+        trust.insert(hash.clone());
+        registry.trust(trust);
+        registry.load_named_library(&link).map(|()| registry.libraries()[0].blake3.clone())
+    };
+    let outcomes: Vec<_> = std::thread::scope(|scope| {
         scope.spawn(|| {
             while !stop.load(std::sync::atomic::Ordering::Relaxed) {
                 [&other, &good].into_iter().for_each(|library| point_to(library));
             }
         });
-        for _ in 0..300 {
-            let mut registry = Registry::linked().unwrap();
-            let mut trust = Trust::default();
-            trust.insert(hash.clone());
-            registry.trust(trust);
-            match registry.load_named_library(&link) {
-                Ok(()) => assert_eq!(registry.libraries()[0].blake3, hash),
-                // Never that of the other library, which has no entry.
-                Err(error) => assert!(error.to_string().contains("is not trusted"), "{error}"),
-            }
-        }
+        let outcomes = (0..300).map(|_| load()).collect();
         stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        outcomes
     });
+    for outcome in outcomes {
+        match outcome {
+            Ok(loaded) => assert_eq!(loaded, hash),
+            // Never that of the other library, which has no entry.
+            Err(error) => assert!(error.to_string().contains("is not trusted"), "{error}"),
+        }
+    }
     let Some(needy) = built::needs_neighbour(folder.path()) else { return };
     let shown = refusal(&needy);
     assert!(shown.contains("libneighbour.so") && shown.contains("a plugin is one file"), "{shown}");
