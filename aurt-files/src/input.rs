@@ -18,6 +18,9 @@ pub const MOST_TEXT_BYTES: u64 = 16 << 20;
 /// Largest saved model, verdict or plan of a sweep.
 pub const MOST_MODEL_BYTES: u64 = 1 << 30;
 
+/// Bytes of a file that are held at once where it is not needed as a whole.
+const PIECE_BYTES: usize = 1 << 16;
+
 /// How long a pipe may be without a writer, or its writer without a word.
 #[cfg(unix)]
 const PIPE_PATIENCE: Duration = Duration::from_secs(5);
@@ -50,6 +53,23 @@ pub fn open_regular(path: &Path) -> Result<File> {
     }
     note(path, &metadata);
     Ok(file)
+}
+
+/// Hands the bytes of a regular file to `take`, piece by piece.
+///
+/// # Errors
+/// As [`open_regular`]; what reading says.
+pub fn read_pieces(path: &Path, mut take: impl FnMut(&[u8])) -> Result<()> {
+    let mut file = open_regular(path)?;
+    let mut piece = vec![0; PIECE_BYTES];
+    loop {
+        match file.read(&mut piece) {
+            Ok(0) => return Ok(()),
+            Ok(length) => take(&piece[..length]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// The bytes of a regular file of at most `most_bytes` bytes that is no input of a command: its program may write it again

@@ -12,7 +12,8 @@ mod protected;
 mod shown;
 
 pub use input::{
-    MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_bytes, read_regular, read_text, text_of,
+    MOST_MODEL_BYTES, MOST_TEXT_BYTES, open, open_regular, read_bytes, read_pieces, read_regular, read_text,
+    text_of,
 };
 pub use protected::{is_input, protect_inputs};
 pub use shown::{MOST_QUOTED, clipped, escaped, harmless, harmless_coloured, harmless_json, is_harmful};

@@ -286,9 +286,9 @@ fn series_in_memory_and_light_branches_are_looked_at_too() {
 /// by rounding is no column.
 #[test]
 fn inertia_of_a_link_that_does_not_turn_is_no_column() {
-    let urdf = include_str!("../../aurt-robots/tests/reference/coupled.urdf");
+    let urdf = include_str!("../../aurt-rbd/tests/descriptions/reference/coupled.urdf");
     let robot = Robot::from_urdf(urdf, None, Some("bracket"), GRAVITY).unwrap();
-    let samples = 300;
+    let samples = 300_i32;
     let wave = |rate: f64| (0..2 * samples).map(|k| (0.37 * rate * f64::from(k)).sin()).collect::<Vec<f64>>();
     let time_s = (0..samples).map(f64::from).collect();
     let motion = Motion::new(2, time_s, wave(1.0), wave(2.1), wave(3.7)).unwrap();

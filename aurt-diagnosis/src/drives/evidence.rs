@@ -91,7 +91,7 @@ impl Missed {
             (Vec::new(), vec![0.0; joints], vec![0.0; joints], 0.0);
         for recording in recordings {
             let begin_s = recording.time_s[recording.first];
-            let stride = options.stride(recording);
+            let stride = stride(recording, options);
             let mut own: Vec<Block> = Vec::new();
             for piece in &recording.pieces(options.piece_s)? {
                 let simulated = arm.rollout(piece)?;
@@ -199,13 +199,11 @@ fn least_that_decides(mut apart: Vec<f64>) -> f64 {
     apart.get(last).copied().unwrap_or_default()
 }
 
-impl Options {
-    /// Every so many samples of a recording are kept of a block.
-    fn stride(&self, recording: &DriveRecording) -> usize {
-        let span_s = recording.time_s[recording.time_s.len() - 1] - recording.time_s[0];
-        let of_block = self.block_s / span_s * recording.time_s.len() as f64;
-        ((of_block / SAMPLES as f64).ceil() as usize).max(1)
-    }
+/// Every so many samples of a recording are kept of a block.
+fn stride(recording: &DriveRecording, options: &Options) -> usize {
+    let span_s = recording.time_s[recording.time_s.len() - 1] - recording.time_s[0];
+    let of_block = options.block_s / span_s * recording.time_s.len() as f64;
+    ((of_block / SAMPLES as f64).ceil() as usize).max(1)
 }
 
 /// The largest probability of a claim among `probabilities`, of which chance alone makes at most the share `level` on average.

@@ -204,8 +204,8 @@ mod tests {
             assert!(!turned.contains_key("com_m"), "{turned:?}");
             assert_eq!(turned["first_moment_kg_m"].value[0], 0.4);
             assert_eq!(excludes(&turned, 1.0), None);
-            let said = phrase(&turned, MeasurementUnit::NewtonMetre).unwrap();
-            assert!(said.contains("mass the recordings do not determine"), "{said}");
+            let said = wording(&turned, MeasurementUnit::NewtonMetre, RobotNames::default());
+            assert!(said.phrase.contains("of undetermined mass"), "{said:?}");
         }
         let nothing = of([("m", 0.1, 0.3), ("mX", 0.01, 0.01), ("mY", 0.0, 0.01), ("mZ", 0.0, f64::INFINITY)]);
         assert!(excludes(&nothing, 1.0).unwrap().contains("two standard deviations"), "{nothing:?}");
